@@ -1,0 +1,2 @@
+//! sdp3-core
+#![no_std]

@@ -1,0 +1,2 @@
+//! The sdp3 command.
+fn main() {}

@@ -1,0 +1,362 @@
+//! What every command prints, the report shows and the tests check: one set of types, one JSON schema.
+//!
+//! The rooms fill these in; nothing here computes. Every file holding them is a function of the
+//! scenario and the seed alone: no clock, no host name, no thread count.
+
+use serde::{Deserialize, Serialize};
+
+/// The main job's answer: what `sdp3 run --json` prints and `run.json` holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Seed everything random was drawn from.
+    pub seed: u64,
+    /// Memory of the room channel that was used, eq. (vit).
+    pub rho: f64,
+    /// Recognition accuracy for each number of sensing slots.
+    pub accuracy: Vec<Accuracy>,
+    /// The best learning curve through those accuracies.
+    pub curve: Curve,
+    /// Bit-for-bit comparison of the core with its reference and its firmware.
+    pub verify: Verify,
+    /// Pareto boundary of both receiver placements.
+    pub region: Vec<RegionPoint>,
+    /// The point handed to the scheduler.
+    pub operating_point: OperatingPoint,
+    /// What the core's scheduler did with it in one period.
+    pub schedule: Schedule,
+    /// Path of the report page, relative to the output folder.
+    pub report: String,
+}
+
+/// Accuracy of one trained network, float and through the int8 core, on recordings it never saw.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Sensing slots per recording, `N_s`.
+    pub sensing_slots: u32,
+    /// Share recognised by the float network, 0..=1.
+    pub float: f64,
+    /// Share recognised by `sdp3-core` from raw I/Q, 0..=1.
+    pub int8: f64,
+    /// Number of test recordings.
+    pub tested: u32,
+}
+
+/// One fitted learning curve `A(N_s)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// `pow3 log_power exp4 vapor_pressure log_log_linear ilog2 pow4`.
+    pub model: String,
+    /// Fitted parameters, named as in the paper's Table II.
+    pub parameters: Parameters,
+    /// Root of the mean squared residual.
+    pub rmse: f64,
+}
+
+/// Parameters of a learning curve; a model that lacks one leaves it out.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Parameters {
+    /// First parameter.
+    pub alpha: f64,
+    /// Second parameter.
+    pub beta: f64,
+    /// Third parameter, if the model has one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub gamma: Option<f64>,
+    /// Fourth parameter, if the model has one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub epsilon: Option<f64>,
+}
+
+/// All learning curves through one set of points: what `sdp3 predict --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// Name of the model with the smallest squared error.
+    pub best: String,
+    /// The points fitted.
+    pub points: Vec<CurvePoint>,
+    /// Every model, best first.
+    pub models: Vec<FittedCurve>,
+}
+
+/// A measured accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    /// `N_s`.
+    pub sensing_slots: f64,
+    /// Accuracy, 0..=1.
+    pub accuracy: f64,
+    /// Number of recordings it was counted on, if known.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub tested: Option<f64>,
+}
+
+/// One model's fit with its figures of merit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedCurve {
+    /// Name of the model.
+    pub name: String,
+    /// Fitted parameters.
+    pub parameters: Parameters,
+    /// Sum of squared errors.
+    pub sse: f64,
+    /// Root mean squared error.
+    pub rmse: f64,
+    /// Corrected Akaike criterion; absent where there are too few points for it.
+    pub aicc: Option<f64>,
+    /// Root mean squared leave-one-out error; absent where there are too few points for it.
+    pub loo: Option<f64>,
+}
+
+/// Outcome of `sdp3 verify`: what was compared, and where it differed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verify {
+    /// Values and digests compared, all targets.
+    pub compared: u64,
+    /// How many differed; a target that could not run counts as one.
+    pub mismatches: u64,
+    /// Each target.
+    pub targets: Vec<TargetVerdict>,
+}
+
+/// One target of the conformance suite.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TargetVerdict {
+    /// `host-reference`, `cortex-m4f`, `riscv32imac`, ...
+    pub name: String,
+    /// Values (host reference) or stage digests (firmware) compared.
+    pub compared: u64,
+    /// How many differed.
+    pub mismatches: u64,
+    /// Instructions the target executed for one recognition of the largest recording; absent on the host.
+    pub instructions: Option<u64>,
+    /// First difference, or why the target could not run; absent when all agreed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub detail: Option<String>,
+    /// The stages compared on this target.
+    pub stages: Vec<StageVerdict>,
+}
+
+/// One stage of one target.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageVerdict {
+    /// `beat`, `gram`, `weights`, `slow-time`, `frame`, `image`, `layer`, `logits`, `schedule`.
+    pub stage: String,
+    /// Values or digests compared.
+    pub compared: u64,
+    /// How many differed, or exceeded the bound.
+    pub mismatches: u64,
+    /// `bits` for integer stages and digests, else the bound the error was held to.
+    pub rule: String,
+    /// Largest error seen, for float stages against the f64 reference.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub largest_error: Option<f64>,
+}
+
+/// One point of the accuracy-throughput boundary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RegionPoint {
+    /// Receiver placement: `1` or `2` in the paper's section VI.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Predicted accuracy, 0..=1.
+    pub accuracy: f64,
+    /// Worst receiver's throughput in bits per period.
+    pub throughput_bit: f64,
+    /// Which of the paper's three zones it lies in.
+    pub zone: Zone,
+}
+
+/// The paper's three zones of the region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Zone {
+    /// Throughput is near its ceiling: giving up a little of it buys much accuracy.
+    CommunicationSaturation,
+    /// Both react to each other: where an operating point belongs.
+    Adversarial,
+    /// Accuracy is near its ceiling: more sensing buys almost nothing.
+    SensingSaturation,
+}
+
+/// The operating point chosen on the boundary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OperatingPoint {
+    /// Receiver placement.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// `N_m`: communication slots between two sensing slots.
+    pub spacing_slots: u32,
+    /// `N`.
+    pub period_slots: u32,
+    /// `N_c,k` of each receiver.
+    pub communication_slots: Vec<u32>,
+    /// Bits one slot carries to each receiver.
+    pub slot_bit: Vec<f64>,
+    /// Predicted accuracy.
+    pub accuracy: f64,
+    /// Worst receiver's throughput in bits per period.
+    pub throughput_bit: f64,
+    /// Zone of the point.
+    pub zone: Zone,
+    /// How it was chosen, in words.
+    pub rule: String,
+}
+
+/// One period as the core's scheduler played it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Schedule {
+    /// `N`.
+    pub period_slots: u32,
+    /// Slots used for sensing.
+    pub sensing_slots: u32,
+    /// Slots each receiver got.
+    pub communication_slots: Vec<u32>,
+    /// Longest run of slots each receiver waited.
+    pub longest_wait_slots: Vec<u32>,
+    /// Bits delivered to each receiver.
+    pub delivered_bit: Vec<f64>,
+    /// The period run-length coded: `[use, slots]`, use -1 sensing, else the receiver's index.
+    pub timeline: Vec<(i32, u32)>,
+    /// Class the core recognised at the end of the sensing slots, if signals were played.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub recognised: Option<Recognised>,
+}
+
+/// A recognition made while a period was played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recognised {
+    /// Class played.
+    pub truth: String,
+    /// Class recognised by the core.
+    pub class: String,
+    /// Its confidence, 0..=1.
+    pub confidence: f64,
+}
+
+/// A spectrogram as the network sees it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Spectrogram {
+    /// Class, or the name of the recording.
+    pub title: String,
+    /// Doppler rows, most negative first.
+    pub rows: u32,
+    /// STFT frames.
+    pub frames: u32,
+    /// Doppler frequency of the first row in Hz.
+    pub first_row_hz: f64,
+    /// Spacing of the rows in Hz.
+    pub row_hz: f64,
+    /// Spacing of the frames in seconds.
+    pub frame_s: f64,
+    /// Grey levels `[row][frame]`, 0 black (at or below the range) ..= 255 (the maximum).
+    pub grey: Vec<u8>,
+}
+
+/// One point of the KL curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct KlPoint {
+    /// Memory of the room channel.
+    pub rho: f64,
+    /// Divergence of the measured from the simulated grey levels, in nats.
+    pub kl: f64,
+    /// The same without the clipped-to-black level.
+    pub kl_without_black: f64,
+}
+
+/// Outcome of the calibration: what `sdp3 calibrate --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// Where rho came from, in words: a measured file, or the stored table and its entry.
+    pub source: String,
+    /// Carrier of the measured signal in Hz.
+    pub carrier_hz: f64,
+    /// The rho in use.
+    pub rho: f64,
+    /// Divergence at that rho, if a curve was computed.
+    pub kl: Option<f64>,
+    /// Divergence at rho = 1 (no sensing uncertainty), if a curve was computed.
+    pub kl_without_uncertainty: Option<f64>,
+    /// The curve, rho ascending.
+    pub curve: Vec<KlPoint>,
+    /// What the curve compares, in words.
+    pub curve_of: String,
+    /// Grey levels of the measured signal: share of each level.
+    pub measured_pmf: Vec<f64>,
+    /// Grey levels simulated at the chosen rho.
+    pub simulated_pmf: Vec<f64>,
+    /// The measured spectrogram, if there is one.
+    pub measured: Option<Spectrogram>,
+    /// A simulated one at the chosen rho.
+    pub simulated: Option<Spectrogram>,
+}
+
+/// Counts of truth against answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Confusion {
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// `float` or `int8`.
+    pub arithmetic: String,
+    /// Row: truth; column: answer.
+    pub counts: Vec<Vec<u32>>,
+}
+
+/// Loss and accuracy of one training epoch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Epoch {
+    /// Mean cross entropy over the epoch's batches, in nats.
+    pub loss: f64,
+    /// Share of the training set answered right during the epoch.
+    pub accuracy: f64,
+}
+
+/// How one network was trained.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Training {
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Trained parameters.
+    pub parameters: u32,
+    /// Each epoch.
+    pub epochs: Vec<Epoch>,
+    /// Cross entropy of the float network on the test set, in nats.
+    pub float_loss: f64,
+}
+
+/// Everything the pictures show, beside [`Run`]: what `figures.json` holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Class names, in the order of the labels.
+    pub classes: Vec<String>,
+    /// One spectrogram per class.
+    pub spectrograms: Vec<Spectrogram>,
+    /// The calibration.
+    pub calibration: Calibration,
+    /// Training histories.
+    pub training: Vec<Training>,
+    /// Confusion matrices.
+    pub confusion: Vec<Confusion>,
+    /// All learning curves.
+    pub prediction: Prediction,
+    /// Operating points by weight `w_A` (w_R = 1 - w_A, both objectives normalised), case by case.
+    pub weighted: Vec<WeightedPoint>,
+}
+
+/// Optimum of the weighted sum for one weight.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WeightedPoint {
+    /// Receiver placement.
+    pub case: u32,
+    /// Weight of accuracy, 0..=1.
+    pub weight: f64,
+    /// `N_s` of the optimum.
+    pub sensing_slots: u32,
+    /// Its accuracy.
+    pub accuracy: f64,
+    /// Its throughput in bits per period.
+    pub throughput_bit: f64,
+}
