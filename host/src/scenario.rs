@@ -1,1 +1,354 @@
-//! scenario
+//! A scenario: everything a run depends on besides its seed, read from TOML and validated once.
+//!
+//! Units are in the field names (`_m`, `_s`, `_hz`, `_db`, `_w`, `_deg`). Unknown keys are refused. Defaults are
+//! the paper's section VI where it gives a value.
+
+use serde::{Deserialize, Serialize};
+
+/// Speed of light in m/s.
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+
+/// The five motions of the paper, in the order of their labels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Class {
+    /// A child or an adult standing.
+    Standing,
+    /// A child walking.
+    ChildWalking,
+    /// A child pacing (a slow walk).
+    ChildPacing,
+    /// An adult walking.
+    AdultWalking,
+    /// An adult pacing.
+    AdultPacing,
+}
+
+impl Class {
+    /// All classes; the index is the label.
+    pub const ALL: [Class; 5] =
+        [Class::Standing, Class::ChildWalking, Class::ChildPacing, Class::AdultWalking, Class::AdultPacing];
+
+    /// The name used in files and pages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Standing => "standing",
+            Class::ChildWalking => "child-walking",
+            Class::ChildPacing => "child-pacing",
+            Class::AdultWalking => "adult-walking",
+            Class::AdultPacing => "adult-pacing",
+        }
+    }
+}
+
+/// Everything a run depends on besides its seed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scenario {
+    /// Name shown in results.
+    pub name: String,
+    /// The room's walls.
+    pub room: Room,
+    /// The monostatic radar.
+    pub radar: Radar,
+    /// The time frame shared by sensing and communication.
+    pub frame: Frame,
+    /// The channel model.
+    pub channel: Channel,
+    /// The person sensed.
+    pub target: Target,
+    /// From slow time to the network's image.
+    pub spectrogram: SpectrogramSettings,
+    /// How networks are trained and tested.
+    pub learning: Learning,
+    /// The communication side.
+    pub communication: Communication,
+    /// The trade between the two.
+    pub trade: Trade,
+}
+
+/// Room: a box with one corner at the origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Room {
+    /// Length (x), width (y), height (z) in m.
+    pub size_m: [f64; 3],
+}
+
+/// The radar at the base station. Sweep, bandwidth and sampling are the core's: 10 MHz in 100 us at 10 MHz.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Radar {
+    /// Position in m.
+    pub position_m: [f64; 3],
+    /// Carrier frequency in Hz.
+    pub carrier_hz: f64,
+    /// Transmit power in W.
+    pub power_w: f64,
+    /// Gain of the transmit antenna and of the receive antenna, each, in dB.
+    pub antenna_gain_db: f64,
+    /// Receiver noise figure in dB (290 K).
+    pub noise_figure_db: f64,
+    /// Head room between the strongest expected echo and the converter's full scale in dB.
+    pub headroom_db: f64,
+}
+
+/// Time frame: slots, period, spacing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Frame {
+    /// Slot duration T_s in s.
+    pub slot_s: f64,
+    /// Slots in a scheduling period, N.
+    pub period_slots: u32,
+    /// Communication slots between two sensing slots, N_m.
+    pub spacing_slots: u32,
+    /// The numbers of sensing slots N_s that are studied, ascending.
+    pub sensing_slots: Vec<u32>,
+}
+
+/// How the room's channel remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ArMode {
+    /// As printed: v_j = rho v_{j-1} + (1 - rho) Upsilon_j, started in its stationary state.
+    Paper,
+    /// v_j = rho v_{j-1} + sqrt(1 - rho^2) Upsilon_j: the power does not depend on rho.
+    VariancePreserving,
+    /// Rays given by geometry keep their phase; only the diffuse rays are redrawn.
+    Consistent,
+}
+
+/// Room channel statistics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clusters {
+    /// IEEE 802.11ay conference room: image-method clusters with diffuse rays.
+    #[serde(rename = "80211ay")]
+    Ieee80211ay,
+    /// IEEE 802.11ax / TGn model B taps.
+    #[serde(rename = "80211ax")]
+    Ieee80211ax,
+}
+
+/// The data-assisted hybrid channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Channel {
+    /// Memory of the room channel; absent: taken from the calibration table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho: Option<f64>,
+    /// The recursion.
+    pub mode: ArMode,
+    /// Where the room's responses come from.
+    pub clusters: Clusters,
+    /// Whether a second person walks in the room (the paper's scenario 2).
+    pub interferer: bool,
+}
+
+/// The person sensed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Target {
+    /// Ground position at the start in m.
+    pub start_m: [f64; 2],
+    /// Headings are uniform within plus or minus this many degrees around the direction to the radar.
+    pub heading_spread_deg: f64,
+    /// Standard deviation of the walking speed relative to its mean.
+    pub speed_jitter: f64,
+    /// Range of an adult's height in m.
+    pub adult_height_m: [f64; 2],
+    /// Range of a child's height in m.
+    pub child_height_m: [f64; 2],
+}
+
+/// From slow time to the network's image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpectrogramSettings {
+    /// First singular component kept, the paper's d; 1 keeps the clutter.
+    pub first_kept: u8,
+    /// Last singular component kept (of 8).
+    pub last_kept: u8,
+    /// Kaiser window length N_w in sensing slots.
+    pub window: u16,
+    /// Kaiser window's beta.
+    pub beta: f32,
+    /// Sensing slots between two frames.
+    pub hop: u16,
+    /// FFT bins averaged into one of the 64 rows: 1, 2 or 4.
+    pub bins_per_row: u8,
+    /// Dynamic range in dB; weaker is black.
+    pub range_db: f64,
+}
+
+/// Training and testing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Learning {
+    /// Training recordings per class.
+    pub train_per_class: u32,
+    /// Test recordings per class, never trained on.
+    pub test_per_class: u32,
+    /// Passes over the training set.
+    pub epochs: u32,
+    /// Recordings per step.
+    pub batch: u32,
+    /// Peak learning rate of the one-cycle schedule.
+    pub learning_rate: f64,
+    /// AdamW's weight decay.
+    pub weight_decay: f64,
+    /// Channels of every convolution: a multiple of 4, 4..=32.
+    pub channels: u8,
+    /// Residual blocks.
+    pub blocks: u8,
+    /// Stride of the input convolution: 1 or 2.
+    pub stem_stride: u8,
+}
+
+/// The communication side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Communication {
+    /// OFDM sub-carriers M over the radar's 10 MHz.
+    pub subcarriers: u32,
+    /// Duration of an OFDM symbol with its prefix T_o in s.
+    pub symbol_s: f64,
+    /// Transmit power in W, shared by the sub-carriers.
+    pub power_w: f64,
+    /// Noise figure of the receivers in dB.
+    pub noise_figure_db: f64,
+    /// Receiver positions in m, one list per case.
+    pub cases: Vec<Vec<[f64; 3]>>,
+    /// Channel draws averaged for the expected gain of a sub-carrier.
+    pub draws: u32,
+}
+
+/// Zones and operating point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Trade {
+    /// Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest).
+    pub accuracy_weight: f64,
+    /// Case (1-based) whose operating point the scheduler plays.
+    pub case: u32,
+    /// A point is saturated where the smaller normalised marginal rate is below this share of the larger.
+    pub zone_ratio: f64,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Scenario {
+            name: "conference-room".into(),
+            room: Room::default(),
+            radar: Radar::default(),
+            frame: Frame::default(),
+            channel: Channel::default(),
+            target: Target::default(),
+            spectrogram: SpectrogramSettings::default(),
+            learning: Learning::default(),
+            communication: Communication::default(),
+            trade: Trade::default(),
+        }
+    }
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Room { size_m: [3.0, 4.5, 3.0] }
+    }
+}
+
+impl Default for Radar {
+    fn default() -> Self {
+        Radar {
+            position_m: [1.5, 1.0, 1.0],
+            carrier_hz: 3.5e9,
+            power_w: 1.0,
+            antenna_gain_db: 25.0,
+            noise_figure_db: 10.0,
+            headroom_db: 6.0,
+        }
+    }
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Frame {
+            slot_s: 250e-6,
+            period_slots: 4000,
+            spacing_slots: 3,
+            sensing_slots: vec![200, 300, 400, 500, 600, 1000],
+        }
+    }
+}
+
+impl Default for Channel {
+    fn default() -> Self {
+        Channel { rho: None, mode: ArMode::Paper, clusters: Clusters::Ieee80211ax, interferer: false }
+    }
+}
+
+impl Default for Target {
+    fn default() -> Self {
+        Target {
+            start_m: [2.7, 4.2],
+            heading_spread_deg: 15.0,
+            speed_jitter: 0.05,
+            adult_height_m: [1.6, 1.9],
+            child_height_m: [0.9, 1.2],
+        }
+    }
+}
+
+impl Default for SpectrogramSettings {
+    fn default() -> Self {
+        SpectrogramSettings {
+            first_kept: 2,
+            last_kept: 8,
+            window: 128,
+            beta: 10.0,
+            hop: 8,
+            bins_per_row: 1,
+            range_db: 50.0,
+        }
+    }
+}
+
+impl Default for Learning {
+    fn default() -> Self {
+        Learning {
+            train_per_class: 200,
+            test_per_class: 100,
+            epochs: 30,
+            batch: 50,
+            learning_rate: 5e-3,
+            weight_decay: 1e-2,
+            channels: 8,
+            blocks: 5,
+            stem_stride: 1,
+        }
+    }
+}
+
+impl Default for Communication {
+    fn default() -> Self {
+        Communication {
+            subcarriers: 64,
+            symbol_s: 50e-6,
+            power_w: 1.0,
+            noise_figure_db: 10.0,
+            cases: vec![
+                vec![[1.5, 3.0, 1.0], [2.5, 1.0, 1.0], [0.5, 1.0, 1.0]],
+                vec![[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]],
+            ],
+            draws: 200,
+        }
+    }
+}
+
+impl Default for Trade {
+    fn default() -> Self {
+        Trade { accuracy_weight: 0.5, case: 1, zone_ratio: 0.2 }
+    }
+}
