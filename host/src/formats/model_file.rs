@@ -1,0 +1,645 @@
+//! The model file: an int8 network with everything the radar module needs to use it, as bytes.
+//!
+//! Little endian: a header of 64 bytes, class names of 24 bytes, the layers in the order they run (stem; per block
+//! affine, conv1, conv2, add; head), and a CRC-32 (IEEE 802.3) of all that. `sdp3_core::dsn::model` reads it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use thiserror::Error;
+
+/// Version of the format written.
+pub const VERSION: u16 = 1;
+/// Bytes of the header.
+pub const HEADER_BYTES: usize = 64;
+/// Bytes of a class name, zero padded.
+pub const NAME_BYTES: usize = 24;
+/// Doppler rows of every image.
+pub const ROWS: u16 = 64;
+
+/// Why a network could not be written.
+#[derive(Debug, Error)]
+pub enum ModelFileError {
+    /// A field holds what the format cannot say.
+    #[error("model: {field} is {value}, must be {legal}")]
+    Field {
+        /// Which field.
+        field: String,
+        /// What it holds.
+        value: String,
+        /// What it may hold.
+        legal: String,
+    },
+    /// The file system refused.
+    #[error("model file {path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// How raw slots become the network's image; the radar module takes all of it from the file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preprocessing {
+    /// Sensing slots per recording, `N_s`.
+    pub sensing_slots: u16,
+    /// First singular component kept, 1..=8.
+    pub first_kept: u8,
+    /// Last singular component kept, `first_kept..=8`.
+    pub last_kept: u8,
+    /// Kaiser window's length in sensing slots, 2..=256.
+    pub window_len: u16,
+    /// Sensing slots between two frames, `1..=window_len`.
+    pub hop: u16,
+    /// FFT bins added into one row: 1, 2 or 4.
+    pub bins_per_row: u8,
+    /// Dynamic range in 1/64 octave of power, 1..=4095 (1063 is 50 dB).
+    pub range: u16,
+    /// Kaiser window's beta, 0..=40.
+    pub kaiser_beta: f32,
+    /// Carrier frequency in kHz (for people; no arithmetic depends on it).
+    pub carrier_khz: u32,
+    /// Time between two sensing slots in microseconds (for people; no arithmetic depends on it).
+    pub slow_time_us: u32,
+}
+
+impl Preprocessing {
+    /// STFT frames of a recording: `(N_s - window) / hop + 1`, or 0 where the window does not fit.
+    pub fn frames(&self) -> u16 {
+        match self.sensing_slots.checked_sub(self.window_len) {
+            Some(rest) if self.hop > 0 => rest / self.hop + 1,
+            _ => 0,
+        }
+    }
+}
+
+/// A layer with int8 weights: `q_out = clamp(requantize(bias + sum (q_in - in_zp) w, multiplier, shift) + out_zp)`.
+///
+/// `O` output channels; weights `[O][3][3][I]` of a convolution, `[O][I]` of the head, `[O]` of an affine layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weighted {
+    /// Real size of one step of the input.
+    pub in_scale: f32,
+    /// Real size of one step of the output.
+    pub out_scale: f32,
+    /// Input value that stands for zero.
+    pub in_zero: i8,
+    /// Output value that stands for zero.
+    pub out_zero: i8,
+    /// Smallest output.
+    pub act_min: i8,
+    /// Largest output.
+    pub act_max: i8,
+    /// Q31 multipliers `[O]`, 2^30..2^31-1 or 0.
+    pub multipliers: Vec<i32>,
+    /// Biases `[O]` in steps of the accumulator.
+    pub biases: Vec<i32>,
+    /// Shifts `[O]`, -31..=7; positive is to the left.
+    pub shifts: Vec<i8>,
+    /// Weights.
+    pub weights: Vec<i8>,
+}
+
+/// The addition that closes a residual block: `x + t`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Add {
+    /// Real size of one step of the skip.
+    pub in1_scale: f32,
+    /// Real size of one step of the branch.
+    pub in2_scale: f32,
+    /// Real size of one step of the sum.
+    pub out_scale: f32,
+    /// Skip's value for zero.
+    pub in1_zero: i8,
+    /// Branch's value for zero.
+    pub in2_zero: i8,
+    /// Sum's value for zero.
+    pub out_zero: i8,
+    /// Smallest output.
+    pub act_min: i8,
+    /// Largest output.
+    pub act_max: i8,
+    /// Multipliers of skip, branch and sum.
+    pub multipliers: [i32; 3],
+    /// Shifts of skip, branch and sum.
+    pub shifts: [i8; 3],
+}
+
+/// A residual block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// First batch normalisation and ReLU, per channel.
+    pub affine: Weighted,
+    /// First convolution, with the second batch normalisation and ReLU folded in.
+    pub conv1: Weighted,
+    /// Second convolution.
+    pub conv2: Weighted,
+    /// Addition of the skip.
+    pub add: Add,
+}
+
+/// An int8 deep spectrogram network with its preprocessing: the content of a model file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantizedNetwork {
+    /// From raw slots to the image.
+    pub preprocessing: Preprocessing,
+    /// Class names, in the order of the logits.
+    pub classes: Vec<String>,
+    /// Stride of the input convolution, 1 or 2.
+    pub stem_stride: u8,
+    /// Input convolution, 1 -> C.
+    pub stem: Weighted,
+    /// Residual blocks.
+    pub blocks: Vec<Block>,
+    /// Classifier, C -> classes.
+    pub head: Weighted,
+}
+
+const KIND_CONV: u8 = 1;
+const KIND_AFFINE: u8 = 2;
+const KIND_ADD: u8 = 3;
+const KIND_HEAD: u8 = 4;
+
+impl QuantizedNetwork {
+    /// Channels of every convolution.
+    pub fn channels(&self) -> usize {
+        self.stem.biases.len()
+    }
+
+    /// Number of weights and biases.
+    pub fn parameters(&self) -> usize {
+        self.weighted().iter().map(|(_, _, _, layer)| layer.weights.len() + layer.biases.len()).sum()
+    }
+
+    /// The layers that have weights, in order: name, kind, inputs per output, layer.
+    fn weighted(&self) -> Vec<(String, u8, usize, &Weighted)> {
+        let c = self.channels();
+        let mut all = vec![("stem".to_string(), KIND_CONV, 9, &self.stem)];
+        for (b, block) in self.blocks.iter().enumerate() {
+            all.push((format!("block {b} affine"), KIND_AFFINE, 1, &block.affine));
+            all.push((format!("block {b} conv1"), KIND_CONV, 9 * c, &block.conv1));
+            all.push((format!("block {b} conv2"), KIND_CONV, 9 * c, &block.conv2));
+        }
+        all.push(("head".to_string(), KIND_HEAD, c, &self.head));
+        all
+    }
+
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// Names the first field the format cannot hold, with its value and legal range.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelFileError> {
+        self.check()?;
+        let mut out = self.header();
+        for name in &self.classes {
+            out.extend_from_slice(name.as_bytes());
+            out.resize(out.len() + NAME_BYTES - name.len(), 0);
+        }
+        self.stem.append(KIND_CONV, &mut out);
+        for block in &self.blocks {
+            block.affine.append(KIND_AFFINE, &mut out);
+            block.conv1.append(KIND_CONV, &mut out);
+            block.conv2.append(KIND_CONV, &mut out);
+            block.add.append(&mut out);
+        }
+        self.head.append(KIND_HEAD, &mut out);
+        let total = out.len() as u32 + 4;
+        out[8..12].copy_from_slice(&total.to_le_bytes());
+        let crc = crc32fast::hash(&out);
+        out.extend_from_slice(&crc.to_le_bytes());
+        Ok(out)
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// As [`QuantizedNetwork::to_bytes`], or what the file system said about `path`.
+    pub fn write(&self, path: &Path) -> Result<(), ModelFileError> {
+        let bytes = self.to_bytes()?;
+        std::fs::write(path, bytes)
+            .map_err(|source| ModelFileError::Io { path: path.display().to_string(), source })
+    }
+
+    fn header(&self) -> Vec<u8> {
+        let p = &self.preprocessing;
+        let mut out = Vec::with_capacity(HEADER_BYTES);
+        out.extend_from_slice(b"SDP3");
+        out.extend_from_slice(&VERSION.to_le_bytes());
+        out.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
+        out.extend_from_slice(&0u32.to_le_bytes());
+        out.extend_from_slice(&p.sensing_slots.to_le_bytes());
+        out.extend_from_slice(&[p.first_kept, p.last_kept]);
+        out.extend_from_slice(&p.window_len.to_le_bytes());
+        out.extend_from_slice(&p.hop.to_le_bytes());
+        out.extend_from_slice(&ROWS.to_le_bytes());
+        out.extend_from_slice(&[p.bins_per_row, self.stem_stride]);
+        out.extend_from_slice(&p.range.to_le_bytes());
+        out.extend_from_slice(&p.frames().to_le_bytes());
+        out.extend_from_slice(&p.kaiser_beta.to_le_bytes());
+        let sizes = [self.channels() as u8, self.blocks.len() as u8, self.classes.len() as u8, 0];
+        out.extend_from_slice(&sizes);
+        out.extend_from_slice(&p.carrier_khz.to_le_bytes());
+        out.extend_from_slice(&p.slow_time_us.to_le_bytes());
+        out.resize(HEADER_BYTES, 0);
+        out
+    }
+
+    /// Holds every field to the format's range.
+    fn check(&self) -> Result<(), ModelFileError> {
+        let p = &self.preprocessing;
+        let c = self.channels();
+        within("first_kept", p.first_kept, 1, 8)?;
+        within("last_kept", p.last_kept, p.first_kept, 8)?;
+        within("window_len", p.window_len, 2, 256)?;
+        within("hop", p.hop, 1, p.window_len)?;
+        legal("bins_per_row", p.bins_per_row, matches!(p.bins_per_row, 1 | 2 | 4), "1, 2 or 4")?;
+        legal("stem_stride", self.stem_stride, matches!(self.stem_stride, 1 | 2), "1 or 2")?;
+        within("range", p.range, 1, 4095)?;
+        let beta = p.kaiser_beta;
+        legal("kaiser_beta", beta, (0.0..=40.0).contains(&beta), "0..=40")?;
+        let pooled = p.frames().div_ceil(u16::from(self.stem_stride)) / 2;
+        let room = "enough for two columns behind the stem";
+        legal("sensing_slots", p.sensing_slots, pooled >= 1, room)?;
+        within("channels", c, 4, 32)?;
+        legal("channels", c, c.is_multiple_of(4), "a multiple of 4")?;
+        within("blocks", self.blocks.len(), 1, 8)?;
+        within("classes", self.classes.len(), 2, 16)?;
+        for (i, name) in self.classes.iter().enumerate() {
+            let fits = (1..=NAME_BYTES).contains(&name.len()) && !name.contains('\0');
+            legal(&format!("class name {i}"), format!("{name:?}"), fits, "1..=24 bytes without a zero")?;
+        }
+        for (name, kind, inputs, layer) in self.weighted() {
+            let outputs = if kind == KIND_HEAD { self.classes.len() } else { c };
+            layer.check(&name, outputs, inputs)?;
+        }
+        for (b, block) in self.blocks.iter().enumerate() {
+            let (add, name) = (&block.add, format!("block {b} add"));
+            check_rescale(&name, &add.multipliers, &add.shifts)?;
+            check_scales(&name, &[add.in1_scale, add.in2_scale, add.out_scale])?;
+            within(&format!("{name} act_min"), add.act_min, i8::MIN, add.act_max)?;
+        }
+        Ok(())
+    }
+
+    /// The network in words: preprocessing, layers, sizes.
+    pub fn describe(&self) -> String {
+        let p = &self.preprocessing;
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "deep spectrogram network, int8, {} parameters, {} classes: {}",
+            self.parameters(),
+            self.classes.len(),
+            self.classes.join(", ")
+        );
+        let _ = writeln!(
+            text,
+            "takes {} sensing slots {} us apart at {} GHz",
+            p.sensing_slots,
+            p.slow_time_us,
+            f64::from(p.carrier_khz) / 1e6
+        );
+        let _ = writeln!(
+            text,
+            "keeps singular components {} to {}, window {} (Kaiser, beta {}), hop {}, image {} x {}, {} bin(s) a \
+             row, {:.1} dB",
+            p.first_kept,
+            p.last_kept,
+            p.window_len,
+            p.kaiser_beta,
+            p.hop,
+            ROWS,
+            p.frames(),
+            p.bins_per_row,
+            f64::from(p.range) / 64.0 * 10.0 * std::f64::consts::LOG10_2
+        );
+        let c = self.channels();
+        let _ = writeln!(
+            text,
+            "stem: convolution 3x3, 1 -> {c}, stride {}, max pool 2x2; {} residual blocks of two convolutions 3x3, \
+             {c} -> {c}; mean over the image; {c} -> {} logits",
+            self.stem_stride,
+            self.blocks.len(),
+            self.classes.len()
+        );
+        for (name, _, _, layer) in self.weighted() {
+            let _ = writeln!(
+                text,
+                "  {name}: {} weights, output step {:.6}, zero at {}",
+                layer.weights.len(),
+                layer.out_scale,
+                layer.out_zero
+            );
+        }
+        text
+    }
+}
+
+impl Weighted {
+    fn append(&self, kind: u8, out: &mut Vec<u8>) {
+        prefix(kind, [self.in_zero, self.out_zero, self.act_min, self.act_max, 0], out);
+        out.extend_from_slice(&self.in_scale.to_le_bytes());
+        out.extend_from_slice(&self.out_scale.to_le_bytes());
+        for value in self.multipliers.iter().chain(&self.biases) {
+            out.extend_from_slice(&value.to_le_bytes());
+        }
+        padded(&self.shifts, out);
+        padded(&self.weights, out);
+    }
+
+    fn check(&self, name: &str, outputs: usize, inputs: usize) -> Result<(), ModelFileError> {
+        let lengths = [
+            ("multipliers", self.multipliers.len(), outputs),
+            ("biases", self.biases.len(), outputs),
+            ("shifts", self.shifts.len(), outputs),
+            ("weights", self.weights.len(), outputs * inputs),
+        ];
+        for (field, have, want) in lengths {
+            legal(&format!("number of {name} {field}"), have, have == want, &want.to_string())?;
+        }
+        within(&format!("{name} act_min"), self.act_min, i8::MIN, self.act_max)?;
+        check_scales(name, &[self.in_scale, self.out_scale])?;
+        check_rescale(name, &self.multipliers, &self.shifts)
+    }
+}
+
+impl Add {
+    fn append(&self, out: &mut Vec<u8>) {
+        prefix(KIND_ADD, [self.in1_zero, self.out_zero, self.act_min, self.act_max, self.in2_zero], out);
+        for scale in [self.in1_scale, self.in2_scale, self.out_scale] {
+            out.extend_from_slice(&scale.to_le_bytes());
+        }
+        for multiplier in self.multipliers {
+            out.extend_from_slice(&multiplier.to_le_bytes());
+        }
+        padded(&self.shifts, out);
+    }
+}
+
+/// The eight bytes every layer begins with.
+fn prefix(kind: u8, [in_zero, out_zero, act_min, act_max, in2_zero]: [i8; 5], out: &mut Vec<u8>) {
+    out.push(kind);
+    out.extend([in_zero, out_zero, act_min, act_max, in2_zero].map(|v| v as u8));
+    out.extend([0, 0]);
+}
+
+/// Bytes, then zeros up to a multiple of 4.
+fn padded(values: &[i8], out: &mut Vec<u8>) {
+    out.extend(values.iter().map(|&v| v as u8));
+    out.resize(out.len().next_multiple_of(4), 0);
+}
+
+fn legal(field: &str, value: impl ToString, good: bool, legal: &str) -> Result<(), ModelFileError> {
+    if good {
+        return Ok(());
+    }
+    Err(ModelFileError::Field { field: field.into(), value: value.to_string(), legal: legal.into() })
+}
+
+fn within<T: PartialOrd + ToString>(field: &str, value: T, low: T, high: T) -> Result<(), ModelFileError> {
+    let range = format!("{}..={}", low.to_string(), high.to_string());
+    legal(field, value.to_string(), low <= value && value <= high, &range)
+}
+
+fn check_scales(name: &str, scales: &[f32]) -> Result<(), ModelFileError> {
+    for &scale in scales {
+        legal(&format!("{name} scale"), scale, scale.is_finite() && scale > 0.0, "finite and above 0")?;
+    }
+    Ok(())
+}
+
+fn check_rescale(name: &str, multipliers: &[i32], shifts: &[i8]) -> Result<(), ModelFileError> {
+    for &m in multipliers {
+        legal(&format!("{name} multiplier"), m, m == 0 || m >= 1 << 30, "0 or 2^30..=2^31-1")?;
+    }
+    for &s in shifts {
+        within(&format!("{name} shift"), s, -31, 7)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn weighted(outputs: usize, inputs: usize, seed: i32) -> Weighted {
+        let o = outputs as i32;
+        Weighted {
+            in_scale: 0.5,
+            out_scale: 0.25 + seed as f32,
+            in_zero: -128,
+            out_zero: seed as i8,
+            act_min: -128,
+            act_max: 100,
+            multipliers: (0..o).map(|i| (1 << 30) + 977 * i + seed).collect(),
+            biases: (0..o).map(|i| 1000 * (i - 2) - seed).collect(),
+            shifts: (0..o).map(|i| (i % 9 - 5) as i8).collect(),
+            weights: (0..outputs * inputs).map(|i| (i as i32 * 37 + seed) as i8).collect(),
+        }
+    }
+
+    fn network() -> QuantizedNetwork {
+        let block = |s: i32| Block {
+            affine: weighted(4, 1, s),
+            conv1: weighted(4, 36, s + 1),
+            conv2: weighted(4, 36, s + 2),
+            add: Add {
+                in1_scale: 1.5,
+                in2_scale: 2.5,
+                out_scale: 3.5,
+                in1_zero: -1,
+                in2_zero: -2,
+                out_zero: -3,
+                act_min: -128,
+                act_max: 127,
+                multipliers: [1 << 30, (1 << 30) + 1, i32::MAX],
+                shifts: [-1, 0, -19],
+            },
+        };
+        QuantizedNetwork {
+            preprocessing: Preprocessing {
+                sensing_slots: 200,
+                first_kept: 2,
+                last_kept: 8,
+                window_len: 128,
+                hop: 8,
+                bins_per_row: 1,
+                range: 1063,
+                kaiser_beta: 10.0,
+                carrier_khz: 3_500_000,
+                slow_time_us: 1000,
+            },
+            classes: ["standing", "child-walking", "adult-pacing"].map(String::from).to_vec(),
+            stem_stride: 2,
+            stem: weighted(4, 9, 3),
+            blocks: vec![block(10), block(20)],
+            head: weighted(3, 4, 30),
+        }
+    }
+
+    /// A second reading of the format, field by field, that shares nothing with the writer.
+    struct Reader<'a>(&'a [u8], usize);
+
+    impl Reader<'_> {
+        fn take<const N: usize>(&mut self) -> [u8; N] {
+            self.1 += N;
+            self.0[self.1 - N..self.1].try_into().unwrap()
+        }
+        fn i8(&mut self) -> i8 {
+            i8::from_le_bytes(self.take())
+        }
+        fn u16(&mut self) -> u16 {
+            u16::from_le_bytes(self.take())
+        }
+        fn u32(&mut self) -> u32 {
+            u32::from_le_bytes(self.take())
+        }
+        fn f32(&mut self) -> f32 {
+            f32::from_le_bytes(self.take())
+        }
+        fn i32s(&mut self, n: usize) -> Vec<i32> {
+            (0..n).map(|_| i32::from_le_bytes(self.take())).collect()
+        }
+        fn i8s(&mut self, n: usize) -> Vec<i8> {
+            let values = (0..n).map(|_| self.i8()).collect();
+            for _ in n..n.next_multiple_of(4) {
+                assert_eq!(self.i8(), 0);
+            }
+            values
+        }
+        fn weighted(&mut self, kind: i8, outputs: usize, inputs: usize) -> Weighted {
+            assert_eq!(self.i8(), kind);
+            let [in_zero, out_zero, act_min, act_max] = [self.i8(), self.i8(), self.i8(), self.i8()];
+            assert_eq!(self.take::<3>(), [0; 3]);
+            Weighted {
+                in_zero,
+                out_zero,
+                act_min,
+                act_max,
+                in_scale: self.f32(),
+                out_scale: self.f32(),
+                multipliers: self.i32s(outputs),
+                biases: self.i32s(outputs),
+                shifts: self.i8s(outputs),
+                weights: self.i8s(outputs * inputs),
+            }
+        }
+        fn add(&mut self) -> Add {
+            assert_eq!(self.i8(), 3);
+            let [in1_zero, out_zero, act_min, act_max, in2_zero] =
+                [self.i8(), self.i8(), self.i8(), self.i8(), self.i8()];
+            assert_eq!(self.take::<2>(), [0; 2]);
+            let [in1_scale, in2_scale, out_scale] = [self.f32(), self.f32(), self.f32()];
+            let multipliers = self.i32s(3).try_into().unwrap();
+            let shifts = self.i8s(3).try_into().unwrap();
+            Add {
+                in1_scale,
+                in2_scale,
+                out_scale,
+                in1_zero,
+                in2_zero,
+                out_zero,
+                act_min,
+                act_max,
+                multipliers,
+                shifts,
+            }
+        }
+    }
+
+    /// Bit by bit, as IEEE 802.3 defines it.
+    fn crc32(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(!0u32, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |c, _| (c >> 1) ^ (0xEDB8_8320 & (0u32.wrapping_sub(c & 1))))
+        })
+    }
+
+    #[test]
+    fn an_independent_reading_returns_the_network() {
+        let network = network();
+        let bytes = network.to_bytes().unwrap();
+        let mut r = Reader(&bytes, 0);
+        assert_eq!(&r.take::<4>(), b"SDP3");
+        assert_eq!((r.u16(), r.u16(), r.u32()), (1, 64, bytes.len() as u32));
+        let sensing_slots = r.u16();
+        let [first_kept, last_kept] = r.take();
+        let (window_len, hop) = (r.u16(), r.u16());
+        assert_eq!(r.u16(), 64);
+        let [bins_per_row, stem_stride] = r.take();
+        let range = r.u16();
+        assert_eq!(r.u16(), 10, "frames of 200 slots");
+        let kaiser_beta = r.f32();
+        assert_eq!(r.take::<4>(), [4, 2, 3, 0]);
+        let (carrier_khz, slow_time_us) = (r.u32(), r.u32());
+        assert_eq!(r.take::<20>(), [0; 20]);
+        let preprocessing = Preprocessing {
+            sensing_slots,
+            first_kept,
+            last_kept,
+            window_len,
+            hop,
+            bins_per_row,
+            range,
+            kaiser_beta,
+            carrier_khz,
+            slow_time_us,
+        };
+        let names = (0..3).map(|_| String::from_utf8(r.take::<24>().to_vec()).unwrap());
+        let classes = names.map(|n| n.trim_end_matches('\0').to_string()).collect();
+        let stem = r.weighted(1, 4, 9);
+        let blocks = (0..2)
+            .map(|_| Block {
+                affine: r.weighted(2, 4, 1),
+                conv1: r.weighted(1, 4, 36),
+                conv2: r.weighted(1, 4, 36),
+                add: r.add(),
+            })
+            .collect();
+        let head = r.weighted(4, 3, 4);
+        assert_eq!(r.u32(), crc32(&bytes[..bytes.len() - 4]));
+        assert_eq!(r.1, bytes.len());
+        assert_eq!(QuantizedNetwork { preprocessing, classes, stem_stride, stem, blocks, head }, network);
+    }
+
+    #[test]
+    fn the_checksum_is_the_published_one() {
+        // "Check" value of CRC-32/ISO-HDLC in the catalogue of parametrised CRC algorithms.
+        assert_eq!(crc32fast::hash(b"123456789"), 0xCBF4_3926);
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    }
+
+    #[test]
+    fn errors_name_field_value_and_range() {
+        let spoil = |change: fn(&mut QuantizedNetwork)| {
+            let mut n = network();
+            change(&mut n);
+            n.to_bytes().unwrap_err().to_string()
+        };
+        assert_eq!(spoil(|n| n.preprocessing.hop = 129), "model: hop is 129, must be 1..=128");
+        assert_eq!(spoil(|n| n.stem_stride = 3), "model: stem_stride is 3, must be 1 or 2");
+        assert_eq!(
+            spoil(|n| n.blocks[1].conv2.shifts[0] = 8),
+            "model: block 1 conv2 shift is 8, must be -31..=7"
+        );
+        assert_eq!(spoil(|n| n.head.weights.truncate(11)), "model: number of head weights is 11, must be 12");
+        assert!(spoil(|n| n.classes[0] = "x".repeat(25)).contains("class name 0"));
+        assert!(spoil(|n| n.blocks[0].add.multipliers[1] = 5).contains("multiplier is 5"));
+        assert!(spoil(|n| n.preprocessing.sensing_slots = 127).contains("sensing_slots is 127"));
+    }
+
+    #[test]
+    fn a_refused_path_is_named() {
+        let error = network().write(Path::new("/nonexistent/model.sdp3")).unwrap_err();
+        assert!(error.to_string().starts_with("model file /nonexistent/model.sdp3: "));
+    }
+
+    #[test]
+    fn the_description_speaks_of_every_layer() {
+        let text = network().describe();
+        for part in ["200 sensing slots", "3.5 GHz", "64 x 10", "50.0 dB", "block 1 conv2", "head"] {
+            assert!(text.contains(part), "{part} missing in {text}");
+        }
+    }
+}
