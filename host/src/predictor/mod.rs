@@ -1,1 +1,9 @@
-//! predictor
+//! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
+//!
+//! Paper, section V. Only `network` and `training` need burn (the feature `train`).
+pub mod float_network;
+#[cfg(feature = "train")]
+pub mod network;
+pub mod parameters;
+#[cfg(feature = "train")]
+pub mod training;
