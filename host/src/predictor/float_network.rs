@@ -18,17 +18,12 @@ pub enum Activation {
     Conv1(usize),
     /// After the second convolution of a block.
     Conv2(usize),
-    /// After the addition of the skip of a block; the mean over the image keeps its scale.
+    /// After the addition of the skip of a block.
     Add(usize),
+    /// Mean over the image, per channel; it keeps the scale of the last addition.
+    Mean,
     /// The answer.
     Logits,
-}
-
-impl Activation {
-    /// Whether a ReLU made it, so that it is never negative.
-    pub fn is_rectified(self) -> bool {
-        matches!(self, Activation::Input | Activation::Affine(_) | Activation::Conv1(_))
-    }
 }
 
 /// Weights `[O][tap][I]` and biases `[O]`, normalisation folded in.
@@ -136,13 +131,14 @@ impl FloatNetwork {
             x.iter_mut().zip(&t).for_each(|(x, t)| *x += t);
             visit(Activation::Add(b), &mut x);
         }
-        let mean: Vec<f64> = (0..c)
-            .map(|i| x.iter().skip(i).step_by(c).map(|&v| f64::from(v)).sum::<f64>() / (h * w) as f64)
-            .collect();
+        let sum = |i| x.iter().skip(i).step_by(c).map(|&v| f64::from(v)).sum::<f64>();
+        let mut mean: Vec<f32> = (0..c).map(|i| (sum(i) / (h * w) as f64) as f32).collect();
+        visit(Activation::Mean, &mut mean);
         let mut logits: Vec<f32> = (0..classes)
             .map(|o| {
                 let row = &self.head.weights[o * c..(o + 1) * c];
-                (self.head.biases[o] + row.iter().zip(&mean).map(|(w, m)| w * m).sum::<f64>()) as f32
+                let dot = row.iter().zip(&mean).map(|(w, &m)| w * f64::from(m)).sum::<f64>();
+                (self.head.biases[o] + dot) as f32
             })
             .collect();
         visit(Activation::Logits, &mut logits);

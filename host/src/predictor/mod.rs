@@ -1,9 +1,13 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
 //! Paper, section V. Only `network` and `training` need burn (the feature `train`).
+pub mod calibration;
 pub mod float_network;
 #[cfg(feature = "train")]
 pub mod network;
 pub mod parameters;
+pub mod quantization;
+#[cfg(test)]
+mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;

@@ -3,7 +3,7 @@
 //! Paper, section V and figure of the DSN: convolution and pooling, blocks BN-ReLU-Conv-BN-ReLU-Conv with an identity
 //! skip, mean over the image, fully connected classifier. Images are `[batch, 1, rows, frames]`.
 
-use burn::module::{Module, Param};
+use burn::module::{Module, Param, RunningState};
 use burn::nn::{BatchNorm, BatchNormConfig};
 use burn::tensor::activation::relu;
 use burn::tensor::module::{conv2d, max_pool2d};
@@ -47,8 +47,9 @@ fn norm(norm: &Norm, device: &Device) -> BatchNorm {
     let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(device);
     layer.gamma = parameter(&norm.gamma, [c], device);
     layer.beta = parameter(&norm.beta, [c], device);
-    layer.running_mean.update(Tensor::from_data(TensorData::new(norm.mean.clone(), [c]), device));
-    layer.running_var.update(Tensor::from_data(TensorData::new(norm.variance.clone(), [c]), device));
+    let state = |values: &[f32]| RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), device));
+    layer.running_mean = state(&norm.mean);
+    layer.running_var = state(&norm.variance);
     layer
 }
 
@@ -137,6 +138,74 @@ impl Network {
             stem: weights(&self.stem, &self.stem_bias),
             blocks: blocks.collect(),
             head: Weights { weights: values(self.head.val()), biases: values(self.head_bias.val()) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictor::float_network::FloatNetwork;
+    use crate::predictor::parameters::Images;
+    use crate::predictor::synthetic::{stripes, trained_looking};
+
+    fn input(images: &Images, device: &Device) -> Tensor<4> {
+        let pixels: Vec<f32> = images.pixels.iter().map(|&p| (f32::from(p) + 128.0) / 255.0).collect();
+        let shape = [images.len(), 1, images.rows, images.frames];
+        Tensor::from_data(TensorData::new(pixels, shape), device)
+    }
+
+    #[test]
+    fn burn_and_the_folded_network_agree() {
+        for (stem_stride, frames) in [(1, 10), (2, 10), (2, 35), (1, 7)] {
+            let architecture = Architecture { channels: 8, blocks: 2, stem_stride, classes: 5 };
+            let parameters = trained_looking(architecture, 11);
+            let images = stripes(frames, 1, 5);
+            let device = Device::flex();
+            let burn = values(Network::new(&parameters, &device).forward(input(&images, &device)));
+            let folded = FloatNetwork::new(&parameters);
+            for (i, logits) in burn.chunks(5).enumerate() {
+                let plain = folded.forward(images.image(i), images.rows, &mut |_, _| {});
+                for (a, b) in logits.iter().zip(&plain) {
+                    assert!((a - b).abs() < 1e-4 * (1.0 + b.abs()), "{logits:?} {plain:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_pass_through_unchanged() {
+        let architecture = Architecture { channels: 4, blocks: 3, stem_stride: 2, classes: 3 };
+        let parameters = trained_looking(architecture, 2);
+        assert_eq!(Network::new(&parameters, &Device::flex().autodiff()).parameters(), parameters);
+    }
+
+    #[test]
+    fn the_gradient_of_the_padded_stem_is_the_difference_quotient() {
+        let images = stripes(10, 1, 3);
+        let device = Device::flex().autodiff();
+        for stem_stride in [1, 2] {
+            let architecture = Architecture { channels: 4, blocks: 1, stem_stride, classes: 5 };
+            let parameters = trained_looking(architecture, 4);
+            let loss = |p: &Parameters| {
+                let network = Network::new(p, &device);
+                (network.forward(input(&images, &device)).powi_scalar(2).sum(), network)
+            };
+            let (value, network) = loss(&parameters);
+            let gradients = value.backward();
+            let gradient = values(network.stem.val().grad(&gradients).unwrap());
+            for tap in 0..9 {
+                let step = 1e-3;
+                let at = |sign: f32| {
+                    let mut p = parameters.clone();
+                    p.stem.weights[tap] += sign * step;
+                    f64::from(values(loss(&p).0)[0])
+                };
+                let quotient = (at(1.0) - at(-1.0)) / (2.0 * f64::from(step));
+                let largest = gradient.iter().fold(0.0f32, |m, g| m.max(g.abs()));
+                let error = (quotient - f64::from(gradient[tap])).abs();
+                assert!(error < 0.03 * f64::from(largest), "{tap}: {quotient} {}", gradient[tap]);
+            }
         }
     }
 }

@@ -226,3 +226,75 @@ fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
         half_cosine(peak, peak / END_DIVISOR, (position - WARM_UP) / (1.0 - WARM_UP))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictor::float_network::FloatNetwork;
+    use crate::predictor::synthetic::stripes;
+
+    fn settings(epochs: u32) -> Learning {
+        Learning { epochs, batch: 20, channels: 4, blocks: 2, stem_stride: 2, ..Learning::default() }
+    }
+
+    fn bits(trained: &Trained) -> Vec<u64> {
+        trained.epochs.iter().map(|e| e.loss.to_bits()).collect()
+    }
+
+    #[test]
+    fn it_learns_to_tell_stripes_it_never_saw() {
+        let trained = train(&stripes(24, 40, 1), &settings(12), 5, 7, &|_| {}).unwrap();
+        let answers = FloatNetwork::new(&trained.parameters).classify(&stripes(24, 20, 2));
+        assert!(answers.accuracy() >= 0.95, "{}", answers.accuracy());
+        assert!(trained.epochs[11].loss < 0.3 * trained.epochs[0].loss);
+    }
+
+    #[test]
+    fn neither_threads_nor_neighbours_change_a_bit() {
+        let (images, others) = (stripes(24, 8, 1), stripes(30, 8, 2));
+        let alone = train(&images, &settings(2), 5, 7, &|_| {}).unwrap();
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let inside = pool.install(|| train(&images, &settings(2), 5, 7, &|_| {}).unwrap());
+            assert_eq!(bits(&inside), bits(&alone));
+            assert_eq!(inside.parameters, alone.parameters);
+        }
+        let jobs = [Job { images: &others, seed: 8 }, Job { images: &images, seed: 7 }];
+        for workers in [1, 2] {
+            let both = train_all(&jobs, &settings(2), 5, workers, &|_, _| {}).unwrap();
+            assert_eq!(both[1], alone);
+        }
+        assert_ne!(train(&images, &settings(2), 5, 9, &|_| {}).unwrap().parameters, alone.parameters);
+    }
+
+    #[test]
+    fn the_learning_rate_rises_to_its_peak_and_falls_to_nothing() {
+        let rates: Vec<f64> = (0..1000).map(|s| one_cycle(s, 1000, 5e-3)).collect();
+        assert!((rates[0] - 5e-3 / 25.0).abs() < 1e-7);
+        assert!(rates[..300].is_sorted() && rates[300..].iter().rev().is_sorted());
+        assert!((rates[300] - 5e-3).abs() < 1e-7 && (rates[999] - 5e-7).abs() < 1e-7);
+    }
+
+    #[test]
+    fn every_epoch_takes_every_image_once() {
+        let mut order = shuffled(500, 3, 1);
+        assert_ne!(order, shuffled(500, 3, 2));
+        assert_eq!(order, shuffled(500, 3, 1));
+        order.sort();
+        assert!(order.into_iter().eq(0..500));
+        let sizes = |count, size| batches(count, size).iter().map(|b| b.len()).collect::<Vec<_>>();
+        assert_eq!(sizes(500, 50), vec![50; 10]);
+        assert_eq!(sizes(103, 50), vec![51, 52]);
+        assert_eq!(sizes(3, 50), vec![3]);
+    }
+
+    #[test]
+    fn unfit_images_are_refused_by_name() {
+        let mut images = stripes(24, 1, 1);
+        let refuse =
+            |i: &Images, classes| train(i, &settings(1), classes, 1, &|_| {}).unwrap_err().to_string();
+        assert_eq!(refuse(&images, 4), "training images: largest label is 4, must be below 4");
+        images.pixels.pop();
+        assert!(refuse(&images, 5).starts_with("training images: pixels is 7679, must be 7680"));
+    }
+}

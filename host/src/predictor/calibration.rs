@@ -1,0 +1,175 @@
+//! Ranges of the activations: from what a float network does on training images to one int8 grid per activation.
+//!
+//! Two rules compete, the widest range seen and the one of least squared error; the caller keeps the one whose
+//! rehearsal loses less (Jacob et al., 2018, section 3; Nagel et al., 2021, section 3.1).
+
+use serde::{Deserialize, Serialize};
+
+use super::float_network::{Activation, FloatNetwork};
+use super::parameters::Images;
+
+/// How the range of an activation is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// From the smallest to the largest value seen.
+    Widest,
+    /// The part of that range, from the same zero, with the least squared error.
+    LeastError,
+}
+
+/// Shares of the widest range that [`Rule::LeastError`] tries.
+const SHARES: [f32; 8] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
+
+/// An int8 grid: value `q` stands for `(q - zero) scale`; zero is on it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Real size of one step.
+    pub scale: f32,
+    /// Value that stands for zero.
+    pub zero: i8,
+}
+
+impl Grid {
+    /// The image's grid: pixel -128 is 0, pixel 127 is 1.
+    pub const IMAGE: Grid = Grid { scale: 1.0 / 255.0, zero: -128 };
+
+    /// The 256 steps that cover `low..=high` and zero.
+    pub fn covering(low: f32, high: f32) -> Grid {
+        let (low, high) = (low.min(0.0), high.max(0.0));
+        let scale = (high - low) / 255.0;
+        if !(scale.is_normal() && scale.is_finite()) {
+            return Grid { scale: 1.0, zero: 0 };
+        }
+        Grid { scale, zero: (-128.0 - low / scale).round().clamp(-128.0, 127.0) as i8 }
+    }
+
+    /// The value nearest to `x`.
+    pub fn quantize(self, x: f32) -> i8 {
+        ((x / self.scale).round() + f32::from(self.zero)).clamp(-128.0, 127.0) as i8
+    }
+
+    /// The grid point nearest to `x`.
+    pub fn round(self, x: f32) -> f32 {
+        f32::from(i16::from(self.quantize(x)) - i16::from(self.zero)) * self.scale
+    }
+
+    /// Smallest and largest number on the grid.
+    pub fn range(self) -> (f32, f32) {
+        let at = |q: i16| f32::from(q - i16::from(self.zero)) * self.scale;
+        (at(-128), at(127))
+    }
+}
+
+/// One grid for every activation of a network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grids {
+    /// After the input convolution and the pooling.
+    pub stem: Grid,
+    /// Per block: affine, conv1, conv2, add.
+    pub blocks: Vec<[Grid; 4]>,
+    /// The answer.
+    pub logits: Grid,
+}
+
+impl Grids {
+    /// Grid of an activation.
+    pub fn of(&self, activation: Activation) -> Grid {
+        match activation {
+            Activation::Input => Grid::IMAGE,
+            Activation::Stem => self.stem,
+            Activation::Affine(b) => self.blocks[b][0],
+            Activation::Conv1(b) => self.blocks[b][1],
+            Activation::Conv2(b) => self.blocks[b][2],
+            Activation::Add(b) => self.blocks[b][3],
+            Activation::Mean => self.blocks.last().map_or(self.stem, |b| b[3]),
+            Activation::Logits => self.logits,
+        }
+    }
+}
+
+/// Position of an activation in the order they are computed.
+pub(super) fn position(activation: Activation, blocks: usize) -> usize {
+    match activation {
+        Activation::Input => 0,
+        Activation::Stem => 1,
+        Activation::Affine(b) => 2 + 4 * b,
+        Activation::Conv1(b) => 3 + 4 * b,
+        Activation::Conv2(b) => 4 + 4 * b,
+        Activation::Add(b) => 5 + 4 * b,
+        Activation::Mean => 2 + 4 * blocks,
+        Activation::Logits => 3 + 4 * blocks,
+    }
+}
+
+/// Chooses the grids by both rules, from what the network does on `images`.
+pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] {
+    let blocks = network.architecture.blocks;
+    let count = position(Activation::Logits, blocks) + 1;
+    let mut seen = vec![(0.0f32, 0.0f32); count];
+    network.evaluate(images, &mut |activation, values| {
+        let (low, high) = &mut seen[position(activation, blocks)];
+        for &v in values.iter() {
+            (*low, *high) = (low.min(v), high.max(v));
+        }
+    });
+    let candidates: Vec<[Grid; SHARES.len()]> =
+        seen.iter().map(|&(low, high)| SHARES.map(|s| Grid::covering(s * low, s * high))).collect();
+    let mut errors = vec![[0.0f64; SHARES.len()]; count];
+    network.evaluate(images, &mut |activation, values| {
+        let at = position(activation, blocks);
+        for (error, grid) in errors[at].iter_mut().zip(&candidates[at]) {
+            *error += values.iter().map(|&v| f64::from((v - grid.round(v)).powi(2))).sum::<f64>();
+        }
+    });
+    let best: Vec<Grid> = errors
+        .iter()
+        .zip(&candidates)
+        .map(|(errors, grids)| {
+            let least = (0..SHARES.len()).fold(0, |best, i| if errors[i] < errors[best] { i } else { best });
+            grids[least]
+        })
+        .collect();
+    let widest: Vec<Grid> = candidates.iter().map(|grids| grids[0]).collect();
+    [(Rule::Widest, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
+}
+
+fn assemble(grids: &[Grid], blocks: usize) -> Grids {
+    let at = |activation| grids[position(activation, blocks)];
+    let block =
+        |b| [Activation::Affine(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at);
+    Grids {
+        stem: at(Activation::Stem),
+        blocks: (0..blocks).map(block).collect(),
+        // The answer is never clipped: what is lost there is the order of the classes.
+        logits: at(Activation::Logits),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_is_on_every_grid_and_a_rectified_one_starts_there() {
+        for (low, high) in [(-1.0, 3.0), (0.0, 7.0), (-5.0, 0.0), (2.0, 3.0), (-0.3, 1000.0)] {
+            let grid = Grid::covering(low, high);
+            assert_eq!(grid.round(0.0), 0.0);
+            let (bottom, top) = grid.range();
+            assert!(bottom <= low.max(0.0) + grid.scale && top >= high - grid.scale, "{low} {high}");
+        }
+        assert_eq!(Grid::covering(0.0, 7.0).zero, -128);
+        assert_eq!(Grid::covering(0.0, 0.0), Grid { scale: 1.0, zero: 0 });
+    }
+
+    #[test]
+    fn rounding_errs_by_half_a_step_at_most() {
+        let grid = Grid::covering(-2.0, 5.0);
+        for i in 0..=700 {
+            let x = -2.0 + i as f32 * 0.01;
+            assert!((grid.round(x) - x).abs() <= 0.5001 * grid.scale + 1e-6, "{x}");
+        }
+        assert_eq!(Grid::IMAGE.quantize(1.0), 127);
+        assert_eq!(grid.quantize(1e9), 127);
+    }
+}

@@ -1,0 +1,520 @@
+//! Quantisation after training: a float network becomes an int8 one, with a report of what that cost.
+//!
+//! TensorFlow Lite's 8-bit specification: weights symmetric per output channel, activations on one grid per tensor,
+//! biases in steps of the accumulator, scale ratios as Q31 multipliers with a shift (Jacob et al., 2018).
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::calibration::{Grid, Grids, Rule, calibrate, position};
+use super::float_network::{Activation, FloatNetwork, FoldedBlock, FoldedLayer};
+use super::parameters::{Images, Parameters};
+use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedNetwork, Weighted};
+
+/// Training images that are used, at most, spread evenly.
+pub const CALIBRATION_IMAGES: usize = 200;
+/// Bits the inputs of an addition are shifted to the left by.
+const ADD_HEADROOM: u32 = 20;
+
+/// Why a network cannot become int8.
+#[derive(Debug, Error)]
+pub enum QuantizationError {
+    /// A scale ratio that no multiplier and shift can say.
+    #[error("{layer}: output channel {channel} rescales by {ratio:e}, must be below 128")]
+    Ratio {
+        /// The layer.
+        layer: String,
+        /// Output channel.
+        channel: usize,
+        /// The ratio.
+        ratio: f64,
+    },
+    /// An accumulator that could overflow.
+    #[error("{layer}: output channel {channel} could accumulate {largest}, must be below {limit}")]
+    Overflow {
+        /// The layer.
+        layer: String,
+        /// Output channel.
+        channel: usize,
+        /// Largest magnitude the accumulator could take.
+        largest: f64,
+        /// First magnitude that does not fit.
+        limit: f64,
+    },
+    /// No image to calibrate on.
+    #[error("calibration: number of images is 0, must be at least 1")]
+    NoImages,
+}
+
+/// What int8 did to one activation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LayerReport {
+    /// The activation, in words.
+    pub name: String,
+    /// Smallest number its grid holds.
+    pub low: f64,
+    /// Largest number its grid holds.
+    pub high: f64,
+    /// Its grid.
+    pub grid: Grid,
+    /// Power of the float activation over the power of its error, all earlier layers in int8 too, in dB.
+    pub sqnr_db: f64,
+}
+
+/// What quantisation did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct QuantizationReport {
+    /// Images the ranges come from.
+    pub images: usize,
+    /// The rule that was kept.
+    pub rule: Rule,
+    /// Cross entropy of the float network on them, in nats.
+    pub float_loss: f64,
+    /// Cross entropy of the rehearsed int8 network under each rule, in nats.
+    pub int8_loss: Vec<(Rule, f64)>,
+    /// Every activation under the rule that was kept.
+    pub layers: Vec<LayerReport>,
+}
+
+/// Turns a trained network into int8; ranges are measured on `images`, of which at most
+/// [`CALIBRATION_IMAGES`] are used.
+///
+/// # Errors
+/// No image; weights whose scale or accumulator leaves the format's range.
+pub fn quantize(
+    parameters: &Parameters,
+    preprocessing: Preprocessing,
+    classes: &[String],
+    images: &Images,
+) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
+    if images.is_empty() {
+        return Err(QuantizationError::NoImages);
+    }
+    let images = spread(images, CALIBRATION_IMAGES);
+    let float = FloatNetwork::new(parameters);
+    let mut best: Option<(f64, Rule, Grids, Converted)> = None;
+    let mut int8_loss = Vec::new();
+    for (rule, grids) in calibrate(&float, &images) {
+        let converted = convert(&float, &grids)?;
+        let loss = converted.rehearsal.evaluate(&images, &mut |a, v| round_all(grids.of(a), v)).loss;
+        int8_loss.push((rule, loss));
+        if best.as_ref().is_none_or(|b| loss < b.0) {
+            best = Some((loss, rule, grids, converted));
+        }
+    }
+    let (_, rule, grids, converted) = best.ok_or(QuantizationError::NoImages)?;
+    let report = QuantizationReport {
+        images: images.len(),
+        rule,
+        float_loss: float.classify(&images).loss,
+        int8_loss,
+        layers: compare(&float, &converted.rehearsal, &grids, &images),
+    };
+    let network = QuantizedNetwork {
+        preprocessing,
+        classes: classes.to_vec(),
+        stem_stride: parameters.architecture.stem_stride as u8,
+        stem: converted.stem,
+        blocks: converted.blocks,
+        head: converted.head,
+    };
+    Ok((network, report))
+}
+
+/// At most `most` images, evenly spaced.
+fn spread(images: &Images, most: usize) -> Images {
+    let count = images.len().min(most);
+    let chosen: Vec<usize> = (0..count).map(|i| i * images.len() / count).collect();
+    Images {
+        rows: images.rows,
+        frames: images.frames,
+        pixels: chosen.iter().flat_map(|&i| images.image(i).iter().copied()).collect(),
+        labels: chosen.iter().map(|&i| images.labels[i]).collect(),
+    }
+}
+
+fn round_all(grid: Grid, values: &mut [f32]) {
+    values.iter_mut().for_each(|v| *v = grid.round(*v));
+}
+
+/// The int8 layers, and the float network with their rounded weights that rehearses them.
+struct Converted {
+    stem: Weighted,
+    blocks: Vec<Block>,
+    head: Weighted,
+    rehearsal: FloatNetwork,
+}
+
+fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, QuantizationError> {
+    let (stem, rounded_stem) = convert_layer("stem", &float.stem, Grid::IMAGE, grids.stem)?;
+    let (mut blocks, mut rounded_blocks) = (Vec::new(), Vec::new());
+    let mut x = grids.stem;
+    for (b, (block, &[affine, conv1, conv2, add])) in float.blocks.iter().zip(&grids.blocks).enumerate() {
+        let name = |layer: &str| format!("block {b} {layer}");
+        let (affine_layer, rounded_affine) = convert_layer(&name("affine"), &block.affine, x, affine)?;
+        let (conv1_layer, rounded_conv1) = convert_layer(&name("conv1"), &block.conv1, affine, conv1)?;
+        let (conv2_layer, rounded_conv2) = convert_layer(&name("conv2"), &block.conv2, conv1, conv2)?;
+        blocks.push(Block {
+            affine: affine_layer,
+            conv1: conv1_layer,
+            conv2: conv2_layer,
+            add: convert_add(&name("add"), x, conv2, add)?,
+        });
+        rounded_blocks.push(FoldedBlock {
+            affine: rounded_affine,
+            conv1: rounded_conv1,
+            conv2: rounded_conv2,
+        });
+        x = add;
+    }
+    let (head, rounded_head) = convert_layer("head", &float.head, x, grids.logits)?;
+    let rehearsal = FloatNetwork {
+        architecture: float.architecture,
+        stem: rounded_stem,
+        blocks: rounded_blocks,
+        head: rounded_head,
+    };
+    Ok(Converted { stem, blocks, head, rehearsal })
+}
+
+/// One layer with weights; also what its rounded weights and biases stand for.
+fn convert_layer(
+    name: &str,
+    layer: &FoldedLayer,
+    input: Grid,
+    output: Grid,
+) -> Result<(Weighted, FoldedLayer), QuantizationError> {
+    let outputs = layer.biases.len();
+    let mut out = Weighted {
+        in_scale: input.scale,
+        out_scale: output.scale,
+        in_zero: input.zero,
+        out_zero: output.zero,
+        act_min: -128,
+        act_max: 127,
+        multipliers: Vec::with_capacity(outputs),
+        biases: Vec::with_capacity(outputs),
+        shifts: Vec::with_capacity(outputs),
+        weights: Vec::with_capacity(layer.weights.len()),
+    };
+    let mut rounded = FoldedLayer { weights: Vec::new(), biases: Vec::new() };
+    let in_scale = f64::from(input.scale);
+    let kernels = layer.weights.chunks_exact(layer.weights.len() / outputs);
+    for (channel, (kernel, &bias)) in kernels.zip(&layer.biases).enumerate() {
+        let scale = weight_scale(kernel, bias, in_scale);
+        let quantized = kernel.iter().map(|w| (w / scale).round().clamp(-127.0, 127.0) as i8);
+        let start = out.weights.len();
+        out.weights.extend(quantized);
+        let quantized_bias = (bias / (in_scale * scale)).round();
+        let ratio = in_scale * scale / f64::from(output.scale);
+        let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
+        let (multiplier, shift) = multiplier(ratio).ok_or_else(fail)?;
+        let weights: f64 = out.weights[start..].iter().map(|&w| f64::from(w).abs()).sum();
+        let largest = 255.0 * weights + quantized_bias.abs();
+        let limit = libm::exp2(31.0 - f64::from(shift.max(0)));
+        if largest >= limit {
+            return Err(QuantizationError::Overflow { layer: name.into(), channel, largest, limit });
+        }
+        out.biases.push(quantized_bias as i32);
+        out.multipliers.push(multiplier);
+        out.shifts.push(shift);
+        rounded.weights.extend(out.weights[start..].iter().map(|&w| f64::from(w) * scale));
+        rounded.biases.push(quantized_bias * in_scale * scale);
+    }
+    Ok((out, rounded))
+}
+
+/// Step of a channel's weights: the largest is 127 of them, and the bias fits 30 bits.
+fn weight_scale(kernel: &[f64], bias: f64, in_scale: f64) -> f64 {
+    let largest = kernel.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+    let scale = (largest / 127.0).max(bias.abs() / in_scale / f64::from(1u32 << 30));
+    if scale > 0.0 { scale } else { 1.0 }
+}
+
+/// `ratio` as a Q31 multiplier and a shift to the left: `ratio = multiplier / 2^31 * 2^shift`.
+///
+/// Rounded half up; 0 where the ratio is below 2^-32, `None` where it needs a shift above 7.
+pub fn multiplier(ratio: f64) -> Option<(i32, i8)> {
+    let (fraction, mut shift) = libm::frexp(ratio);
+    let mut q31 = (fraction * f64::from(1u32 << 31) + 0.5).floor() as i64;
+    if q31 == 1 << 31 {
+        (q31, shift) = (1 << 30, shift + 1);
+    }
+    match shift {
+        ..-31 => Some((0, 0)),
+        -31..=7 => Some((q31 as i32, shift as i8)),
+        _ => None,
+    }
+}
+
+/// The addition of a skip on grid `a` and a branch on grid `b`.
+fn convert_add(name: &str, a: Grid, b: Grid, sum: Grid) -> Result<Add, QuantizationError> {
+    let twice = 2.0 * f64::from(a.scale.max(b.scale));
+    let headroom = f64::from(1u32 << ADD_HEADROOM);
+    let ratios =
+        [f64::from(a.scale) / twice, f64::from(b.scale) / twice, twice / (headroom * f64::from(sum.scale))];
+    let mut pairs = [(0, 0); 3];
+    for (channel, (pair, &ratio)) in pairs.iter_mut().zip(&ratios).enumerate() {
+        let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
+        *pair = multiplier(ratio).ok_or_else(fail)?;
+    }
+    Ok(Add {
+        in1_scale: a.scale,
+        in2_scale: b.scale,
+        out_scale: sum.scale,
+        in1_zero: a.zero,
+        in2_zero: b.zero,
+        out_zero: sum.zero,
+        act_min: -128,
+        act_max: 127,
+        multipliers: pairs.map(|p| p.0),
+        shifts: pairs.map(|p| p.1),
+    })
+}
+
+/// Float and rehearsed activations side by side.
+fn compare(
+    float: &FloatNetwork,
+    rehearsal: &FloatNetwork,
+    grids: &Grids,
+    images: &Images,
+) -> Vec<LayerReport> {
+    let blocks = float.architecture.blocks;
+    let count = position(Activation::Logits, blocks) + 1;
+    let mut power = vec![(0.0f64, 0.0f64); count];
+    let mut order = Vec::with_capacity(count);
+    for i in 0..images.len() {
+        let mut exact: Vec<Vec<f32>> = Vec::with_capacity(count);
+        order.clear();
+        float.forward(images.image(i), images.rows, &mut |activation, values| {
+            order.push(activation);
+            exact.push(values.to_vec());
+        });
+        rehearsal.forward(images.image(i), images.rows, &mut |activation, values| {
+            round_all(grids.of(activation), values);
+            let at = position(activation, blocks);
+            for (&e, &v) in exact[at].iter().zip(values.iter()) {
+                power[at].0 += f64::from(e).powi(2);
+                power[at].1 += f64::from(e - v).powi(2);
+            }
+        });
+    }
+    let report = |(&activation, (signal, error)): (&Activation, (f64, f64))| {
+        let grid = grids.of(activation);
+        let (low, high) = grid.range();
+        // An activation without error counts as one with the error of a double's last bit.
+        let floor = signal.max(f64::MIN_POSITIVE) * f64::EPSILON * f64::EPSILON;
+        LayerReport {
+            name: in_words(activation),
+            low: f64::from(low),
+            high: f64::from(high),
+            grid,
+            sqnr_db: 10.0 * libm::log10(signal.max(f64::MIN_POSITIVE) / error.max(floor)),
+        }
+    };
+    order.iter().zip(power).map(report).collect()
+}
+
+fn in_words(activation: Activation) -> String {
+    match activation {
+        Activation::Input => "input".into(),
+        Activation::Stem => "stem".into(),
+        Activation::Affine(b) => format!("block {b} affine"),
+        Activation::Conv1(b) => format!("block {b} conv1"),
+        Activation::Conv2(b) => format!("block {b} conv2"),
+        Activation::Add(b) => format!("block {b} add"),
+        Activation::Mean => "mean".into(),
+        Activation::Logits => "logits".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictor::float_network::{first_maximum, same_padding};
+    use crate::predictor::parameters::Architecture;
+    use crate::predictor::synthetic::{stripes, trained_looking};
+
+    fn preprocessing(frames: u16) -> Preprocessing {
+        Preprocessing {
+            sensing_slots: 128 + 8 * (frames - 1),
+            first_kept: 2,
+            last_kept: 8,
+            window_len: 128,
+            hop: 8,
+            bins_per_row: 1,
+            range: 1063,
+            kaiser_beta: 10.0,
+            carrier_khz: 3_500_000,
+            slow_time_us: 1000,
+        }
+    }
+
+    /// TFLite's reference arithmetic in its plainest form, for these tests alone.
+    fn rescale(acc: i64, multiplier: i32, shift: i8) -> i64 {
+        let ab = (acc << shift.max(0)) * i64::from(multiplier);
+        let high = (ab + if ab >= 0 { 1 << 30 } else { 1 - (1 << 30) }) / (1 << 31);
+        let e = u32::from(shift.min(0).unsigned_abs());
+        let (mask, rest) = ((1i64 << e) - 1, high & ((1i64 << e) - 1));
+        (high >> e) + i64::from(rest > (mask >> 1) + i64::from(high < 0))
+    }
+
+    impl Weighted {
+        fn out(&self, channel: usize, acc: i64) -> i64 {
+            let y = rescale(acc, self.multipliers[channel], self.shifts[channel]) + i64::from(self.out_zero);
+            y.clamp(i64::from(self.act_min), i64::from(self.act_max))
+        }
+
+        /// 3x3 convolution of `[h][w][i]`.
+        fn convolve(&self, x: &[i64], [h, w, inputs]: [usize; 3], stride: usize) -> Vec<i64> {
+            let ((out_h, top), (out_w, left)) = (same_padding(h, stride), same_padding(w, stride));
+            let mut y = Vec::new();
+            for (r, c, o) in (0..out_h)
+                .flat_map(|r| (0..out_w).map(move |c| (r, c)))
+                .flat_map(|(r, c)| (0..self.biases.len()).map(move |o| (r, c, o)))
+            {
+                let mut acc = i64::from(self.biases[o]);
+                for tap in 0..9 {
+                    let row = (r * stride + tap / 3).wrapping_sub(top);
+                    let column = (c * stride + tap % 3).wrapping_sub(left);
+                    for i in (0..inputs).filter(|_| row < h && column < w) {
+                        let v = x[(row * w + column) * inputs + i] - i64::from(self.in_zero);
+                        acc += v * i64::from(self.weights[(o * 9 + tap) * inputs + i]);
+                    }
+                }
+                y.push(self.out(o, acc));
+            }
+            y
+        }
+    }
+
+    /// Logits of the int8 network.
+    fn infer(n: &QuantizedNetwork, image: &[i8]) -> Vec<f32> {
+        let (c, stride) = (n.channels(), usize::from(n.stem_stride));
+        let frames = image.len() / 64;
+        let x: Vec<i64> = image.iter().map(|&p| i64::from(p)).collect();
+        let x = n.stem.convolve(&x, [64, frames, 1], stride);
+        let (wide, h, w) =
+            (frames.div_ceil(stride), 64usize.div_ceil(stride) / 2, frames.div_ceil(stride) / 2);
+        let mut x: Vec<i64> = (0..h * w * c)
+            .map(|k| {
+                let (r, col, i) = (k / (w * c), k / c % w, k % c);
+                let taps = [(0, 0), (0, 1), (1, 0), (1, 1)];
+                taps.map(|(a, b)| x[((2 * r + a) * wide + 2 * col + b) * c + i]).into_iter().max().unwrap()
+            })
+            .collect();
+        for block in &n.blocks {
+            let a = &block.affine;
+            let t = x.iter().enumerate().map(|(k, v)| {
+                let weighted = (v - i64::from(a.in_zero)) * i64::from(a.weights[k % c]);
+                a.out(k % c, i64::from(a.biases[k % c]) + weighted)
+            });
+            let t = block.conv1.convolve(&t.collect::<Vec<_>>(), [h, w, c], 1);
+            let t = block.conv2.convolve(&t, [h, w, c], 1);
+            let s = &block.add;
+            for (x, t) in x.iter_mut().zip(&t) {
+                let part = |v: i64, zero: i8, k: usize| {
+                    rescale((v - i64::from(zero)) << ADD_HEADROOM, s.multipliers[k], s.shifts[k])
+                };
+                let sum = part(*x, s.in1_zero, 0) + part(*t, s.in2_zero, 1);
+                let y = rescale(sum, s.multipliers[2], s.shifts[2]) + i64::from(s.out_zero);
+                *x = y.clamp(i64::from(s.act_min), i64::from(s.act_max));
+            }
+        }
+        let pixels = (h * w) as i64;
+        let mean: Vec<i64> = (0..c)
+            .map(|i| {
+                let sum: i64 = x.iter().skip(i).step_by(c).sum();
+                (sum + if sum > 0 { pixels / 2 } else { -(pixels / 2) }) / pixels
+            })
+            .collect();
+        let head = |o: usize| {
+            let row = &n.head.weights[o * c..(o + 1) * c];
+            let dot: i64 =
+                row.iter().zip(&mean).map(|(&w, m)| i64::from(w) * (m - i64::from(n.head.in_zero))).sum();
+            let q = n.head.out(o, i64::from(n.head.biases[o]) + dot);
+            (q - i64::from(n.head.out_zero)) as f32 * n.head.out_scale
+        };
+        (0..n.classes.len()).map(head).collect()
+    }
+
+    fn names() -> Vec<String> {
+        (0..5).map(|i| format!("class {i}")).collect()
+    }
+
+    #[test]
+    fn multipliers_are_tflites() {
+        // QuantizeMultiplier of TensorFlow Lite: fraction in [0.5, 1) as Q31 and a power of two.
+        assert_eq!(multiplier(0.5), Some((1 << 30, 0)));
+        assert_eq!(multiplier(1.0), Some((1 << 30, 1)));
+        assert_eq!(multiplier(0.75), Some((1_610_612_736, 0)));
+        assert_eq!(multiplier(0.1), Some((1_717_986_918, -3)));
+        assert_eq!(multiplier(1.0 - 1e-12), Some((1 << 30, 1)), "rounds up to the next power");
+        assert_eq!(multiplier(127.9).unwrap().1, 7);
+        assert_eq!(multiplier(128.0), None);
+        assert_eq!(multiplier(libm::exp2(-32.0)), Some((1 << 30, -31)));
+        assert_eq!(multiplier(libm::exp2(-33.0)), Some((0, 0)));
+    }
+
+    #[test]
+    fn int8_answers_as_the_rehearsal_and_nearly_as_float() {
+        for (stem_stride, frames) in [(1, 10), (2, 35)] {
+            let architecture = Architecture { channels: 8, blocks: 2, stem_stride, classes: 5 };
+            let parameters = trained_looking(architecture, 21);
+            let images = stripes(frames, 6, 1);
+            let (network, report) =
+                quantize(&parameters, preprocessing(frames as u16), &names(), &images).unwrap();
+            assert_eq!(report.layers.len(), 2 + 4 * 2 + 2);
+            assert!(report.layers.iter().all(|l| l.sqnr_db > 15.0), "{report:#?}");
+            let float = FloatNetwork::new(&parameters);
+            let step = network.head.out_scale;
+            for image in (0..images.len()).map(|i| images.image(i)) {
+                let exact = float.forward(image, 64, &mut |_, _| {});
+                for (a, b) in infer(&network, image).iter().zip(&exact) {
+                    assert!((a - b).abs() < 14.0 * step, "{a} {b} {step}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_silent_channel_keeps_its_bias() {
+        let layer = FoldedLayer { weights: vec![0.0; 4], biases: vec![0.5, -0.25, 0.0, 1.0] };
+        let output = Grid::covering(-1.0, 1.0);
+        let (weighted, rounded) = convert_layer("head", &layer, Grid::IMAGE, output).unwrap();
+        for (channel, bias) in [0.5f32, -0.25, 0.0, 1.0].into_iter().enumerate() {
+            assert!((rounded.biases[channel] - f64::from(bias)).abs() < 1e-6);
+            let q = weighted.out(channel, i64::from(weighted.biases[channel])) as i8;
+            assert_eq!(q, output.quantize(bias), "{channel}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_said_is_refused_by_name() {
+        let layer = FoldedLayer { weights: vec![1.0], biases: vec![0.0] };
+        let fine = Grid { scale: 1e-9, zero: 0 };
+        let error = convert_layer("block 3 conv1", &layer, Grid::IMAGE, fine).unwrap_err().to_string();
+        assert!(error.starts_with("block 3 conv1: output channel 0 rescales by "), "{error}");
+        let none = Images { rows: 64, frames: 10, pixels: vec![], labels: vec![] };
+        let parameters =
+            trained_looking(Architecture { channels: 4, blocks: 1, stem_stride: 1, classes: 5 }, 1);
+        assert!(quantize(&parameters, preprocessing(10), &names(), &none).is_err());
+    }
+
+    #[cfg(feature = "train")]
+    #[test]
+    fn a_trained_network_answers_alike_in_int8() {
+        use crate::scenario::Learning;
+        let settings = Learning { epochs: 12, batch: 20, channels: 8, stem_stride: 2, ..Learning::default() };
+        let training = stripes(24, 40, 1);
+        let trained = crate::predictor::training::train(&training, &settings, 5, 7, &|_| {}).unwrap();
+        let (network, _) = quantize(&trained.parameters, preprocessing(24), &names(), &training).unwrap();
+        assert_eq!(network.to_bytes().unwrap().len() % 4, 0);
+        let held_out = stripes(24, 60, 2);
+        let float = FloatNetwork::new(&trained.parameters).classify(&held_out);
+        let agree = (0..held_out.len())
+            .filter(|&i| first_maximum(&infer(&network, held_out.image(i))) == float.classes[i])
+            .count();
+        assert!(agree * 100 >= held_out.len() * 98, "{agree} of {}", held_out.len());
+    }
+}
