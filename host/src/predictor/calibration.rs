@@ -122,7 +122,7 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
             *error += values.iter().map(|&v| f64::from((v - grid.round(v)).powi(2))).sum::<f64>();
         }
     });
-    let best: Vec<Grid> = errors
+    let mut best: Vec<Grid> = errors
         .iter()
         .zip(&candidates)
         .map(|(errors, grids)| {
@@ -131,6 +131,8 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
         })
         .collect();
     let widest: Vec<Grid> = candidates.iter().map(|grids| grids[0]).collect();
+    // The answer is never clipped: what would be lost there is the order of the classes.
+    best[count - 1] = widest[count - 1];
     [(Rule::Widest, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
 }
 
@@ -141,7 +143,6 @@ fn assemble(grids: &[Grid], blocks: usize) -> Grids {
     Grids {
         stem: at(Activation::Stem),
         blocks: (0..blocks).map(block).collect(),
-        // The answer is never clipped: what is lost there is the order of the classes.
         logits: at(Activation::Logits),
     }
 }

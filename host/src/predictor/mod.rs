@@ -3,6 +3,8 @@
 //! Paper, section V. Only `network` and `training` need burn (the feature `train`).
 pub mod calibration;
 pub mod float_network;
+#[cfg(test)]
+mod integer;
 #[cfg(feature = "train")]
 pub mod network;
 pub mod parameters;

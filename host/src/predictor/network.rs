@@ -47,7 +47,8 @@ fn norm(norm: &Norm, device: &Device) -> BatchNorm {
     let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(device);
     layer.gamma = parameter(&norm.gamma, [c], device);
     layer.beta = parameter(&norm.beta, [c], device);
-    let state = |values: &[f32]| RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), device));
+    let state =
+        |values: &[f32]| RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), device));
     layer.running_mean = state(&norm.mean);
     layer.running_var = state(&norm.variance);
     layer

@@ -158,7 +158,7 @@ impl Parameters {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Stream {
     Weights = 1,
-    #[cfg_attr(not(feature = "train"), expect(dead_code))]
+    #[cfg_attr(not(any(feature = "train", test)), expect(dead_code))]
     Shuffle = 2,
 }
 

@@ -1,6 +1,6 @@
-//! Images and networks from a seed for the predictor's tests: stripes that swing around a Doppler of their own.
+//! Images and networks from a seed for the predictor's tests: chirped stripes in noise.
 //!
-//! Five classes by mean Doppler and swing, with jitter and noise; nothing of the simulator.
+//! The five classes differ in slope and curvature, which a mean over the image does not hide; nothing of the simulator.
 
 use rand_core::Rng;
 
@@ -14,11 +14,11 @@ pub fn stripes(frames: usize, per_class: usize, seed: u64) -> Images {
     for i in 0..5 * per_class {
         let class = i % 5;
         let jitter = 0.8 + 0.4 * uniform();
-        let mean = [0.0, 6.0, 12.0, -6.0, -12.0][class] * jitter;
-        let swing = [1.0, 4.0, 6.0, 6.0, 4.0][class] * jitter;
-        let phase = std::f32::consts::TAU * uniform();
+        let slope = [0.0, 0.5, 1.2, -0.5, -1.2][class] * jitter;
+        let (offset, chirp) = (16.0 * uniform(), 0.02 * (uniform() - 0.5));
         for (row, frame) in (0..64).flat_map(|r| (0..frames).map(move |f| (r, f))) {
-            let distance = row as f32 - 32.0 - mean - swing * libm::sinf(phase + 0.4 * frame as f32);
+            let t = frame as f32;
+            let distance = libm::remainderf(row as f32 - offset - (slope + chirp * t) * t, 16.0);
             let level = 200.0 * libm::expf(-distance * distance / 8.0) + 90.0 * uniform();
             images.pixels.push((level.min(255.0) as i16 - 128) as i8);
         }
