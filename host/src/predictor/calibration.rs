@@ -44,9 +44,11 @@ impl Grid {
         Grid { scale, zero: (-128.0 - low / scale).round().clamp(-128.0, 127.0) as i8 }
     }
 
-    /// The value nearest to `x`.
+    /// The value nearest to `x`, half a step upwards.
     pub fn quantize(self, x: f32) -> i8 {
-        ((x / self.scale).round() + f32::from(self.zero)).clamp(-128.0, 127.0) as i8
+        // Counted from -128, so that the truncating conversion is a floor.
+        let steps = x / self.scale + (f32::from(self.zero) + 128.5);
+        (i16::from(steps.clamp(0.0, 255.0) as u8) - 128) as i8
     }
 
     /// The grid point nearest to `x`.
