@@ -158,7 +158,6 @@ impl Parameters {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Stream {
     Weights = 1,
-    #[cfg_attr(not(any(feature = "train", test)), expect(dead_code))]
     Shuffle = 2,
 }
 
@@ -173,6 +172,17 @@ pub(super) fn stream(seed: u64, purpose: Stream, index: u64) -> Xoshiro256PlusPl
         random.next_u64();
     }
     random
+}
+
+/// A permutation of `0..count`, Fisher and Yates; a function of seed and round.
+pub(super) fn shuffled(count: usize, seed: u64, round: u64) -> Vec<usize> {
+    let mut random = stream(seed, Stream::Shuffle, round);
+    let mut order: Vec<usize> = (0..count).collect();
+    for i in (1..count).rev() {
+        let j = ((u128::from(random.next_u64()) * (i as u128 + 1)) >> 64) as usize;
+        order.swap(i, j);
+    }
+    order
 }
 
 /// Uniform in (0, 1], 53 bits.

@@ -8,11 +8,11 @@ use thiserror::Error;
 
 use super::calibration::{Grid, Grids, Rule, calibrate, position};
 use super::float_network::{Activation, FloatNetwork, FoldedBlock, FoldedLayer};
-use super::parameters::{Images, Parameters};
+use super::parameters::{Images, Parameters, shuffled};
 use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedNetwork, Weighted};
 
-/// Training images that are used, at most, spread evenly.
-pub const CALIBRATION_IMAGES: usize = 200;
+/// Training images that are used, at most.
+pub const CALIBRATION_IMAGES: usize = 100;
 /// Bits the inputs of an addition are shifted to the left by.
 const ADD_HEADROOM: u32 = 20;
 
@@ -121,10 +121,10 @@ pub fn quantize(
     Ok((network, report))
 }
 
-/// At most `most` images, evenly spaced.
+/// At most `most` images, drawn without regard to their order, which may repeat the classes.
 fn spread(images: &Images, most: usize) -> Images {
-    let count = images.len().min(most);
-    let chosen: Vec<usize> = (0..count).map(|i| i * images.len() / count).collect();
+    let mut chosen = shuffled(images.len(), 0, 0);
+    chosen.truncate(most);
     Images {
         rows: images.rows,
         frames: images.frames,
@@ -390,11 +390,22 @@ mod tests {
     }
 
     #[test]
+    fn calibration_sees_every_class() {
+        let images = stripes(10, 100, 1);
+        let chosen = spread(&images, CALIBRATION_IMAGES);
+        assert_eq!((chosen.len(), chosen.pixels.len()), (100, 100 * 640));
+        for class in 0..5 {
+            let count = chosen.labels.iter().filter(|&&l| l == class).count();
+            assert!((10..=30).contains(&count), "{count} of class {class}");
+        }
+    }
+
+    #[test]
     fn a_silent_channel_keeps_its_bias() {
-        let layer = FoldedLayer { weights: vec![0.0; 4], biases: vec![0.5, -0.25, 0.0, 1.0] };
+        let layer = FoldedLayer { weights: vec![0.0; 4], biases: vec![0.5, -0.25, 0.0, 0.9] };
         let output = Grid::covering(-1.0, 1.0);
         let (weighted, rounded) = convert_layer("head", &layer, Grid::IMAGE, output).unwrap();
-        for (channel, bias) in [0.5f32, -0.25, 0.0, 1.0].into_iter().enumerate() {
+        for (channel, bias) in [0.5f32, -0.25, 0.0, 0.9].into_iter().enumerate() {
             assert!((rounded.biases[channel] - f64::from(bias)).abs() < 1e-6);
             let q = weighted.out(channel, i64::from(weighted.biases[channel])) as i8;
             assert_eq!(q, output.quantize(bias), "{channel}");

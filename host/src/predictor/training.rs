@@ -9,12 +9,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use burn::optim::{AdamWConfig, GradientsParams};
 use burn::tensor::activation::log_softmax;
 use burn::tensor::{Device, Tensor, TensorData};
-use rand_core::Rng;
 use thiserror::Error;
 
 use super::float_network::first_maximum;
 use super::network::Network;
-use super::parameters::{Architecture, Images, Parameters, Stream, stream};
+use super::parameters::{Architecture, Images, Parameters, shuffled};
 use crate::results::Epoch;
 use crate::scenario::Learning;
 
@@ -201,17 +200,6 @@ fn tensors(images: &Images, batch: &[usize], classes: usize, device: &Device) ->
 fn batches(count: usize, size: usize) -> Vec<std::ops::Range<usize>> {
     let number = ((count + size / 2) / size.max(1)).max(1);
     (0..number).map(|b| b * count / number..(b + 1) * count / number).collect()
-}
-
-/// A permutation of `0..count`, Fisher and Yates; a function of seed and epoch.
-fn shuffled(count: usize, seed: u64, epoch: u64) -> Vec<usize> {
-    let mut random = stream(seed, Stream::Shuffle, epoch);
-    let mut order: Vec<usize> = (0..count).collect();
-    for i in (1..count).rev() {
-        let j = ((u128::from(random.next_u64()) * (i as u128 + 1)) >> 64) as usize;
-        order.swap(i, j);
-    }
-    order
 }
 
 /// Learning rate of a step: a rising half cosine, then a falling one.
