@@ -1,0 +1,36 @@
+//! The identity skip: two int8 tensors of different scales added into a third scale.
+//!
+//! TFLite 8-bit specification, ADD: both inputs are brought to twice the larger scale with 20 guard bits.
+
+use crate::fixed::{clamp_i8, requantize};
+
+/// Guard bits of the sum.
+const LEFT_SHIFT: u32 = 20;
+
+/// Scales and zero points of an addition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Add {
+    pub(super) zero: [i8; 2],
+    pub(super) out_zp: i8,
+    pub(super) act_min: i8,
+    pub(super) act_max: i8,
+    pub(super) multiplier: [i32; 2],
+    pub(super) out_multiplier: i32,
+    pub(super) shift: [i8; 2],
+    pub(super) out_shift: i8,
+}
+
+impl Add {
+    /// `x = x + branch`, in place, any shape. Cost: three requantisations a value.
+    pub fn forward(&self, x: &mut [i8], branch: &[i8]) {
+        let [z1, z2] = self.zero;
+        let [m1, m2] = self.multiplier;
+        let [s1, s2] = self.shift;
+        for (x, &b) in x.iter_mut().zip(branch) {
+            let left = requantize((i32::from(*x) - i32::from(z1)) << LEFT_SHIFT, m1, s1);
+            let right = requantize((i32::from(b) - i32::from(z2)) << LEFT_SHIFT, m2, s2);
+            let sum = requantize(left.wrapping_add(right), self.out_multiplier, self.out_shift);
+            *x = clamp_i8(sum.wrapping_add(i32::from(self.out_zp)), self.act_min, self.act_max);
+        }
+    }
+}

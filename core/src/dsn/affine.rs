@@ -1,0 +1,27 @@
+//! Batch normalisation with ReLU as one int8 layer: a depthwise 1x1 convolution.
+//!
+//! TFLite 8-bit specification, DEPTHWISE_CONV_2D with a 1x1 kernel: acc = bias_c + (x - z_x) w_c.
+
+use super::model::Channelwise;
+use crate::fixed::clamp_i8;
+
+/// A per-channel scale and offset; weights `[channels]`.
+#[derive(Debug, Clone, Copy)]
+pub struct Affine<'m> {
+    pub(super) layer: Channelwise<'m>,
+}
+
+impl Affine<'_> {
+    /// `[pixels, channels]` to the same shape. Cost: one multiply and one requantisation a value.
+    pub fn forward(&self, input: &[i8], output: &mut [i8]) {
+        let channels = self.layer.channels.max(1);
+        for (from, to) in input.chunks_exact(channels).zip(output.chunks_exact_mut(channels)) {
+            for (c, ((&x, y), &w)) in from.iter().zip(to).zip(self.layer.weights).enumerate() {
+                let product = (i32::from(x) - i32::from(self.layer.in_zp)) * i32::from(w as i8);
+                let value = self.layer.requantize(c, self.layer.bias(c).wrapping_add(product));
+                let value = value.wrapping_add(i32::from(self.layer.out_zp));
+                *y = clamp_i8(value, self.layer.act_min, self.layer.act_max);
+            }
+        }
+    }
+}

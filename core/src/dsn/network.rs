@@ -1,0 +1,97 @@
+//! The network layer by layer in three activation buffers of the caller.
+//!
+//! Image to logits: stem and pooling row by row, residual blocks, average, head.
+
+use super::conv::same;
+use super::head::{MAX_CLASSES, arg_max};
+use super::model::Model;
+use super::pool::{average, max_rows};
+use crate::dsn::conv::MAX_CHANNELS;
+use crate::frame::ROWS;
+use crate::probe::Probe;
+use heapless::Vec;
+
+/// Bytes of scratch the network needs: three activation maps and two rows of the stem.
+pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -> usize {
+    let (height, width) = (same(ROWS, stem_stride), same(frames, stem_stride));
+    3 * (height / 2) * (width / 2) * channels + 2 * width * channels
+}
+
+/// The network's answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Class with the largest logit, the first of equals.
+    pub class: u8,
+    /// Its probability by softmax, 0..=1.
+    pub confidence: f32,
+    /// All logits, quantised, `[classes]`.
+    pub logits: Vec<i8, MAX_CLASSES>,
+}
+
+/// A model with the scratch memory it runs in.
+#[derive(Debug)]
+pub struct Network<'m, 'b> {
+    model: Model<'m>,
+    scratch: &'b mut [i8],
+}
+
+impl<'m, 'b> Network<'m, 'b> {
+    /// Joins a model and its scratch memory; `None` if that has fewer than [`scratch_bytes`].
+    pub fn new(model: Model<'m>, scratch: &'b mut [i8]) -> Option<Self> {
+        let need = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+        (scratch.len() >= need).then_some(Network { model, scratch })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model<'m> {
+        &self.model
+    }
+
+    /// Classifies an image, `[64, frames]`.
+    pub fn infer(&mut self, image: &[i8], probe: &mut impl Probe) -> Answer {
+        let model = &self.model;
+        let (channels, stride) = (model.channels(), model.stem_stride());
+        let (stem_height, stem_width) = (same(ROWS, stride), same(model.frames(), stride));
+        let (height, width) = (stem_height / 2, stem_width / 2);
+        let map = height * width * channels;
+        let (rows, rest) = self.scratch.split_at_mut_checked(2 * stem_width * channels).unwrap_or_default();
+        let (x, rest) = rest.split_at_mut_checked(map).unwrap_or_default();
+        let (a, rest) = rest.split_at_mut_checked(map).unwrap_or_default();
+        let (b, _) = rest.split_at_mut_checked(map).unwrap_or_default();
+
+        let (upper, lower) = rows.split_at_mut_checked(stem_width * channels).unwrap_or_default();
+        for (y, pooled) in x.chunks_exact_mut((width * channels).max(1)).enumerate() {
+            model.stem.row(image, ROWS, model.frames(), 2 * y, upper);
+            model.stem.row(image, ROWS, model.frames(), 2 * y + 1, lower);
+            max_rows(upper, lower, channels, pooled);
+        }
+        probe.layer(0, x);
+
+        let mut layer = 0;
+        for block in &model.blocks {
+            let [first, second] = &block.conv;
+            block.affine.forward(x, a);
+            probe.layer(layer + 1, a);
+            first.forward(a, height, width, b);
+            probe.layer(layer + 2, b);
+            second.forward(b, height, width, a);
+            probe.layer(layer + 3, a);
+            block.add.forward(x, a);
+            probe.layer(layer + 4, x);
+            layer += 4;
+        }
+
+        let mut features = [0; MAX_CHANNELS];
+        let features = features.get_mut(..channels).unwrap_or_default();
+        average(x, channels, features);
+        probe.layer(layer + 1, features);
+        let mut logits = Vec::new();
+        let _ = logits.resize(model.classes(), 0); // at most MAX_CLASSES: the parser has checked
+        model.head.forward(features, &mut logits);
+        probe.logits(&logits);
+        let class = arg_max(&logits);
+        let confidence = model.head.confidence(&logits, class);
+        probe.confidence(confidence);
+        Answer { class: class as u8, confidence, logits }
+    }
+}

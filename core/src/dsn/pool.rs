@@ -1,0 +1,46 @@
+//! Pooling: 2x2 maximum behind the stem, global average before the head.
+//!
+//! TFLite MAX_POOL_2D (2x2, stride 2, VALID) and AVERAGE_POOL_2D over the whole image; scales pass through.
+
+/// The maximum over pairs of columns of two rows: `[width, channels]` twice to `[width / 2, channels]`.
+pub fn max_rows(upper: &[i8], lower: &[i8], channels: usize, output: &mut [i8]) {
+    let pairs = upper.chunks_exact(2 * channels.max(1)).zip(lower.chunks_exact(2 * channels.max(1)));
+    for ((up, low), out) in pairs.zip(output.chunks_exact_mut(channels.max(1))) {
+        let (up_left, up_right) = up.split_at(channels);
+        let (low_left, low_right) = low.split_at(channels);
+        let four = up_left.iter().zip(up_right).zip(low_left.iter().zip(low_right));
+        for (out, ((a, b), (c, d))) in out.iter_mut().zip(four) {
+            *out = *a.max(b).max(c.max(d));
+        }
+    }
+}
+
+/// The average over all pixels, halves away from zero: `[pixels, channels]` to `[channels]`.
+pub fn average(input: &[i8], channels: usize, output: &mut [i8]) {
+    let pixels = (input.len() / channels.max(1)).max(1) as i32;
+    for (c, out) in output.iter_mut().take(channels).enumerate() {
+        let sum: i32 = input.iter().skip(c).step_by(channels.max(1)).map(|&x| i32::from(x)).sum();
+        let half = pixels / 2;
+        let mean = if sum > 0 { (sum + half) / pixels } else { (sum - half) / pixels };
+        *out = mean.clamp(-128, 127) as i8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maximum_of_each_square() {
+        let mut out = [0; 2];
+        max_rows(&[1, -5, 3, -7], &[0, 9, -1, -2], 1, &mut out);
+        assert_eq!(out, [9, 3]);
+    }
+
+    #[test]
+    fn average_rounds_halves_away_from_zero() {
+        let mut out = [0; 2];
+        average(&[1, -1, 2, -2], 2, &mut out);
+        assert_eq!(out, [2, -2]);
+    }
+}

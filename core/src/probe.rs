@@ -1,0 +1,31 @@
+//! An observer of every stage's values, for conformance tests and layer dumps.
+//!
+//! All methods do nothing by default; `()` observes nothing and costs nothing.
+
+use crate::clutter::{Gram, Weights};
+use crate::frame::{Beat, Complex};
+use crate::stft::Spectrum;
+
+/// Sees the values of every stage as they are made.
+pub trait Probe {
+    /// The decimated beat of a slot, `[fast_time]`.
+    fn beat(&mut self, _beat: &Beat) {}
+    /// The Gram matrix of the recording.
+    fn gram(&mut self, _gram: &Gram) {}
+    /// The projection weights in Q3.28, `[fast_time]`.
+    fn weights(&mut self, _weights: &Weights) {}
+    /// The scaled slow-time signal, `[slow_time]`.
+    fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {}
+    /// The spectrum of frame `_k`, `[doppler]`.
+    fn frame(&mut self, _k: usize, _spectrum: &Spectrum) {}
+    /// The network's image, `[rows, frames]`.
+    fn image(&mut self, _image: &[i8]) {}
+    /// The output of a layer, `[height, width, channels]`; counted from the pooled stem, 0.
+    fn layer(&mut self, _index: usize, _activations: &[i8]) {}
+    /// The network's answer before the softmax, `[classes]`.
+    fn logits(&mut self, _logits: &[i8]) {}
+    /// Probability of the answer.
+    fn confidence(&mut self, _confidence: f32) {}
+}
+
+impl Probe for () {}

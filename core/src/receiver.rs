@@ -1,0 +1,187 @@
+//! The whole street as one object: push a slot, ask for a class.
+//!
+//! [`Memory`] is the caller's, usually a `static`; its size is a constant of its three parameters.
+
+use crate::dsn::network::{Answer, Network, scratch_bytes};
+use crate::dsn::{Model, ModelError};
+use crate::frame::{Beat, Complex, ROWS, Slot, ZERO_BEAT};
+use crate::front_end::{FrontEnd, FrontEndBuffers};
+use crate::probe::Probe;
+
+/// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network
+/// ([`scratch_bytes`]).
+#[derive(Debug)]
+pub struct Memory<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> {
+    beats: [Beat; SLOTS],
+    slow_time: [Complex<i32>; SLOTS],
+    levels: [[i16; FRAMES]; ROWS],
+    image: [[i8; FRAMES]; ROWS],
+    scratch: [i8; SCRATCH],
+}
+
+/// Memory for the paper's largest recording (N_s = 1000, 110 frames) and eight channels.
+pub type StandardMemory = Memory<1000, 110, { scratch_bytes(110, 8, 1) }>;
+
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> Memory<SLOTS, FRAMES, SCRATCH> {
+    /// Bytes of this memory.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Memory for a `static`.
+    pub const fn new() -> Self {
+        Memory {
+            beats: [ZERO_BEAT; SLOTS],
+            slow_time: [Complex::new(0, 0); SLOTS],
+            levels: [[0; FRAMES]; ROWS],
+            image: [[0; FRAMES]; ROWS],
+            scratch: [0; SCRATCH],
+        }
+    }
+
+    /// The buffers of a receiver.
+    pub fn view(&mut self) -> Buffers<'_> {
+        Buffers {
+            front_end: FrontEndBuffers {
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: self.levels.as_flattened_mut(),
+                image: self.image.as_flattened_mut(),
+            },
+            scratch: &mut self.scratch,
+        }
+    }
+}
+
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> Default
+    for Memory<SLOTS, FRAMES, SCRATCH>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Borrowed [`Memory`], or slices of the caller's own making.
+#[derive(Debug)]
+pub struct Buffers<'b> {
+    /// Up to the image.
+    pub front_end: FrontEndBuffers<'b>,
+    /// The network's.
+    pub scratch: &'b mut [i8],
+}
+
+/// Why a receiver cannot be made or asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ReceiverError {
+    /// A buffer is too small for the model.
+    Memory {
+        /// Which: `beats`, `slow_time`, `levels`, `image` or `scratch`.
+        buffer: &'static str,
+        /// Elements the model needs.
+        need: usize,
+        /// Elements there are.
+        have: usize,
+    },
+    /// The model's preprocessing is not valid.
+    Model(ModelError),
+    /// The recording is complete: classify or reset first.
+    Full,
+    /// The recording is not complete yet.
+    Incomplete {
+        /// Slots still missing.
+        missing: usize,
+    },
+}
+
+impl core::fmt::Display for ReceiverError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match *self {
+            ReceiverError::Memory { buffer, need, have } => {
+                write!(f, "buffer {buffer} has {have} elements, the model needs {need}")
+            }
+            ReceiverError::Model(error) => write!(f, "{error}"),
+            ReceiverError::Full => write!(f, "the recording is complete"),
+            ReceiverError::Incomplete { missing } => write!(f, "{missing} sensing slots are missing"),
+        }
+    }
+}
+
+impl core::error::Error for ReceiverError {}
+
+/// What a receiver recognised.
+pub type Recognition = Answer;
+
+/// Raw slots in, class out.
+#[derive(Debug)]
+pub struct Receiver<'m, 'b> {
+    front_end: FrontEnd<'b>,
+    network: Network<'m, 'b>,
+}
+
+impl<'m, 'b> Receiver<'m, 'b> {
+    /// Joins a model and memory.
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError::Memory`] names the buffer that is too small, what it needs and what it has.
+    pub fn new(model: Model<'m>, buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
+        let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
+        let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+        let f = &buffers.front_end;
+        for (buffer, need, have) in [
+            ("beats", slots, f.beats.len()),
+            ("slow_time", slots, f.slow_time.len()),
+            ("levels", cells, f.levels.len()),
+            ("image", cells, f.image.len()),
+            ("scratch", scratch, buffers.scratch.len()),
+        ] {
+            if have < need {
+                return Err(ReceiverError::Memory { buffer, need, have });
+            }
+        }
+        let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
+        let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(error)?;
+        let network = Network::new(model, buffers.scratch).ok_or(error)?;
+        Ok(Receiver { front_end, network })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model<'m> {
+        self.network.model()
+    }
+
+    /// Sensing slots still missing.
+    pub fn missing(&self) -> usize {
+        self.model().sensing_slots().saturating_sub(self.front_end.taken())
+    }
+
+    /// Takes one slot and returns how many are missing.
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError::Full`] if none is missing.
+    pub fn push(&mut self, slot: &Slot, probe: &mut impl Probe) -> Result<usize, ReceiverError> {
+        if self.missing() == 0 || !self.front_end.push(slot, probe) {
+            return Err(ReceiverError::Full);
+        }
+        Ok(self.missing())
+    }
+
+    /// Classifies a complete recording; [`Receiver::reset`] begins the next.
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError::Incomplete`] if slots are missing.
+    pub fn classify(&mut self, probe: &mut impl Probe) -> Result<Recognition, ReceiverError> {
+        let missing = self.missing();
+        let Some(image) = (missing == 0).then_some(()).and_then(|()| self.front_end.image(probe)) else {
+            return Err(ReceiverError::Incomplete { missing });
+        };
+        Ok(self.network.infer(image, probe))
+    }
+
+    /// Forgets the recording.
+    pub fn reset(&mut self) {
+        self.front_end.reset();
+    }
+}
