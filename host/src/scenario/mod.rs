@@ -3,6 +3,10 @@
 //! Units are in the field names (`_m`, `_s`, `_hz`, `_db`, `_w`, `_deg`). Unknown keys are refused. Defaults are
 //! the paper's section VI where it gives a value.
 
+mod check;
+
+pub use check::ScenarioError;
+
 use serde::{Deserialize, Serialize};
 
 /// Speed of light in m/s.

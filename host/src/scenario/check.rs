@@ -1,0 +1,291 @@
+//! Reading a scenario and checking it once: afterwards no room has to doubt a value.
+//!
+//! Every refusal names the file, the field, the value and the legal range.
+
+use super::{Scenario, SpectrogramSettings};
+use sdp3_core::clutter::Kept;
+use sdp3_core::frame::FFT_LEN;
+use sdp3_core::front_end::Preprocessing;
+use std::path::{Path, PathBuf};
+
+/// Why a scenario cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// The file cannot be read.
+    #[error("{file}: {source}")]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is not TOML, or has a key or a type that a scenario does not have.
+    #[error("{file}: {message}")]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// Line, key and the keys there are.
+        message: String,
+    },
+    /// A value is outside its legal range.
+    #[error("{origin}: {field} = {value} is outside its legal range: {legal}")]
+    Value {
+        /// File or flag the value came from.
+        origin: String,
+        /// Dotted name of the field.
+        field: String,
+        /// The value.
+        value: String,
+        /// The legal range.
+        legal: String,
+    },
+}
+
+impl Scenario {
+    /// Reads and checks a TOML file.
+    ///
+    /// # Errors
+    ///
+    /// See [`ScenarioError`].
+    pub fn load(file: &Path) -> Result<Self, ScenarioError> {
+        let text = std::fs::read_to_string(file)
+            .map_err(|source| ScenarioError::Read { file: file.to_owned(), source })?;
+        let scenario: Scenario = toml::from_str(&text).map_err(|error| ScenarioError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string().trim_end().replace('\n', "\n  "),
+        })?;
+        scenario.check(&file.display().to_string())?;
+        Ok(scenario)
+    }
+
+    /// The resolved scenario as TOML, every default written out.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// Largest N_s studied.
+    pub fn largest_sensing_slots(&self) -> u32 {
+        self.frame.sensing_slots.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Time between two sensing slots in s.
+    pub fn interval_s(&self) -> f64 {
+        self.frame.slot_s * f64::from(self.frame.spacing_slots + 1)
+    }
+
+    /// Checks every value; `origin` (a file, or `command line`) begins each message.
+    ///
+    /// # Errors
+    ///
+    /// [`ScenarioError::Value`] for the first value outside its range.
+    pub fn check(&self, origin: &str) -> Result<(), ScenarioError> {
+        let c = Check { origin };
+        for (axis, &size) in ["x", "y", "z"].iter().zip(&self.room.size_m) {
+            c.within(&format!("room.size_m ({axis})"), size, 1.0, 100.0)?;
+        }
+        c.inside("radar.position_m", &self.radar.position_m, &self.room.size_m)?;
+        c.within("radar.carrier_hz", self.radar.carrier_hz, 0.5e9, 100e9)?;
+        c.within("radar.power_w", self.radar.power_w, 1e-6, 1e3)?;
+        c.within("radar.antenna_gain_db", self.radar.antenna_gain_db, -10.0, 60.0)?;
+        c.within("radar.noise_figure_db", self.radar.noise_figure_db, 0.0, 40.0)?;
+        c.within("radar.headroom_db", self.radar.headroom_db, 0.0, 60.0)?;
+        self.check_frame(&c)?;
+        if let Some(rho) = self.channel.rho {
+            c.within("channel.rho", rho, 0.0, 1.0)?;
+        }
+        let [sx, sy, _] = self.room.size_m;
+        c.within("target.start_m (x)", self.target.start_m[0], 0.0, sx)?;
+        c.within("target.start_m (y)", self.target.start_m[1], 0.0, sy)?;
+        c.within("target.heading_spread_deg", self.target.heading_spread_deg, 0.0, 180.0)?;
+        c.within("target.speed_jitter", self.target.speed_jitter, 0.0, 0.5)?;
+        c.interval("target.adult_height_m", &self.target.adult_height_m, 0.5, 2.5)?;
+        c.interval("target.child_height_m", &self.target.child_height_m, 0.5, 2.5)?;
+        self.check_learning(&c)?;
+        self.check_communication(&c)
+    }
+
+    fn check_frame(&self, c: &Check) -> Result<(), ScenarioError> {
+        let f = &self.frame;
+        c.within("frame.slot_s", f.slot_s, 100e-6, 0.1)?;
+        c.count("frame.period_slots", f.period_slots, 1, 1_000_000)?;
+        c.count("frame.spacing_slots", f.spacing_slots, 0, 1000)?;
+        let s = &self.spectrogram;
+        c.count("spectrogram.window", u32::from(s.window), 2, FFT_LEN as u32)?;
+        c.count("spectrogram.hop", u32::from(s.hop), 1, u32::from(s.window))?;
+        c.within("spectrogram.beta", f64::from(s.beta), 0.0, 40.0)?;
+        c.count("spectrogram.first_kept", u32::from(s.first_kept), 1, 8)?;
+        c.count("spectrogram.last_kept", u32::from(s.last_kept), u32::from(s.first_kept), 8)?;
+        c.legal(
+            "spectrogram.bins_per_row",
+            s.bins_per_row,
+            matches!(s.bins_per_row, 1 | 2 | 4),
+            "1, 2 or 4",
+        )?;
+        c.within("spectrogram.range_db", s.range_db, 1.0, 190.0)?;
+        let shown = format!("{:?}", f.sensing_slots);
+        let ascending = f.sensing_slots.windows(2).all(|pair| pair[0] < pair[1]);
+        c.legal(
+            "frame.sensing_slots",
+            &shown,
+            !f.sensing_slots.is_empty() && ascending,
+            "a non-empty ascending list",
+        )?;
+        let most = (f.period_slots / (f.spacing_slots + 1)).min(4000);
+        // the image needs a column behind the stem and its pooling
+        let least = u32::from(s.window) + 3 * u32::from(s.hop);
+        for &slots in &f.sensing_slots {
+            let legal = format!(
+                "{least}..={most}: N_s must fill four windows and N_s (N_m + 1) <= N = {} with N_m = {}",
+                f.period_slots, f.spacing_slots
+            );
+            c.legal("frame.sensing_slots", slots, (least..=most).contains(&slots), &legal)?;
+        }
+        Ok(())
+    }
+
+    fn check_learning(&self, c: &Check) -> Result<(), ScenarioError> {
+        let l = &self.learning;
+        c.count("learning.train_per_class", l.train_per_class, 2, 100_000)?;
+        c.count("learning.test_per_class", l.test_per_class, 1, 100_000)?;
+        c.count("learning.epochs", l.epochs, 1, 10_000)?;
+        c.count("learning.batch", l.batch, 2, 10_000)?;
+        c.within("learning.learning_rate", l.learning_rate, 1e-7, 1.0)?;
+        c.within("learning.weight_decay", l.weight_decay, 0.0, 1.0)?;
+        let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
+        c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4..=32")?;
+        c.count("learning.blocks", u32::from(l.blocks), 1, 8)?;
+        c.count("learning.stem_stride", u32::from(l.stem_stride), 1, 2)
+    }
+
+    fn check_communication(&self, c: &Check) -> Result<(), ScenarioError> {
+        let m = &self.communication;
+        c.count("communication.subcarriers", m.subcarriers, 1, 65_536)?;
+        c.within("communication.symbol_s", m.symbol_s, 1e-7, self.frame.slot_s)?;
+        c.within("communication.power_w", m.power_w, 1e-9, 1e3)?;
+        c.within("communication.noise_figure_db", m.noise_figure_db, 0.0, 40.0)?;
+        c.count("communication.draws", m.draws, 1, 1_000_000)?;
+        c.count("communication.cases (how many)", m.cases.len() as u32, 1, 16)?;
+        for (case, receivers) in m.cases.iter().enumerate() {
+            c.count(&format!("communication.cases[{case}] (receivers)"), receivers.len() as u32, 1, 8)?;
+            for (k, position) in receivers.iter().enumerate() {
+                let name = format!("communication.cases[{case}][{k}]");
+                c.inside(&name, position, &self.room.size_m)?;
+                let distance = position
+                    .iter()
+                    .zip(&self.radar.position_m)
+                    .map(|(a, b)| (a - b) * (a - b))
+                    .sum::<f64>()
+                    .sqrt();
+                c.legal(
+                    &name,
+                    format!("{position:?}"),
+                    distance >= 0.1,
+                    "at least 0.1 m from the base station",
+                )?;
+            }
+        }
+        c.within("trade.accuracy_weight", self.trade.accuracy_weight, 0.0, 1.0)?;
+        c.within("trade.zone_ratio", self.trade.zone_ratio, 1e-6, 1.0)?;
+        c.count("trade.case", self.trade.case, 1, m.cases.len() as u32)
+    }
+}
+
+impl SpectrogramSettings {
+    /// The core's form of these settings.
+    pub fn preprocessing(&self) -> Preprocessing {
+        // 50 dB are 16.61 octaves of power, 1063 level units of 1/64 octave
+        let octaves = self.range_db / (10.0 * std::f64::consts::LOG10_2);
+        Preprocessing {
+            kept: Kept { first: self.first_kept, last: self.last_kept },
+            window: self.window,
+            beta: self.beta,
+            hop: self.hop,
+            bins_per_row: self.bins_per_row,
+            range: (64.0 * octaves).round() as u16,
+        }
+    }
+}
+
+/// Where the values came from.
+struct Check<'a> {
+    origin: &'a str,
+}
+
+impl Check<'_> {
+    fn legal(
+        &self,
+        field: &str,
+        value: impl std::fmt::Display,
+        legal: bool,
+        range: &str,
+    ) -> Result<(), ScenarioError> {
+        if legal {
+            return Ok(());
+        }
+        Err(ScenarioError::Value {
+            origin: self.origin.to_owned(),
+            field: field.to_owned(),
+            value: value.to_string(),
+            legal: range.to_owned(),
+        })
+    }
+
+    fn within(&self, field: &str, value: f64, low: f64, high: f64) -> Result<(), ScenarioError> {
+        self.legal(field, value, (low..=high).contains(&value), &format!("{low}..={high}"))
+    }
+
+    fn count(&self, field: &str, value: u32, low: u32, high: u32) -> Result<(), ScenarioError> {
+        self.legal(field, value, (low..=high).contains(&value), &format!("{low}..={high}"))
+    }
+
+    fn interval(&self, field: &str, value: &[f64; 2], low: f64, high: f64) -> Result<(), ScenarioError> {
+        let [a, b] = *value;
+        let legal = (low..=high).contains(&a) && (a..=high).contains(&b);
+        self.legal(field, format!("{value:?}"), legal, &format!("[a, b] with {low} <= a <= b <= {high}"))
+    }
+
+    fn inside(&self, field: &str, position: &[f64; 3], room: &[f64; 3]) -> Result<(), ScenarioError> {
+        let legal = position.iter().zip(room).all(|(p, size)| (0.0..=*size).contains(p));
+        self.legal(field, format!("{position:?}"), legal, &format!("inside the room [0, 0, 0]..={room:?}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(toml: &str) -> String {
+        let scenario: Scenario = toml::from_str(toml).expect("parses");
+        scenario.check("room.toml").expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn the_default_is_legal_and_survives_its_own_toml() {
+        let scenario = Scenario::default();
+        scenario.check("default").unwrap();
+        assert_eq!(toml::from_str::<Scenario>(&scenario.to_toml()).unwrap(), scenario);
+    }
+
+    #[test]
+    fn fifty_decibels_are_1063_units() {
+        assert_eq!(SpectrogramSettings::default().preprocessing(), Preprocessing::default());
+    }
+
+    #[test]
+    fn refusals_name_file_field_value_and_range() {
+        let text = refusal("[channel]\nrho = 1.5");
+        assert_eq!(text, "room.toml: channel.rho = 1.5 is outside its legal range: 0..=1");
+        let text = refusal("[frame]\nsensing_slots = [200, 1001]");
+        assert!(text.contains("frame.sensing_slots = 1001") && text.contains("..=1000"), "{text}");
+        let text = refusal("[radar]\ncarrier_hz = nan");
+        assert!(text.contains("radar.carrier_hz = NaN"), "{text}");
+        let text = refusal("[communication]\ncases = [[[9.0, 1.0, 1.0]]]");
+        assert!(text.contains("communication.cases[0][0] = [9.0, 1.0, 1.0]"), "{text}");
+    }
+
+    #[test]
+    fn unknown_keys_are_refused() {
+        let error = toml::from_str::<Scenario>("[radar]\ncarier_hz = 1e9").unwrap_err().to_string();
+        assert!(error.contains("carier_hz") && error.contains("carrier_hz"), "{error}");
+    }
+}
