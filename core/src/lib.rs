@@ -45,6 +45,8 @@ pub mod front_end;
 pub mod math;
 pub mod probe;
 pub mod receiver;
+pub mod schedule;
 pub mod selftest;
 pub mod spectrogram;
+pub mod station;
 pub mod stft;

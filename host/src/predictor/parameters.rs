@@ -4,12 +4,13 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use serde::{Deserialize, Serialize};
 
 /// Added to a variance before its root, in training and when folding.
 pub const BATCH_NORM_EPSILON: f64 = 1e-5;
 
 /// Labelled spectrograms of one size.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Images {
     /// Doppler rows.
     pub rows: usize,
@@ -40,7 +41,7 @@ impl Images {
 }
 
 /// Shape of a network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Architecture {
     /// Channels of every convolution, C.
     pub channels: usize,
@@ -53,7 +54,7 @@ pub struct Architecture {
 }
 
 /// Weights and biases of a convolution or of the classifier.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Weights {
     /// Weights: `[O][I][3][3]` of a convolution, `[O][I]` of the classifier.
     pub weights: Vec<f32>,
@@ -62,7 +63,7 @@ pub struct Weights {
 }
 
 /// Batch normalisation `gamma (x - mean) / sqrt(variance + epsilon) + beta`, each `[C]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Norm {
     /// Learned factors.
     pub gamma: Vec<f32>,
@@ -88,7 +89,7 @@ impl Norm {
 }
 
 /// Parameters of a residual block.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlockParameters {
     /// Before the first convolution; cannot fold, the skip leaves before it.
     pub norm1: Norm,
@@ -101,7 +102,7 @@ pub struct BlockParameters {
 }
 
 /// All parameters of a network.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Shape.
     pub architecture: Architecture,

@@ -1,0 +1,298 @@
+//! The core against the reference, value for value.
+//!
+//! Each stage's reference takes the core's previous output, so that each stage is judged alone. Integer stages must
+//! agree bit for bit. Float stages are held to these bounds:
+//! - weights: `64 eps / gap + 8 eps` with eps = 2^-23 and `gap` the smallest distance between a dropped and a kept
+//!   eigenvalue over the trace. The f32 Jacobi sweeps perturb the matrix (trace 1) by a few dozen eps at most, and
+//!   a perturbation E turns an invariant subspace by |E| / gap (Davis-Kahan).
+//! - frames: `2^-18` of the sum of the windowed magnitudes: the f32 window is off by at most 2e-6 of its value, the
+//!   radix-2 transform adds eight roundings.
+//! - confidence: 0.6 %, twice the error of the core's fast exponential.
+
+use super::reference::{network, schedule, signal};
+use super::suite::{Case, Suite};
+use crate::results::{StageVerdict, TargetVerdict};
+use rayon::prelude::*;
+use sdp3_core::clutter::{Gram, Weights};
+use sdp3_core::dsn::{Model, scratch_bytes};
+use sdp3_core::frame::{Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::front_end::FrontEndBuffers;
+use sdp3_core::probe::Probe;
+use sdp3_core::receiver::{Buffers, Receiver};
+use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+use sdp3_core::stft::Spectrum;
+
+/// Bound of the weights' error: see the module.
+const WEIGHT_EPS: f64 = 64.0 / 8_388_608.0;
+/// Bound of a bin's error relative to the sum of the windowed magnitudes.
+const FRAME_BOUND: f64 = 1.0 / 262_144.0;
+/// Bound of the confidence's relative error.
+const CONFIDENCE_BOUND: f64 = 6e-3;
+
+/// Why a case cannot be run at all.
+#[derive(Debug, thiserror::Error)]
+#[error("case {case}: {reason}")]
+pub struct CaseError {
+    /// The case.
+    pub case: String,
+    /// What the core said.
+    pub reason: String,
+}
+
+/// Owned memory for any model.
+pub struct OwnedBuffers {
+    beats: Vec<Beat>,
+    slow_time: Vec<Complex<i32>>,
+    levels: Vec<i16>,
+    image: Vec<i8>,
+    scratch: Vec<i8>,
+}
+
+impl OwnedBuffers {
+    /// Memory for `slots` slots and `frames` frames, and `scratch` bytes for a network.
+    pub fn new(slots: usize, frames: usize, scratch: usize) -> Self {
+        OwnedBuffers {
+            beats: vec![ZERO_BEAT; slots],
+            slow_time: vec![Complex::new(0, 0); slots],
+            levels: vec![0; ROWS * frames],
+            image: vec![0; ROWS * frames],
+            scratch: vec![0; scratch],
+        }
+    }
+
+    /// Memory for a model.
+    pub fn for_model(model: &Model) -> Self {
+        let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+        Self::new(model.sensing_slots(), model.frames(), scratch)
+    }
+
+    /// The receiver's view of it.
+    pub fn view(&mut self) -> Buffers<'_> {
+        Buffers {
+            front_end: FrontEndBuffers {
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: &mut self.levels,
+                image: &mut self.image,
+            },
+            scratch: &mut self.scratch,
+        }
+    }
+}
+
+/// Runs the core on a case under a probe.
+///
+/// # Errors
+///
+/// [`CaseError`] if the model is refused or the number of slots is not the model's.
+pub fn run_core(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
+    let fail = |reason: String| CaseError { case: case.name.clone(), reason };
+    let model = Model::parse(&case.model).map_err(|e| fail(e.to_string()))?;
+    let mut buffers = OwnedBuffers::for_model(&model);
+    let mut receiver = Receiver::new(model, buffers.view()).map_err(|e| fail(e.to_string()))?;
+    for slot in &case.slots {
+        receiver.push(slot, probe).map_err(|e| fail(e.to_string()))?;
+    }
+    receiver.classify(probe).map(|_| ()).map_err(|e| fail(e.to_string()))
+}
+
+/// Keeps every stage's values.
+#[derive(Default)]
+struct Recorder {
+    beats: Vec<Vec<signal::Int>>,
+    gram: Vec<signal::Int>,
+    weights: Vec<signal::Int>,
+    slow_time: Vec<signal::Int>,
+    frames: Vec<Vec<(f32, f32)>>,
+    image: Vec<i8>,
+    layers: Vec<Vec<i64>>,
+    logits: Vec<i64>,
+    confidence: f64,
+}
+
+fn ints(values: &[Complex<i32>]) -> Vec<signal::Int> {
+    values.iter().map(|z| (i64::from(z.re), i64::from(z.im))).collect()
+}
+
+impl Probe for Recorder {
+    fn beat(&mut self, beat: &Beat) {
+        self.beats.push(ints(beat));
+    }
+    fn gram(&mut self, gram: &Gram) {
+        self.gram = gram.upper().iter().map(|z| (z.re, z.im)).collect();
+    }
+    fn weights(&mut self, weights: &Weights) {
+        self.weights = ints(weights);
+    }
+    fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
+        self.slow_time = ints(slow_time);
+    }
+    fn frame(&mut self, _k: usize, spectrum: &Spectrum) {
+        self.frames.push(spectrum.iter().map(|z| (z.re, z.im)).collect());
+    }
+    fn image(&mut self, image: &[i8]) {
+        self.image = image.to_vec();
+    }
+    fn layer(&mut self, _index: usize, activations: &[i8]) {
+        self.layers.push(activations.iter().map(|&a| i64::from(a)).collect());
+    }
+    fn logits(&mut self, logits: &[i8]) {
+        self.logits = logits.iter().map(|&a| i64::from(a)).collect();
+    }
+    fn confidence(&mut self, confidence: f32) {
+        self.confidence = f64::from(confidence);
+    }
+}
+
+/// Counts of one stage.
+struct Tally {
+    stage: &'static str,
+    rule: String,
+    compared: u64,
+    mismatches: u64,
+    largest_error: Option<f64>,
+    first: Option<String>,
+}
+
+impl Tally {
+    fn bits(stage: &'static str) -> Self {
+        Tally { stage, rule: "bits".into(), compared: 0, mismatches: 0, largest_error: None, first: None }
+    }
+
+    fn exact<T: PartialEq + std::fmt::Debug>(&mut self, found: &[T], expected: &[T]) {
+        self.compared += found.len().max(expected.len()) as u64;
+        self.mismatches += found.len().abs_diff(expected.len()) as u64;
+        for (index, (f, e)) in found.iter().zip(expected).enumerate() {
+            if f != e {
+                self.mismatches += 1;
+                self.first.get_or_insert_with(|| format!("index {index}: expected {e:?}, found {f:?}"));
+            }
+        }
+        if found.len() != expected.len() {
+            self.first.get_or_insert_with(|| format!("{} values expected, {} found", expected.len(), found.len()));
+        }
+    }
+
+    /// Compares an error already divided by its bound's scale with the bound.
+    fn bounded(&mut self, index: usize, error: f64, bound: f64) {
+        self.compared += 1;
+        let largest = self.largest_error.get_or_insert(0.0);
+        *largest = largest.max(error);
+        if error > bound || error.is_nan() {
+            self.mismatches += 1;
+            self.first.get_or_insert_with(|| format!("index {index}: error {error:.3e}, bound {bound:.3e}"));
+        }
+    }
+}
+
+/// All stages of one case.
+fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
+    let mut core = Recorder::default();
+    run_core(case, &mut core)?;
+    let header = network::header(&case.model);
+
+    let mut beat = Tally::bits("beat");
+    for (slot, found) in case.slots.iter().zip(&core.beats) {
+        let samples: Vec<(i16, i16)> = slot.iter().map(|s| (s.i, s.q)).collect();
+        beat.exact(found, &signal::beat(&samples));
+    }
+    let mut gram = Tally::bits("gram");
+    gram.exact(&core.gram, &signal::gram(&core.beats));
+
+    let mut weights = Tally { rule: "|error| <= 2^-17 / gap + 2^-20".into(), ..Tally::bits("weights") };
+    let expected = signal::weights(&core.gram, header.first, header.last);
+    let bound = WEIGHT_EPS / expected.gap + WEIGHT_EPS / 8.0;
+    for (index, (found, expected)) in core.weights.iter().zip(&expected.w).enumerate() {
+        let scale = f64::from(1 << 28);
+        let (re, im) = (found.0 as f64 / scale - expected.re, found.1 as f64 / scale - expected.im);
+        weights.bounded(index, (re * re + im * im).sqrt(), bound);
+    }
+
+    let mut slow_time = Tally::bits("slow-time");
+    slow_time.exact(&core.slow_time, &signal::slow_time(&core.beats, &core.weights));
+
+    let mut frame = Tally { rule: "|error| <= 2^-18 sum |x|".into(), ..Tally::bits("frame") };
+    let window = signal::kaiser(header.window, header.beta);
+    for (k, found) in core.frames.iter().enumerate() {
+        let (bins, total) = signal::frame(&core.slow_time, &window, k * header.hop);
+        for (index, (found, expected)) in found.iter().zip(&bins).enumerate() {
+            let (re, im) = (f64::from(found.0) - expected.re, f64::from(found.1) - expected.im);
+            let error = (re * re + im * im).sqrt();
+            frame.bounded(256 * k + index, if total > 0.0 { error / total } else { error }, FRAME_BOUND);
+        }
+    }
+    let mut image = Tally::bits("image");
+    image.exact(&core.image, &signal::image(&core.frames, header.bins_per_row, header.range));
+
+    let answer = network::infer(&case.model, &core.image);
+    let mut layer = Tally::bits("layer");
+    layer.exact(&core.layers.concat(), &answer.layers.concat());
+    let mut logits = Tally::bits("logits");
+    logits.exact(&core.logits, &answer.logits);
+    let mut confidence = Tally { rule: "relative error <= 0.6 %".into(), ..Tally::bits("confidence") };
+    confidence.bounded(0, (core.confidence / answer.confidence - 1.0).abs(), CONFIDENCE_BOUND);
+    Ok(vec![beat, gram, weights, slow_time, frame, image, layer, logits, confidence])
+}
+
+/// One period of the core's scheduler: 255 sensing, else the receiver; empty if the plan is refused.
+pub fn play_schedule(suite: &Suite) -> Vec<u8> {
+    let s = &suite.schedule;
+    let Ok(plan) = Plan::new(s.period, s.spacing, s.sensing, &s.shares) else { return Vec::new() };
+    let mut sequencer = Sequencer::new(&plan);
+    (0..s.period)
+        .map(|_| match sequencer.next() {
+            SlotUse::Communication(k) => k,
+            _ => u8::MAX,
+        })
+        .collect()
+}
+
+/// Holds the core on this machine to the reference.
+///
+/// # Errors
+///
+/// [`CaseError`] if a case cannot be run.
+pub fn verify_host(suite: &Suite) -> Result<TargetVerdict, CaseError> {
+    let per_case: Vec<Vec<Tally>> = suite.cases.par_iter().map(compare_case).collect::<Result<_, _>>()?;
+    let s = &suite.schedule;
+    let expected: Vec<u8> = schedule::period(s.period, s.spacing, s.sensing, &s.shares)
+        .into_iter()
+        .map(|slot| slot.map_or(u8::MAX, |k| k as u8))
+        .collect();
+    let mut played = Tally::bits("schedule");
+    played.exact(&play_schedule(suite), &expected);
+
+    let mut detail = None;
+    let mut stages: Vec<StageVerdict> = Vec::new();
+    let named = suite.cases.iter().map(|case| case.name.as_str()).chain(["one period"]);
+    for (name, tallies) in named.zip(per_case.into_iter().chain([vec![played]])) {
+        for tally in tallies {
+            if let Some(first) = &tally.first {
+                detail.get_or_insert_with(|| format!("case {name}, stage {}, {first}", tally.stage));
+            }
+            match stages.iter_mut().find(|stage| stage.stage == tally.stage) {
+                Some(stage) => {
+                    stage.compared += tally.compared;
+                    stage.mismatches += tally.mismatches;
+                    stage.largest_error =
+                        stage.largest_error.zip(tally.largest_error).map(|(a, b)| a.max(b)).or(stage.largest_error);
+                }
+                None => stages.push(StageVerdict {
+                    stage: tally.stage.to_owned(),
+                    compared: tally.compared,
+                    mismatches: tally.mismatches,
+                    rule: tally.rule,
+                    largest_error: tally.largest_error,
+                }),
+            }
+        }
+    }
+    Ok(TargetVerdict {
+        name: "host-reference".into(),
+        compared: stages.iter().map(|stage| stage.compared).sum(),
+        mismatches: stages.iter().map(|stage| stage.mismatches).sum(),
+        instructions: None,
+        detail,
+        stages,
+    })
+}

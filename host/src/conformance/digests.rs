@@ -1,0 +1,99 @@
+//! Other processors against this one: the digest of every stage of every case must be the same.
+
+use super::compare::{CaseError, play_schedule, run_core};
+use super::suite::Suite;
+use crate::results::{StageVerdict, TargetVerdict};
+use rayon::prelude::*;
+use sdp3_core::digest::{Digest, DigestProbe};
+
+/// Name, number of values and digest of a stage.
+pub type Stage = (String, u64, u64);
+
+/// What the core on this machine computes for a suite.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Digests {
+    /// Stages of every case.
+    pub cases: Vec<Vec<Stage>>,
+    /// Number of slots and digest of the schedule.
+    pub schedule: (u64, u64),
+}
+
+/// Digests of every stage on this machine.
+///
+/// # Errors
+///
+/// [`CaseError`] if a case cannot be run.
+pub fn digests(suite: &Suite) -> Result<Digests, CaseError> {
+    let case = |case| {
+        let mut probe = DigestProbe::new();
+        run_core(case, &mut probe)?;
+        Ok(probe.stages().map(|(name, d)| (name.to_owned(), d.count(), d.hash())).collect())
+    };
+    let cases = suite.cases.par_iter().map(case).collect::<Result<_, _>>()?;
+    let mut schedule = Digest::new();
+    play_schedule(suite).into_iter().for_each(|slot| schedule.value([slot]));
+    Ok(Digests { cases, schedule: (schedule.count(), schedule.hash()) })
+}
+
+/// Holds a target's digests to this machine's.
+pub fn compare(
+    name: &str,
+    here: &Digests,
+    cases: &[Vec<Stage>],
+    schedule: Option<(u64, u64)>,
+    instructions: Option<u64>,
+) -> TargetVerdict {
+    let mut detail = None;
+    let mut stages: Vec<StageVerdict> = Vec::new();
+    let mut count = |stage: &str, place: String, equal: bool, found: String| {
+        if !equal {
+            detail.get_or_insert_with(|| format!("{place}, stage {stage}: {found}"));
+        }
+        let mismatch = u64::from(!equal);
+        match stages.iter_mut().find(|s| s.stage == stage) {
+            Some(s) => {
+                s.compared += 1;
+                s.mismatches += mismatch;
+            }
+            None => stages.push(StageVerdict {
+                stage: stage.to_owned(),
+                compared: 1,
+                mismatches: mismatch,
+                rule: "bits".into(),
+                largest_error: None,
+            }),
+        }
+    };
+    for (index, expected) in here.cases.iter().enumerate() {
+        for (position, stage) in expected.iter().enumerate() {
+            let found = cases.get(index).and_then(|case| case.get(position));
+            let text = match found {
+                Some((name, n, digest)) => format!("expected {:016x}, found {name} {n} {digest:016x}", stage.2),
+                None => "nothing came back".to_owned(),
+            };
+            count(&stage.0, format!("case {index}"), found == Some(stage), text);
+        }
+    }
+    let text = format!("expected {:?}, found {schedule:?}", here.schedule);
+    count("schedule", "one period".into(), schedule == Some(here.schedule), text);
+    TargetVerdict {
+        name: name.to_owned(),
+        compared: stages.iter().map(|s| s.compared).sum(),
+        mismatches: stages.iter().map(|s| s.mismatches).sum(),
+        instructions,
+        detail,
+        stages,
+    }
+}
+
+/// The verdict on a target that could not run: it counts as a mismatch.
+pub fn not_run(name: &str, reason: String) -> TargetVerdict {
+    TargetVerdict {
+        name: name.to_owned(),
+        compared: 0,
+        mismatches: 1,
+        instructions: None,
+        detail: Some(format!("not run: {reason}")),
+        stages: Vec::new(),
+    }
+}

@@ -1,0 +1,291 @@
+//! Dechirp, Gram matrix, weights, projection, STFT and grey levels by their definitions.
+//!
+//! Paper, eqs. (X), (Y) and (z); integer scalings as stated in the core's documentation.
+
+use rustfft::num_complex::Complex;
+use std::f64::consts::PI;
+
+/// Complex i64.
+pub type Int = (i64, i64);
+/// Complex f64.
+pub type Float = Complex<f64>;
+
+/// Beat of a slot: 8 sums of 125 products with the conjugate chirp, divided by 2^12, halves up.
+pub fn beat(slot: &[(i16, i16)]) -> Vec<Int> {
+    let mut sums = vec![(0_i64, 0_i64); 8];
+    for (index, &(i, q)) in slot.iter().enumerate() {
+        let n = (index + 1) as f64;
+        // reduce the phase before the cosine: pi n^2 / 1000 modulo 2 pi
+        let phase = PI * ((n * n) % 2000.0) / 1000.0;
+        let c = libm::round(32767.0 * libm::cos(phase)) as i64;
+        let s = libm::round(32767.0 * libm::sin(phase)) as i64;
+        let (i, q) = (i64::from(i), i64::from(q));
+        let sum = &mut sums[index / 125];
+        sum.0 += i * c + q * s;
+        sum.1 += q * c - i * s;
+    }
+    sums.into_iter().map(|(re, im)| ((re + 2048).div_euclid(4096), (im + 2048).div_euclid(4096))).collect()
+}
+
+/// Upper triangle of the sum over slots of b b^H, row by row.
+pub fn gram(beats: &[Vec<Int>]) -> Vec<Int> {
+    let mut upper = Vec::new();
+    for i in 0..8 {
+        for j in i..8 {
+            let mut sum = (0_i128, 0_i128);
+            for beat in beats {
+                let ((ar, ai), (br, bi)) = (beat[i], beat[j]);
+                sum.0 += i128::from(ar * br + ai * bi);
+                sum.1 += i128::from(ai * br - ar * bi);
+            }
+            upper.push((i64::try_from(sum.0).expect("fits"), i64::try_from(sum.1).expect("fits")));
+        }
+    }
+    upper
+}
+
+/// Weights in f64 and the smallest relative gap between a dropped and a kept eigenvalue.
+pub struct Weights {
+    /// w = 1 - sum over the dropped components of u (u^H 1).
+    pub w: Vec<Float>,
+    /// Smallest distance between a dropped and a kept eigenvalue over the trace; infinite if nothing is dropped.
+    pub gap: f64,
+}
+
+/// w from the upper triangle of a Gram matrix, components `first..=last` (from 1, strongest first) kept.
+pub fn weights(upper: &[Int], first: usize, last: usize) -> Weights {
+    let mut a = [[Float::new(0.0, 0.0); 8]; 8];
+    let mut entries = upper.iter();
+    for i in 0..8 {
+        for j in i..8 {
+            let &(re, im) = entries.next().expect("36 entries");
+            a[i][j] = Float::new(re as f64, im as f64);
+            a[j][i] = a[i][j].conj();
+        }
+    }
+    let trace: f64 = (0..8).map(|i| a[i][i].re).sum();
+    let ones = vec![Float::new(1.0, 0.0); 8];
+    if trace <= 0.0 {
+        return Weights { w: ones, gap: f64::INFINITY };
+    }
+    a.iter_mut().flatten().for_each(|value| *value /= trace);
+    let mut pairs = eigen(a);
+    pairs.sort_by(|x, y| y.0.total_cmp(&x.0));
+    let dropped = |index: usize| index + 1 < first || index + 1 > last;
+    let mut w = ones;
+    let mut gap = f64::INFINITY;
+    for (index, (value, u)) in pairs.iter().enumerate() {
+        if !dropped(index) {
+            continue;
+        }
+        let inner: Float = u.iter().map(|u| u.conj()).sum();
+        w.iter_mut().zip(u).for_each(|(w, u)| *w -= u * inner);
+        for (other, (kept, _)) in pairs.iter().enumerate() {
+            if !dropped(other) {
+                gap = gap.min((value - kept).abs());
+            }
+        }
+    }
+    Weights { w, gap }
+}
+
+/// Eigenpairs of a Hermitian matrix through the real symmetric 16 x 16 matrix [[Re, -Im], [Im, Re]]: classical
+/// Jacobi on the largest element, then one vector of each doubled pair by Gram-Schmidt.
+fn eigen(a: [[Float; 8]; 8]) -> Vec<(f64, Vec<Float>)> {
+    let mut m = vec![vec![0.0; 16]; 16];
+    for i in 0..8 {
+        for j in 0..8 {
+            m[i][j] = a[i][j].re;
+            m[i + 8][j + 8] = a[i][j].re;
+            m[i][j + 8] = -a[i][j].im;
+            m[i + 8][j] = a[i][j].im;
+        }
+    }
+    let mut v: Vec<Vec<f64>> = (0..16).map(|i| (0..16).map(|j| f64::from(i == j)).collect()).collect();
+    for _ in 0..20_000 {
+        let (mut p, mut q, mut largest) = (0, 1, 0.0);
+        for (i, row) in m.iter().enumerate() {
+            for (j, value) in row.iter().enumerate().skip(i + 1) {
+                if value.abs() > largest {
+                    (p, q, largest) = (i, j, value.abs());
+                }
+            }
+        }
+        if largest < 1e-17 {
+            break;
+        }
+        let theta = 0.5 * libm::atan2(2.0 * m[p][q], m[q][q] - m[p][p]);
+        let (s, c) = (libm::sin(theta), libm::cos(theta));
+        for matrix in [&mut m, &mut v] {
+            for row in matrix.iter_mut() {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+        }
+        for j in 0..16 {
+            (m[p][j], m[q][j]) = (c * m[p][j] - s * m[q][j], s * m[p][j] + c * m[q][j]);
+        }
+    }
+    let mut order: Vec<usize> = (0..16).collect();
+    order.sort_by(|&x, &y| m[y][y].total_cmp(&m[x][x]));
+    let mut pairs: Vec<(f64, Vec<Float>)> = Vec::new();
+    for column in order {
+        let mut u: Vec<Float> = (0..8).map(|i| Float::new(v[i][column], v[i + 8][column])).collect();
+        for (_, other) in &pairs {
+            let inner: Float = other.iter().zip(&u).map(|(o, u)| o.conj() * u).sum();
+            u.iter_mut().zip(other).for_each(|(u, o)| *u -= o * inner);
+        }
+        let norm = u.iter().map(|u| u.norm_sqr()).sum::<f64>().sqrt();
+        if norm > 0.3 && pairs.len() < 8 {
+            u.iter_mut().for_each(|u| *u /= norm);
+            pairs.push((m[column][column], u));
+        }
+    }
+    assert_eq!(pairs.len(), 8, "a Hermitian 8 x 8 matrix has eight eigenvectors");
+    pairs
+}
+
+/// Slow time from given Q3.28 weights: exact inner products, scaled to 23 bits by one shift, halves up.
+pub fn slow_time(beats: &[Vec<Int>], weights: &[Int]) -> Vec<Int> {
+    let exact: Vec<(i128, i128)> = beats
+        .iter()
+        .map(|beat| {
+            beat.iter().zip(weights).fold((0, 0), |sum, (&(br, bi), &(wr, wi))| {
+                let (br, bi, wr, wi) = (i128::from(br), i128::from(bi), i128::from(wr), i128::from(wi));
+                (sum.0 + wr * br + wi * bi, sum.1 + wr * bi - wi * br)
+            })
+        })
+        .collect();
+    let largest = exact.iter().map(|y| y.0.abs().max(y.1.abs())).max().unwrap_or(0);
+    let mut scale = 1_i128;
+    while largest >= (1 << 23) * scale {
+        scale *= 2;
+    }
+    let round = |x: i128| (x + scale / 2).div_euclid(scale) as i64;
+    exact.into_iter().map(|(re, im)| (round(re), round(im))).collect()
+}
+
+/// Kaiser window of eq. (z).
+pub fn kaiser(length: usize, beta: f64) -> Vec<f64> {
+    let centre = (length as f64 - 1.0) / 2.0;
+    (0..length)
+        .map(|n| {
+            let x = (n as f64 - centre) / centre;
+            bessel_i0(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(beta)
+        })
+        .collect()
+}
+
+fn bessel_i0(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+    while term > sum * 1e-18 {
+        term *= x * x / (4.0 * k * k);
+        sum += term;
+        k += 1.0;
+    }
+    sum
+}
+
+/// One frame's 256 bins, and the sum of the windowed magnitudes its error is measured against.
+pub fn frame(slow_time: &[Int], window: &[f64], start: usize) -> (Vec<Float>, f64) {
+    let mut x = vec![Float::new(0.0, 0.0); 256];
+    for ((x, y), w) in x.iter_mut().zip(&slow_time[start..]).zip(window) {
+        *x = Float::new(y.0 as f64 * w, y.1 as f64 * w);
+    }
+    let total = x.iter().map(|x| x.norm_sqr().sqrt()).sum();
+    rustfft::FftPlanner::new().plan_fft_forward(256).process(&mut x);
+    (x, total)
+}
+
+/// `floor(64 log2 p)` of a normal positive f32, or `None`.
+///
+/// f64 holds p exactly and its logarithm to 1e-15; the distance of 64 log2 p from an integer is above 1e-7 unless p
+/// is a power of two, where the logarithm is exact.
+pub fn level(p: f32) -> Option<i64> {
+    if !p.is_normal() || p < 0.0 {
+        return None;
+    }
+    Some((libm::log2(f64::from(p)) * 64.0).floor() as i64)
+}
+
+/// The image of the frames' f32 spectra, `[64][frames]`.
+pub fn image(spectra: &[Vec<(f32, f32)>], bins_per_row: usize, range: i64) -> Vec<i8> {
+    let mut levels = vec![None; 64 * spectra.len()];
+    for (k, spectrum) in spectra.iter().enumerate() {
+        for row in 0..64 {
+            let mut power: Option<f32> = None;
+            for t in 0..bins_per_row {
+                let bin = ((row as i64 - 32) * bins_per_row as i64 + t as i64).rem_euclid(256) as usize;
+                let (re, im) = spectrum[bin];
+                let term = re * re + im * im;
+                power = Some(power.map_or(term, |power| power + term));
+            }
+            levels[row * spectra.len() + k] = power.and_then(level);
+        }
+    }
+    let largest = levels.iter().flatten().copied().max();
+    levels
+        .into_iter()
+        .map(|level| match (level, largest) {
+            (Some(level), Some(largest)) if largest - level < range => {
+                (255 - (largest - level) * 255 / range - 128) as i8
+            }
+            _ => -128,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenpairs_rebuild_their_matrix() {
+        let mut state = 7_u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f64 / 16_777_216.0 - 0.5
+        };
+        for _ in 0..20 {
+            let mut a = [[Float::new(0.0, 0.0); 8]; 8];
+            for i in 0..8 {
+                for j in i..8 {
+                    a[i][j] = Float::new(draw(), if i == j { 0.0 } else { draw() });
+                    a[j][i] = a[i][j].conj();
+                }
+            }
+            let pairs = eigen(a);
+            for i in 0..8 {
+                for j in 0..8 {
+                    let rebuilt: Float = pairs.iter().map(|(value, u)| u[i] * u[j].conj() * *value).sum();
+                    assert!((rebuilt - a[i][j]).norm_sqr() < 1e-24);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn levels_change_exactly_at_powers_of_the_64th_root_of_two() {
+        for exponent in -126..128_i32 {
+            for i in 0..64_i32 {
+                let border = libm::exp2(f64::from(exponent) + f64::from(i) / 64.0);
+                let mut p = border as f32;
+                if f64::from(p) < border {
+                    p = f32::from_bits(p.to_bits() + 1);
+                }
+                let below = f32::from_bits(p.to_bits() - 1);
+                assert_eq!(level(p), Some(i64::from(64 * exponent + i)));
+                if below.is_normal() {
+                    assert_eq!(level(below), Some(i64::from(64 * exponent + i - 1)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn kaiser_window_is_scipys() {
+        // scipy.signal.windows.kaiser(128, 10, sym=True)[[0, 63]]
+        let window = kaiser(128, 10.0);
+        assert!((window[0] - 3.551_494_06e-4).abs() < 1e-9, "{}", window[0]);
+        assert_eq!(window[63], window[64]);
+    }
+}
