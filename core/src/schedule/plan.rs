@@ -129,7 +129,7 @@ impl Plan {
 /// bounded by K. Nothing is given if a rate is zero. Cost: O(K^2).
 pub fn apportion(rates: &[u32], slots: u32, shares: &mut [u32]) {
     shares.fill(0);
-    if rates.is_empty() || rates.iter().any(|&rate| rate == 0) || rates.len() != shares.len() {
+    if rates.is_empty() || rates.contains(&0) || rates.len() != shares.len() {
         return;
     }
     // continuous optimum slots (1/r_k) / sum (1/r_i), rounded down in 64-bit fixed point with 2^32 / r_k
