@@ -1,8 +1,10 @@
-//! sdp3
+//! sdp3: how many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
 pub mod conformance;
 pub mod formats;
 pub mod optimizer;
+pub mod output;
 pub mod predictor;
+pub mod progress;
 pub mod report;
 pub mod results;
 pub mod scenario;

@@ -169,7 +169,8 @@ impl Tally {
             }
         }
         if found.len() != expected.len() {
-            self.first.get_or_insert_with(|| format!("{} values expected, {} found", expected.len(), found.len()));
+            self.first
+                .get_or_insert_with(|| format!("{} values expected, {} found", expected.len(), found.len()));
         }
     }
 
@@ -274,8 +275,11 @@ pub fn verify_host(suite: &Suite) -> Result<TargetVerdict, CaseError> {
                 Some(stage) => {
                     stage.compared += tally.compared;
                     stage.mismatches += tally.mismatches;
-                    stage.largest_error =
-                        stage.largest_error.zip(tally.largest_error).map(|(a, b)| a.max(b)).or(stage.largest_error);
+                    stage.largest_error = stage
+                        .largest_error
+                        .zip(tally.largest_error)
+                        .map(|(a, b)| a.max(b))
+                        .or(stage.largest_error);
                 }
                 None => stages.push(StageVerdict {
                     stage: tally.stage.to_owned(),

@@ -68,7 +68,9 @@ pub fn compare(
         for (position, stage) in expected.iter().enumerate() {
             let found = cases.get(index).and_then(|case| case.get(position));
             let text = match found {
-                Some((name, n, digest)) => format!("expected {:016x}, found {name} {n} {digest:016x}", stage.2),
+                Some((name, n, digest)) => {
+                    format!("expected {:016x}, found {name} {n} {digest:016x}", stage.2)
+                }
                 None => "nothing came back".to_owned(),
             };
             count(&stage.0, format!("case {index}"), found == Some(stage), text);

@@ -44,7 +44,7 @@ impl Suite {
     /// The file firmware reads.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = b"SDPS".to_vec();
-        let mut word = |bytes: &mut Vec<u8>, value: u32| bytes.extend(value.to_le_bytes());
+        let word = |bytes: &mut Vec<u8>, value: u32| bytes.extend(value.to_le_bytes());
         word(&mut bytes, 1);
         word(&mut bytes, self.cases.len() as u32);
         for case in &self.cases {

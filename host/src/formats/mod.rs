@@ -1,2 +1,4 @@
-//! formats
+//! File formats: what the outside world writes and reads.
+
 pub mod model_file;
+pub mod wav;

@@ -50,7 +50,8 @@ pub fn through_core(
         .map(|index| {
             let slots = scenario.largest_sensing_slots();
             let (recording, truth) = item(scenario, rho, seed, Set::Test, index, slots);
-            let classes = models.iter().map(|model| classify(model, &recording.slots)).collect::<Result<_, _>>();
+            let classes =
+                models.iter().map(|model| classify(model, &recording.slots)).collect::<Result<_, _>>();
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
             classes.map(|classes| (truth, classes))
         })

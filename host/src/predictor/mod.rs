@@ -1,6 +1,7 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
 //! Paper, section V. Only `network` and `training` need burn (the feature `train`).
+pub mod accuracy;
 pub mod calibration;
 pub mod float_network;
 #[cfg(test)]
@@ -9,6 +10,7 @@ mod integer;
 pub mod network;
 pub mod parameters;
 pub mod quantization;
+pub mod spectrograms;
 #[cfg(test)]
 mod synthetic;
 #[cfg(feature = "train")]

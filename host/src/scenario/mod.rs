@@ -115,7 +115,7 @@ pub struct Frame {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ArMode {
-    /// As printed: v_j = rho v_{j-1} + (1 - rho) Upsilon_j, started in its stationary state.
+    /// As printed: v_1 = Upsilon_1, v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
     Paper,
     /// v_j = rho v_{j-1} + sqrt(1 - rho^2) Upsilon_j: the power does not depend on rho.
     VariancePreserving,
@@ -271,7 +271,7 @@ impl Default for Radar {
             power_w: 1.0,
             antenna_gain_db: 25.0,
             noise_figure_db: 10.0,
-            headroom_db: 6.0,
+            headroom_db: 12.0,
         }
     }
 }

@@ -1,0 +1,77 @@
+//! Spectrogram grey levels in f64 for calibration, where signals may be real and rates arbitrary.
+//!
+//! Section III-C of the paper: Kaiser window, 256-point FFT, 50 dB below the maximum, quantised into F levels.
+
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Levels F of the probability mass function.
+pub const LEVELS: usize = 64;
+/// Dynamic range in dB.
+pub const RANGE_DB: f64 = 50.0;
+/// Length of the transform.
+const FFT: usize = 256;
+
+/// Window, transform and hop.
+pub struct Grey {
+    window: Vec<f64>,
+    hop: usize,
+    fft: Arc<dyn Fft<f64>>,
+}
+
+impl Grey {
+    /// A Kaiser window of `length` samples with `beta`, moved by `hop`.
+    pub fn new(length: usize, beta: f64, hop: usize) -> Self {
+        let centre = (length as f64 - 1.0) / 2.0;
+        let bessel = |x: f64| {
+            let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+            while term > 1e-17 * sum {
+                term *= x * x / (4.0 * k * k);
+                sum += term;
+                k += 1.0;
+            }
+            sum
+        };
+        let value = |n: usize| {
+            let x = (n as f64 - centre) / centre;
+            bessel(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel(beta)
+        };
+        let fft = FftPlanner::new().plan_fft_forward(FFT);
+        Grey { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
+    }
+
+    /// Decibels below the maximum, `[frame][bin]`, negative frequencies first; `half` keeps 0..=128 only.
+    pub fn decibels(&self, signal: &[Complex<f64>], half: bool) -> Vec<Vec<f64>> {
+        let mut frames = Vec::new();
+        let mut start = 0;
+        while start + self.window.len() <= signal.len() {
+            let mut x = vec![Complex::default(); FFT];
+            for ((x, y), w) in x.iter_mut().zip(&signal[start..]).zip(&self.window) {
+                *x = y * w;
+            }
+            self.fft.process(&mut x);
+            x.rotate_right(FFT / 2);
+            let kept = if half { &x[FFT / 2..] } else { &x[..] };
+            frames
+                .push(kept.iter().map(|z| 10.0 * libm::log10(z.norm_sqr().max(1e-300))).collect::<Vec<_>>());
+            start += self.hop;
+        }
+        let most = frames.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        frames.iter_mut().flatten().for_each(|db| *db -= most);
+        frames
+    }
+}
+
+/// Grey level 0..LEVELS of a value in dB below the maximum; 0 is black.
+pub fn level(db: f64) -> usize {
+    let share = 1.0 + db / RANGE_DB;
+    ((share * LEVELS as f64) as isize).clamp(0, LEVELS as isize - 1) as usize
+}
+
+/// Counts of each level.
+pub fn histogram(decibels: &[Vec<f64>]) -> [u64; LEVELS] {
+    let mut counts = [0; LEVELS];
+    decibels.iter().flatten().for_each(|&db| counts[level(db)] += 1);
+    counts
+}
