@@ -1,4 +1,5 @@
 //! File formats: what the outside world writes and reads.
 
 pub mod model_file;
+pub mod points;
 pub mod wav;

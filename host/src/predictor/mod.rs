@@ -8,6 +8,7 @@ pub mod float_network;
 mod integer;
 #[cfg(feature = "train")]
 pub mod network;
+pub mod learning_curve;
 pub mod parameters;
 pub mod quantization;
 pub mod spectrograms;
