@@ -3,6 +3,7 @@ pub mod conformance;
 pub mod formats;
 pub mod optimizer;
 pub mod output;
+pub mod pipeline;
 pub mod predictor;
 pub mod progress;
 pub mod report;

@@ -68,7 +68,9 @@ mod firmware {
     }
 
     fn case(index: u32, file: &mut File, memory: &mut Standard, model: &mut [u8]) {
-        let (Some(length), Some(slots)) = (file.word(), file.word()) else { fail("the suite file is truncated") };
+        let (Some(length), Some(slots)) = (file.word(), file.word()) else {
+            fail("the suite file is truncated")
+        };
         let (length, padded) = (length as usize, (length as usize).next_multiple_of(4));
         let Some(bytes) = model.get_mut(..padded) else { fail("a model is larger than 128 KiB") };
         if !file.read(bytes) {

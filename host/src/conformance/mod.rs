@@ -5,5 +5,6 @@
 
 pub mod compare;
 pub mod digests;
+pub mod qemu;
 pub mod reference;
 pub mod suite;

@@ -36,8 +36,8 @@ pub enum PointsError {
 ///
 /// [`PointsError`] names file, line, field, value and legal range.
 pub fn read(file: &Path) -> Result<Vec<CurvePoint>, PointsError> {
-    let text =
-        std::fs::read_to_string(file).map_err(|source| PointsError::Read { file: file.to_owned(), source })?;
+    let text = std::fs::read_to_string(file)
+        .map_err(|source| PointsError::Read { file: file.to_owned(), source })?;
     let refuse = |line: usize, field, value: &str, legal| PointsError::Value {
         file: file.to_owned(),
         line,

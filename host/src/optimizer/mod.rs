@@ -20,7 +20,9 @@ use sdp3_core::schedule::PlanError;
 #[derive(Debug, thiserror::Error)]
 pub enum OptimizerError {
     /// A receiver hears nothing.
-    #[error("communication: receiver {receiver} gets {bits} bits per slot; every receiver needs a gain above 0")]
+    #[error(
+        "communication: receiver {receiver} gets {bits} bits per slot; every receiver needs a gain above 0"
+    )]
     Gain {
         /// Receiver, from 0.
         receiver: usize,
@@ -28,7 +30,9 @@ pub enum OptimizerError {
         bits: f64,
     },
     /// Not one STFT window fits the period.
-    #[error("frame.period_slots = {period} is outside its legal range: at least {least}, one STFT window of sensing slots")]
+    #[error(
+        "frame.period_slots = {period} is outside its legal range: at least {least}, one STFT window of sensing slots"
+    )]
     Period {
         /// N.
         period: u32,
@@ -42,7 +46,9 @@ pub enum OptimizerError {
         model: String,
     },
     /// No point satisfies the rule.
-    #[error("no point of the boundary satisfies: {rule}; it offers accuracies {low:.4}..={high:.4} and at most {most:.0} bit")]
+    #[error(
+        "no point of the boundary satisfies: {rule}; it offers accuracies {low:.4}..={high:.4} and at most {most:.0} bit"
+    )]
     Unreachable {
         /// The rule in words.
         rule: String,
@@ -113,12 +119,13 @@ pub fn optimise(
             }
         }
         if case == scenario.trade.case {
-            let chosen = operating_point::choose(&points, rule).ok_or_else(|| OptimizerError::Unreachable {
-                rule: rule.words(),
-                low: points.iter().map(|p| p.accuracy).fold(1.0, f64::min),
-                high: points.iter().map(|p| p.accuracy).fold(0.0, f64::max),
-                most: points.iter().map(|p| p.throughput_bit).fold(0.0, f64::max),
-            })?;
+            let chosen =
+                operating_point::choose(&points, rule).ok_or_else(|| OptimizerError::Unreachable {
+                    rule: rule.words(),
+                    low: points.iter().map(|p| p.accuracy).fold(1.0, f64::min),
+                    high: points.iter().map(|p| p.accuracy).fold(0.0, f64::max),
+                    most: points.iter().map(|p| p.throughput_bit).fold(0.0, f64::max),
+                })?;
             let p = &points[chosen];
             operating_point = Some(OperatingPoint {
                 case,
@@ -134,7 +141,8 @@ pub fn optimise(
             });
         }
     }
-    let operating_point = operating_point.ok_or(OptimizerError::Plan(PlanError::Receivers { receivers: 0 }))?;
+    let operating_point =
+        operating_point.ok_or(OptimizerError::Plan(PlanError::Receivers { receivers: 0 }))?;
     Ok(Outcome { region, weighted, operating_point })
 }
 
@@ -151,7 +159,11 @@ mod tests {
             .communication
             .cases
             .iter()
-            .map(|case| case.iter().map(|&p| crate::simulator::channel::link::subcarrier_gains(&scenario, p, 1)).collect())
+            .map(|case| {
+                case.iter()
+                    .map(|&p| crate::simulator::channel::link::subcarrier_gains(&scenario, p, 1))
+                    .collect()
+            })
             .collect();
         optimise(&curve, &gains, &scenario, rule)
     }

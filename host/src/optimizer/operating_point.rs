@@ -19,9 +19,13 @@ impl Rule {
     /// The rule in words.
     pub fn words(self) -> String {
         match self {
-            Rule::Weighted(w) => format!("largest {w} A + {} R, both over their span on the boundary", 1.0 - w),
+            Rule::Weighted(w) => {
+                format!("largest {w} A + {} R, both over their span on the boundary", 1.0 - w)
+            }
             Rule::AccuracyAtLeast(a) => format!("most throughput with accuracy at least {a}"),
-            Rule::ThroughputAtLeast(r) => format!("most accuracy with throughput at least {r} bit per period"),
+            Rule::ThroughputAtLeast(r) => {
+                format!("most accuracy with throughput at least {r} bit per period")
+            }
         }
     }
 }

@@ -10,8 +10,9 @@ use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 ///
 /// [`OptimizerError::Plan`] if the numbers are not a plan.
 pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
-    let plan = Plan::new(point.period_slots, point.spacing_slots, point.sensing_slots, &point.communication_slots)
-        .map_err(OptimizerError::Plan)?;
+    let plan =
+        Plan::new(point.period_slots, point.spacing_slots, point.sensing_slots, &point.communication_slots)
+            .map_err(OptimizerError::Plan)?;
     let mut sequencer = Sequencer::new(&plan);
     let receivers = point.communication_slots.len();
     let mut schedule = Schedule {

@@ -48,11 +48,7 @@ pub fn point(scenario: &Scenario, curve: &Curve, slot_bits: &[f64], sensing: u32
 /// # Errors
 ///
 /// [`OptimizerError::Period`] if not even one window fits; [`OptimizerError::Curve`] if the curve's model is unknown.
-pub fn boundary(
-    scenario: &Scenario,
-    curve: &Curve,
-    slot_bits: &[f64],
-) -> Result<Vec<Point>, OptimizerError> {
+pub fn boundary(scenario: &Scenario, curve: &Curve, slot_bits: &[f64]) -> Result<Vec<Point>, OptimizerError> {
     let f = &scenario.frame;
     let window = u32::from(scenario.spectrogram.window);
     let most = f.period_slots / (f.spacing_slots + 1);

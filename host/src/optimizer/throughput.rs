@@ -21,7 +21,11 @@ pub fn slot_bits(scenario: &Scenario, gains: &[Vec<f64>]) -> Result<Vec<f64>, Op
         .map(|(receiver, gains)| {
             let gamma: Vec<f64> = gains.iter().map(|g| g * c.power_w / noise).collect();
             let bits = scenario.frame.slot_s / c.symbol_s * allocate(&gamma).rate_bit;
-            if bits.is_finite() && bits > 0.0 { Ok(bits) } else { Err(OptimizerError::Gain { receiver, bits }) }
+            if bits.is_finite() && bits > 0.0 {
+                Ok(bits)
+            } else {
+                Err(OptimizerError::Gain { receiver, bits })
+            }
         })
         .collect()
 }

@@ -50,7 +50,11 @@ mod tests {
             let level = level.fold(0.0, f64::max);
             for (s, g) in found.shares.iter().zip(&gamma) {
                 let own = s + 1.0 / g;
-                assert!(if *s > 0.0 { (own / level - 1.0).abs() < 1e-9 } else { own >= level * (1.0 - 1e-12) });
+                assert!(if *s > 0.0 {
+                    (own / level - 1.0).abs() < 1e-9
+                } else {
+                    own >= level * (1.0 - 1e-12)
+                });
             }
         }
     }

@@ -6,9 +6,9 @@ pub mod calibration;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
+pub mod learning_curve;
 #[cfg(feature = "train")]
 pub mod network;
-pub mod learning_curve;
 pub mod parameters;
 pub mod quantization;
 pub mod spectrograms;

@@ -220,9 +220,16 @@ mod tests {
 
     /// The points behind the paper's Table III.
     fn paper() -> Vec<CurvePoint> {
-        [(200.0, 0.7885), (300.0, 0.9016), (400.0, 0.9142), (500.0, 0.9309), (600.0, 0.9292), (1000.0, 0.9554)]
-            .map(|(sensing_slots, accuracy)| CurvePoint { sensing_slots, accuracy, tested: None })
-            .to_vec()
+        [
+            (200.0, 0.7885),
+            (300.0, 0.9016),
+            (400.0, 0.9142),
+            (500.0, 0.9309),
+            (600.0, 0.9292),
+            (1000.0, 0.9554),
+        ]
+        .map(|(sensing_slots, accuracy)| CurvePoint { sensing_slots, accuracy, tested: None })
+        .to_vec()
     }
 
     /// Table III: model, printed parameters (exp4's exponent and ceiling swapped back), printed error.

@@ -96,7 +96,10 @@ impl Model {
         let mut starts = Vec::new();
         match self {
             Model::VaporPressure => {
-                starts.push(vec![libm::log(high.max(1e-3)), -n_low * libm::log((high / low.max(1e-3)).max(1.001))]);
+                starts.push(vec![
+                    libm::log(high.max(1e-3)),
+                    -n_low * libm::log((high / low.max(1e-3)).max(1.001)),
+                ]);
             }
             Model::LogLogLinear => {
                 starts.extend([0.05, 0.2, 0.5].map(|a| vec![a, libm::exp(low) - a * libm::log(n_low)]));
@@ -114,7 +117,12 @@ impl Model {
                             Model::Exp4 => {
                                 let exponent = 0.15 * rise;
                                 let alpha = rise / libm::pow(n_low, exponent) / exponent;
-                                vec![alpha, libm::log(gap(ceiling)) + alpha * libm::pow(n_low, exponent), exponent, ceiling]
+                                vec![
+                                    alpha,
+                                    libm::log(gap(ceiling)) + alpha * libm::pow(n_low, exponent),
+                                    exponent,
+                                    ceiling,
+                                ]
                             }
                             _ => {
                                 // (alpha N + beta)^-epsilon through the lowest point

@@ -1,0 +1,322 @@
+//! The main job: the floors of the house in their order.
+//!
+//! simulate, calibrate, learn, run, prove, trade, schedule, report. Every stage is also a command of its own and uses the
+//! functions here.
+
+use crate::conformance::compare::{CaseError, verify_host};
+use crate::conformance::digests::{compare, digests, not_run};
+use crate::conformance::qemu;
+use crate::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
+use crate::formats::wav;
+use crate::optimizer::{Rule, optimise, playback};
+use crate::output::Output;
+use crate::predictor::learning_curve::fit_all;
+use crate::predictor::spectrograms::{images_of, picture};
+use crate::progress::Progress;
+use crate::results::{
+    Accuracy, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction, Recognised, Schedule,
+    Spectrogram, Training, Verify,
+};
+use crate::scenario::{Class, Scenario};
+use crate::simulator::channel::link::subcarrier_gains;
+use crate::simulator::dataset::{Set, recording};
+use crate::simulator::{calibration, dataset};
+use sdp3_core::dsn::Model;
+use sdp3_core::frame::Slot;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Any refusal or failure of a command: exit code 2.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+/// What every stage needs.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// The checked scenario.
+    pub scenario: Scenario,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// How to show progress.
+    pub progress: Progress,
+    /// Where results go.
+    pub output: Output,
+}
+
+/// A measured signal to calibrate on.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// WAV file.
+    pub file: PathBuf,
+    /// Carrier of the sensor in Hz.
+    pub carrier_hz: f64,
+}
+
+/// The targets of `verify`, by name.
+pub const TARGETS: [&str; 3] = ["host-reference", "cortex-m4f", "riscv32imac"];
+
+/// Networks and how well they recognise.
+pub struct Learned {
+    /// Model files in the order of `frame.sensing_slots`.
+    pub models: Vec<Vec<u8>>,
+    /// Accuracies.
+    pub accuracy: Vec<Accuracy>,
+    /// Histories.
+    pub training: Vec<Training>,
+    /// Confusion matrices.
+    pub confusion: Vec<Confusion>,
+}
+
+impl Job {
+    /// Finds rho: from a measured signal, from the scenario, or from the stored table.
+    ///
+    /// # Errors
+    ///
+    /// An unreadable measurement.
+    pub fn calibrate(&self, measured: Option<&Measured>) -> Result<Calibration, Failure> {
+        let s = &self.scenario;
+        if let Some(measured) = measured {
+            let wav = wav::read(&measured.file)?;
+            let title = measured.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let stage = self.progress.stage("calibrate", "rho on the measured signal");
+            let found = calibration::calibrate_measured(
+                s,
+                &wav.samples,
+                wav.rate_hz,
+                measured.carrier_hz,
+                &title,
+                self.seed,
+                &|done, all| stage.at(done, all),
+            );
+            stage.finish(&format!(
+                "rho = {} with KL {:.4}, {:.4} without uncertainty",
+                found.rho,
+                found.kl.unwrap_or(f64::NAN),
+                found.kl_without_uncertainty.unwrap_or(f64::NAN)
+            ));
+            return Ok(found);
+        }
+        let (rho, source) = match s.channel.rho {
+            Some(rho) => (rho, format!("scenario: channel.rho = {rho}")),
+            None => calibration::stored_rho(s),
+        };
+        let stage = self.progress.stage("calibrate", "self-check of the stored rho");
+        let found = calibration::recover(s, rho, &source, self.seed, &|done, all| stage.at(done, all));
+        stage.finish(&format!("rho = {rho}: {source}"));
+        Ok(found)
+    }
+
+    /// A warning if limbs alias.
+    pub fn warn_of_aliasing(&self) {
+        if let Some(a) = dataset::aliasing(&self.scenario) {
+            let cure = match a.spacing_slots {
+                Some(n) => format!("frame.spacing_slots = {n} would not"),
+                None => "no spacing of these slots would not".to_owned(),
+            };
+            let text = format!(
+                "warning: limbs at {:.1} m/s alias above {:.1} m/s at this carrier and spacing; {cure}",
+                a.limb_m_s, a.unambiguous_m_s
+            );
+            self.progress.note("simulate", &text);
+        }
+    }
+
+    /// One spectrogram per class.
+    pub fn gallery(&self, rho: f64) -> Vec<Spectrogram> {
+        let s = &self.scenario;
+        let slots = s.largest_sensing_slots();
+        Class::ALL
+            .iter()
+            .map(|&class| {
+                let recording = recording(s, rho, self.seed, Set::Demo, class, 0, slots);
+                let image = images_of(s, &recording).pop().unwrap_or_default();
+                picture(s, class.name(), &image)
+            })
+            .collect()
+    }
+
+    /// The learning curve through accuracies.
+    ///
+    /// # Errors
+    ///
+    /// Too few points.
+    pub fn predict(&self, accuracy: &[Accuracy]) -> Result<(Prediction, Curve), Failure> {
+        let points: Vec<CurvePoint> = accuracy
+            .iter()
+            .map(|a| CurvePoint {
+                sensing_slots: f64::from(a.sensing_slots),
+                accuracy: a.int8,
+                tested: Some(f64::from(a.tested)),
+            })
+            .collect();
+        let prediction = fit_all(&points)?;
+        let curve = best_curve(&prediction);
+        let text = format!("A(N_s) by {}, rmse {:.4}", curve.model, curve.rmse);
+        self.progress.note("predict", &text);
+        Ok((prediction, curve))
+    }
+
+    /// Region and operating point.
+    ///
+    /// # Errors
+    ///
+    /// See [`crate::optimizer::OptimizerError`].
+    pub fn trade(&self, curve: &Curve, rule: Rule) -> Result<crate::optimizer::Outcome, Failure> {
+        let stage = self.progress.stage("trade", "accuracy against throughput");
+        let gains: Vec<Vec<Vec<f64>>> = self
+            .scenario
+            .communication
+            .cases
+            .iter()
+            .map(|case| case.iter().map(|&p| subcarrier_gains(&self.scenario, p, self.seed)).collect())
+            .collect();
+        let outcome = optimise(curve, &gains, &self.scenario, rule)?;
+        let p = &outcome.operating_point;
+        stage.finish(&format!(
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period to the worst receiver",
+            p.sensing_slots, p.accuracy, p.throughput_bit
+        ));
+        Ok(outcome)
+    }
+
+    /// Plays one period, with simulated signals in the sensing slots if models are given.
+    ///
+    /// # Errors
+    ///
+    /// Numbers that are not a plan.
+    pub fn play(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Result<Schedule, Failure> {
+        let mut schedule = playback::play(point)?;
+        schedule.recognised = self.recognise(point, rho, models);
+        let text = format!(
+            "{} sensing and {:?} communication slots, longest waits {:?}",
+            schedule.sensing_slots, schedule.communication_slots, schedule.longest_wait_slots
+        );
+        self.progress.note("schedule", &text);
+        Ok(schedule)
+    }
+
+    /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
+    fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
+        use crate::conformance::compare::OwnedBuffers;
+        use sdp3_core::receiver::Receiver;
+        use sdp3_core::schedule::{Plan, SlotUse};
+        use sdp3_core::station::Station;
+        let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
+        let model = parsed
+            .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
+            .max_by_key(Model::sensing_slots)?;
+        let class = Class::AdultWalking;
+        let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
+        let mut buffers = OwnedBuffers::for_model(&model);
+        let receiver = Receiver::new(model.clone(), buffers.view()).ok()?;
+        let plan = Plan::new(
+            point.period_slots,
+            point.spacing_slots,
+            point.sensing_slots,
+            &point.communication_slots,
+        );
+        let mut station = Station::new(&plan.ok()?, receiver);
+        let mut signal = slots.iter();
+        let mut answer = None;
+        for _ in 0..point.period_slots {
+            if station.begin() == SlotUse::Sensing {
+                answer = station.sensed(signal.next()?).or(answer);
+            }
+        }
+        let answer = answer?;
+        Some(Recognised {
+            truth: class.name().to_owned(),
+            class: model.class_name(usize::from(answer.class)).to_owned(),
+            confidence: f64::from(answer.confidence),
+        })
+    }
+
+    /// The suite for these models: one recording of every class for the largest, one for each other, and stimuli.
+    pub fn suite(&self, rho: f64, models: &[Vec<u8>], schedule: ScheduleCase) -> Result<Suite, Failure> {
+        let mut cases = Vec::new();
+        for (index, bytes) in models.iter().enumerate() {
+            let model = Model::parse(bytes).map_err(|e| format!("model {index}: {e}"))?;
+            let slots = model.sensing_slots();
+            let take = |class: Class, n: u32| -> Vec<Slot> {
+                recording(&self.scenario, rho, self.seed, Set::Demo, class, n, slots as u32).slots
+            };
+            let largest = index + 1 == models.len();
+            let classes = if largest { &Class::ALL[..] } else { &Class::ALL[index % 5..=index % 5] };
+            cases.extend(classes.iter().map(|&class| Case {
+                name: format!("{} N_s={slots}", class.name()),
+                model: bytes.clone(),
+                slots: take(class, 2),
+            }));
+            if index == 0 {
+                cases.extend(stimuli(bytes, slots, self.seed));
+            }
+        }
+        Ok(Suite { cases, schedule })
+    }
+
+    /// Holds the core to the reference and the firmware to the core.
+    ///
+    /// # Errors
+    ///
+    /// A suite that cannot be run at all; a target that cannot run counts as a mismatch instead.
+    pub fn prove(
+        &self,
+        suite: &Suite,
+        targets: &[String],
+        firmware: Option<&Path>,
+    ) -> Result<Verify, Failure> {
+        let mut verdicts = Vec::new();
+        let wanted = |name: &str| targets.iter().any(|t| t == name);
+        if wanted(TARGETS[0]) {
+            let stage = self.progress.stage("prove", "the core against the reference");
+            let verdict = verify_host(suite)?;
+            stage.finish(&format!("{} values, {} mismatches", verdict.compared, verdict.mismatches));
+            verdicts.push(verdict);
+        }
+        if TARGETS[1..].iter().any(|name| wanted(name)) {
+            let folder = qemu::folder(firmware);
+            let built = match firmware {
+                Some(_) => Ok(()),
+                None => qemu::build(&folder, &mut |line| self.progress.note("prove", line)),
+            };
+            let here = digests(suite).map_err(|e: CaseError| e.to_string())?;
+            let file = self.output.write("conformance.sdps", &suite.to_bytes())?;
+            let run = |machine: &qemu::Firmware| match &built {
+                Err(error) => not_run(machine.name, error.to_string()),
+                Ok(()) => match qemu::run(machine, &file, Duration::from_secs(240)) {
+                    Err(error) => not_run(machine.name, error.to_string()),
+                    Ok(report) => {
+                        let cases: Vec<_> = report.cases.iter().map(|case| case.stages.clone()).collect();
+                        let most = report.cases.iter().filter_map(|case| case.instructions).max();
+                        compare(machine.name, &here, &cases, report.schedule, most)
+                    }
+                },
+            };
+            let machines: Vec<_> = qemu::targets(&folder).into_iter().filter(|m| wanted(m.name)).collect();
+            let stage = self.progress.stage("prove", "firmware under QEMU");
+            let found: Vec<_> = std::thread::scope(|scope| {
+                let running: Vec<_> = machines.iter().map(|m| scope.spawn(|| run(m))).collect();
+                running.into_iter().filter_map(|thread| thread.join().ok()).collect()
+            });
+            let _ = std::fs::remove_file(&file);
+            let words: Vec<String> =
+                found.iter().map(|v| format!("{} {}/{} differ", v.name, v.mismatches, v.compared)).collect();
+            stage.finish(&words.join(", "));
+            verdicts.extend(found);
+        }
+        Ok(Verify {
+            compared: verdicts.iter().map(|v| v.compared).sum(),
+            mismatches: verdicts.iter().map(|v| v.mismatches).sum(),
+            targets: verdicts,
+        })
+    }
+}
+
+/// The best model of a prediction as a curve.
+pub fn best_curve(prediction: &Prediction) -> Curve {
+    let best = prediction.models.first();
+    Curve {
+        model: prediction.best.clone(),
+        parameters: best.map(|m| m.parameters).unwrap_or_default(),
+        rmse: best.map_or(0.0, |m| m.rmse),
+    }
+}
