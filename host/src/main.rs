@@ -1,2 +1,410 @@
-//! The sdp3 command.
-fn main() {}
+//! The `sdp3` command: parses, calls one function per subcommand, prints, and sets the exit code.
+
+mod cli;
+
+use clap::Parser;
+use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs};
+use sdp3::formats::points;
+use sdp3::optimizer::{Rule, playback};
+use sdp3::output::{Output, to_json};
+use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::predictor::learning_curve::fit_all;
+use sdp3::progress::Progress;
+use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
+use sdp3::scenario::{Scenario, ScenarioError};
+use sdp3::simulator::calibration;
+use std::process::ExitCode;
+
+/// Default of `--targets`.
+pub const TARGET_NAMES: [&str; 3] = TARGETS;
+
+/// What makes the files a command reads from `--out`.
+const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global() {
+        eprintln!("sdp3: --threads: {error}");
+        return ExitCode::from(2);
+    }
+    match execute(cli) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("sdp3: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs the command; `false` if a check failed.
+fn execute(cli: Cli) -> Result<bool, Failure> {
+    let common = &cli.common;
+    let progress = if common.quiet { Progress::Quiet } else { Progress::Shown };
+    let scenario = match &common.scenario {
+        Some(file) => Scenario::load(file)?,
+        None => Scenario::default(),
+    };
+    let json = common.json;
+    let command = cli.command.unwrap_or(Command::Run {
+        preset: Preset::Quick,
+        measured: MeasuredArgs { measured: None, carrier: None },
+        proof: ProofArgs { targets: TARGETS.map(String::from).to_vec(), firmware: None },
+    });
+    if let Command::Predict { points: Some(file) } = &command {
+        // needs no output folder
+        let prediction = fit_all(&points::read(file)?).map_err(|e| format!("{}: {e}", file.display()))?;
+        print_prediction(&prediction, json);
+        return Ok(true);
+    }
+    let mut job = Job { scenario, seed: common.seed, progress, output: Output::create(&common.out)? };
+    if let Command::Run { preset, .. } | Command::Train { preset } = &command {
+        apply(*preset, &mut job, common.scenario.is_some());
+    }
+    match command {
+        Command::Run { measured, proof, .. } => run(&job, measured, &proof, common.threads, json),
+        Command::Simulate { per_class } => simulate(&job, per_class, json),
+        Command::Calibrate { measured } => {
+            let found = job.calibrate(measurement(measured)?.as_ref())?;
+            let path = job.output.write_json("calibration.json", &found)?;
+            if json {
+                println!("{}", to_json(&found));
+            } else {
+                println!("rho = {} ({}); curve in {}", found.rho, found.source, path.display());
+            }
+            Ok(true)
+        }
+        Command::Train { .. } => train(&job, common.threads, json),
+        Command::Quantize => quantize(&job, json),
+        Command::Verify { proof } => {
+            let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+            job.scenario = resolved(&job)?;
+            job.seed = run.seed;
+            let verify = prove(&job, &run, &proof)?;
+            if json {
+                println!("{}", to_json(&verify));
+            } else {
+                print_verify(&verify);
+            }
+            Ok(verify.mismatches == 0)
+        }
+        Command::Predict { .. } => {
+            let prediction = fit_all(&stored_points(&job)?)?;
+            print_prediction(&prediction, json);
+            Ok(true)
+        }
+        Command::Optimize { points: file, rule } => {
+            let points = match file {
+                Some(file) => points::read(&file)?,
+                None => stored_points(&job)?,
+            };
+            let curve = best_curve(&fit_all(&points)?);
+            let outcome = job.trade(&curve, chosen(rule, &job.scenario)?)?;
+            let value = serde_json::json!({
+                "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
+                "weighted": outcome.weighted,
+            });
+            job.output.write_json("optimize.json", &value)?;
+            if json {
+                println!("{}", to_json(&value));
+            } else {
+                let p = &outcome.operating_point;
+                println!("{}: N_s = {}, N_c = {:?}", p.rule, p.sensing_slots, p.communication_slots);
+                println!("accuracy {:.4}, throughput {:.0} bit per period, {:?}", p.accuracy, p.throughput_bit, p.zone);
+            }
+            Ok(true)
+        }
+        Command::Schedule => {
+            let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+            let schedule = playback::play(&run.operating_point)?;
+            job.output.write_json("schedule.json", &schedule)?;
+            if json {
+                println!("{}", to_json(&schedule));
+            } else {
+                println!(
+                    "N = {}: {} sensing, {:?} communication, longest waits {:?} slots",
+                    schedule.period_slots,
+                    schedule.sensing_slots,
+                    schedule.communication_slots,
+                    schedule.longest_wait_slots
+                );
+            }
+            Ok(true)
+        }
+        Command::Report => {
+            let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+            let figures: Figures = job.output.read_json("figures.json", RUN_FIRST)?;
+            job.scenario = resolved(&job)?;
+            let path = report(&job, &run, &figures)?;
+            println!("{path}");
+            Ok(true)
+        }
+    }
+}
+
+/// The quick preset makes an untouched scenario small; one from a file is taken as it is.
+fn apply(preset: Preset, job: &mut Job, from_file: bool) {
+    if preset == Preset::Quick && !from_file {
+        let learning = &mut job.scenario.learning;
+        learning.train_per_class = 100;
+        learning.test_per_class = 60;
+        learning.epochs = 30;
+        learning.stem_stride = 2;
+    }
+}
+
+fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
+    let (Some(file), Some(carrier_hz)) = (args.measured, args.carrier) else { return Ok(None) };
+    if !(0.5e9..=100e9).contains(&carrier_hz) {
+        let value = ScenarioError::Value {
+            origin: "command line".into(),
+            field: "--carrier".into(),
+            value: carrier_hz.to_string(),
+            legal: "5e8..=1e11 Hz".into(),
+        };
+        return Err(value.into());
+    }
+    Ok(Some(Measured { file, carrier_hz }))
+}
+
+fn chosen(rule: RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
+    let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("command line: {name} = {value} is outside its legal range: 0..=1")),
+    };
+    Ok(match (rule.accuracy, rule.throughput, rule.weight) {
+        (Some(a), _, _) => Rule::AccuracyAtLeast(share("--accuracy", a)?),
+        (_, Some(r), _) if r.is_finite() => Rule::ThroughputAtLeast(r),
+        (_, Some(r), _) => return Err(format!("command line: --throughput = {r} is no number of bits").into()),
+        (_, _, Some(w)) => Rule::Weighted(share("--weight", w)?),
+        _ => Rule::Weighted(scenario.trade.accuracy_weight),
+    })
+}
+
+/// The resolved scenario of `--out`'s run.
+fn resolved(job: &Job) -> Result<Scenario, Failure> {
+    Ok(Scenario::load(&job.output.path("scenario.toml"))?)
+}
+
+fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
+    let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+    let point = |a: &sdp3::results::Accuracy| CurvePoint {
+        sensing_slots: f64::from(a.sensing_slots),
+        accuracy: a.int8,
+        tested: Some(f64::from(a.tested)),
+    };
+    Ok(run.accuracy.iter().map(point).collect())
+}
+
+fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
+    check_targets(proof)?;
+    let models = job
+        .scenario
+        .frame
+        .sensing_slots
+        .iter()
+        .map(|n| job.output.read(&model_name(*n), RUN_FIRST))
+        .collect::<Result<Vec<_>, _>>()?;
+    for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
+        let path = job.output.path(&model_name(*n));
+        sdp3_core::dsn::Model::parse(bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    let suite = job.suite(run.rho, &models, schedule_case(run))?;
+    job.prove(&suite, &proof.targets, proof.firmware.as_deref())
+}
+
+fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
+    match proof.targets.iter().find(|t| !TARGETS.contains(&t.as_str())) {
+        Some(unknown) => Err(format!("command line: --targets = {unknown} is none of {TARGETS:?}").into()),
+        None => Ok(()),
+    }
+}
+
+fn schedule_case(run: &Run) -> sdp3::conformance::suite::ScheduleCase {
+    let p = &run.operating_point;
+    sdp3::conformance::suite::ScheduleCase {
+        period: p.period_slots,
+        spacing: p.spacing_slots,
+        sensing: p.sensing_slots,
+        shares: p.communication_slots.clone(),
+    }
+}
+
+fn model_name(sensing_slots: u32) -> String {
+    format!("models/dsn-{sensing_slots}.sdp3")
+}
+
+#[cfg(feature = "train")]
+fn run(job: &Job, measured: MeasuredArgs, proof: &ProofArgs, threads: usize, json: bool) -> Result<bool, Failure> {
+    use sdp3::results::OperatingPoint;
+    check_targets(proof)?;
+    job.warn_of_aliasing();
+    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
+    let measured = measurement(measured)?;
+    let calibration = job.calibrate(measured.as_ref())?;
+    // a measurement at another carrier says nothing about this one: its rho is used only at its own
+    let same = |m: &Measured| (m.carrier_hz / job.scenario.radar.carrier_hz - 1.0).abs() < 0.2;
+    let rho = match (&measured, job.scenario.channel.rho) {
+        (Some(m), None) if !same(m) => calibration::stored_rho(&job.scenario).0,
+        (Some(_), None) | (None, None) => calibration.rho,
+        (_, Some(rho)) => rho,
+    };
+    if rho != calibration.rho {
+        let text = format!("rho = {rho} is used: the measurement is at another carrier or the scenario gives it");
+        job.progress.note("calibrate", &text);
+    }
+    let spectrograms = job.gallery(rho);
+    let (learned, _) = job.learn(rho, workers(threads))?;
+    for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
+        job.output.write(&model_name(*n), bytes)?;
+    }
+    let (prediction, curve) = job.predict(&learned.accuracy)?;
+    let outcome = job.trade(&curve, Rule::Weighted(job.scenario.trade.accuracy_weight))?;
+    let point: &OperatingPoint = &outcome.operating_point;
+    let schedule = job.play(point, rho, &learned.models)?;
+    let mut result = Run {
+        scenario: job.scenario.name.clone(),
+        seed: job.seed,
+        rho,
+        accuracy: learned.accuracy,
+        curve,
+        verify: Verify { compared: 0, mismatches: 0, targets: Vec::new() },
+        region: outcome.region.clone(),
+        operating_point: point.clone(),
+        schedule,
+        report: "report.html".into(),
+    };
+    let suite = job.suite(rho, &learned.models, schedule_case(&result))?;
+    result.verify = job.prove(&suite, &proof.targets, proof.firmware.as_deref())?;
+    let figures = Figures {
+        classes: sdp3::scenario::Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
+        spectrograms,
+        calibration,
+        training: learned.training,
+        confusion: learned.confusion,
+        prediction,
+        weighted: outcome.weighted,
+    };
+    job.output.write_json("run.json", &result)?;
+    job.output.write_json("figures.json", &figures)?;
+    let page = report(job, &result, &figures)?;
+    if json {
+        println!("{}", to_json(&result));
+    } else {
+        print_verify(&result.verify);
+        println!("report: {page}");
+    }
+    Ok(result.verify.mismatches == 0)
+}
+
+#[cfg(not(feature = "train"))]
+fn run(_: &Job, _: MeasuredArgs, _: &ProofArgs, _: usize, _: bool) -> Result<bool, Failure> {
+    Err("this build cannot train: build it with the feature `train`".into())
+}
+
+#[cfg(feature = "train")]
+fn workers(threads: usize) -> usize {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads == 0 { all } else { threads }
+}
+
+fn simulate(job: &Job, per_class: u32, json: bool) -> Result<bool, Failure> {
+    job.warn_of_aliasing();
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    let stage = job.progress.stage("simulate", "recordings");
+    let written = sdp3::formats::dataset::write(&job.scenario, rho, job.seed, per_class, &job.output, &|done, all| {
+        stage.at(done, all)
+    })?;
+    stage.finish(&format!("{} recordings in {}", written.recordings, job.output.folder().display()));
+    if json {
+        println!("{}", to_json(&written));
+    }
+    Ok(true)
+}
+
+#[cfg(feature = "train")]
+fn train(job: &Job, threads: usize, json: bool) -> Result<bool, Failure> {
+    use sdp3::simulator::dataset::Set;
+    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    let images = job.collect(rho, Set::Train, "training recordings");
+    let trained = job.train(&images, workers(threads))?;
+    for (parameters, n) in trained.parameters.iter().zip(&job.scenario.frame.sensing_slots) {
+        job.output.write_json(&format!("models/dsn-{n}.json"), parameters)?;
+    }
+    job.output.write_json("training.json", &trained.training)?;
+    if json {
+        println!("{}", to_json(&trained.training));
+    }
+    Ok(true)
+}
+
+#[cfg(feature = "train")]
+fn quantize(job: &Job, json: bool) -> Result<bool, Failure> {
+    use sdp3::simulator::dataset::Set;
+    const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
+    let job = Job { scenario: resolved(job)?, ..job.clone() };
+    let networks = job
+        .scenario
+        .frame
+        .sensing_slots
+        .iter()
+        .map(|n| job.output.read_json(&format!("models/dsn-{n}.json"), TRAIN_FIRST))
+        .collect::<Result<Vec<_>, _>>()?;
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    let images = job.collect(rho, Set::Train, "training recordings");
+    let models = job.quantize(&networks, &images)?;
+    let mut files = Vec::new();
+    for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
+        files.push(job.output.write(&model_name(*n), bytes)?.display().to_string());
+    }
+    println!("{}", if json { to_json(&files) } else { files.join("\n") });
+    Ok(true)
+}
+
+#[cfg(not(feature = "train"))]
+fn train(_: &Job, _: usize, _: bool) -> Result<bool, Failure> {
+    Err("this build cannot train: build it with the feature `train`".into())
+}
+
+#[cfg(not(feature = "train"))]
+fn quantize(_: &Job, _: bool) -> Result<bool, Failure> {
+    Err("this build cannot quantize: build it with the feature `train`".into())
+}
+
+fn report(job: &Job, run: &Run, figures: &Figures) -> Result<String, Failure> {
+    let page = sdp3::report::page(run, figures, &job.scenario.to_toml());
+    for (name, svg) in sdp3::report::svgs(run, figures) {
+        job.output.write(&format!("figures/{name}"), svg.as_bytes())?;
+    }
+    Ok(job.output.write("report.html", page.as_bytes())?.display().to_string())
+}
+
+fn print_prediction(prediction: &Prediction, json: bool) {
+    if json {
+        println!("{}", to_json(prediction));
+        return;
+    }
+    println!("{:<16}{:>12}{:>10}{:>10}{:>10}", "model", "sse", "rmse", "aicc", "loo");
+    let show = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
+    for m in &prediction.models {
+        println!("{:<16}{:>12.3e}{:>10.4}{:>10}{:>10}", m.name, m.sse, m.rmse, show(m.aicc), show(m.loo));
+    }
+}
+
+fn print_verify(verify: &Verify) {
+    println!("{:<16}{:>12}{:>12}{:>16}", "target", "compared", "mismatches", "instructions");
+    for t in &verify.targets {
+        let instructions = t.instructions.map_or_else(|| "-".to_owned(), |n| n.to_string());
+        println!("{:<16}{:>12}{:>12}{:>16}", t.name, t.compared, t.mismatches, instructions);
+        if let Some(detail) = &t.detail {
+            println!("  {detail}");
+        }
+    }
+}

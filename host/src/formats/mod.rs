@@ -1,5 +1,6 @@
 //! File formats: what the outside world writes and reads.
 
+pub mod dataset;
 pub mod model_file;
 pub mod points;
 pub mod wav;

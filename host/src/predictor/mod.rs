@@ -6,6 +6,8 @@ pub mod calibration;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
+#[cfg(feature = "train")]
+pub mod learn;
 pub mod learning_curve;
 #[cfg(feature = "train")]
 pub mod network;

@@ -1,0 +1,152 @@
+//! The command line: what can be asked, in words; nothing is decided here.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = EXAMPLES)]
+pub struct Cli {
+    /// What to do; without one, `run`.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+const EXAMPLES: &str = "Examples:
+  sdp3                                     the main job, quick, results in ./out
+  sdp3 run --measured walk.wav --carrier 24.125e9
+  sdp3 predict --points points.csv --json
+  sdp3 optimize --accuracy 0.9
+Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error.";
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Scenario in TOML; absent: the paper's conference room.
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    pub scenario: Option<PathBuf>,
+    /// Seed of everything random.
+    #[arg(long, global = true, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for results.
+    #[arg(long, global = true, default_value = "out", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Threads; 0 takes all processors. Results do not depend on it.
+    #[arg(long, global = true, default_value_t = 0)]
+    pub threads: usize,
+    /// Print results as JSON, and nothing else, on stdout.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say more on stderr.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// Say nothing on stderr but errors.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+/// Size of the main job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Minutes: fewer recordings, a strided network.
+    Quick,
+    /// The paper's sizes: 200 recordings per class to train, 100 to test.
+    Paper,
+}
+
+/// Measured signal.
+#[derive(Debug, Clone, Args)]
+pub struct MeasuredArgs {
+    /// Mono WAV of a CW Doppler sensor.
+    #[arg(long, value_name = "FILE.wav", requires = "carrier")]
+    pub measured: Option<PathBuf>,
+    /// Carrier of that sensor in Hz.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub carrier: Option<f64>,
+}
+
+/// Targets of the proof.
+#[derive(Debug, Clone, Args)]
+pub struct ProofArgs {
+    /// Targets to compare.
+    #[arg(long, value_delimiter = ',', default_values = crate::TARGET_NAMES)]
+    pub targets: Vec<String>,
+    /// Folder of ready-built firmware; absent: firmware-sim/build makes it.
+    #[arg(long, value_name = "DIR")]
+    pub firmware: Option<PathBuf>,
+}
+
+/// How the operating point is chosen; absent: the scenario's weight.
+#[derive(Debug, Clone, Copy, Args)]
+#[group(multiple = false)]
+pub struct RuleArgs {
+    /// Accuracy of at least this, 0..=1.
+    #[arg(long)]
+    pub accuracy: Option<f64>,
+    /// Throughput of at least this, in bits per period.
+    #[arg(long)]
+    pub throughput: Option<f64>,
+    /// Weight of accuracy, 0..=1.
+    #[arg(long)]
+    pub weight: Option<f64>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// The main job: simulate, calibrate, learn, run, prove, trade, schedule, report.
+    Run {
+        /// Size of the job.
+        #[arg(long, value_enum, default_value_t = Preset::Quick)]
+        preset: Preset,
+        #[command(flatten)]
+        measured: MeasuredArgs,
+        #[command(flatten)]
+        proof: ProofArgs,
+    },
+    /// Simulate recordings and write them as dataset.npz.
+    Simulate {
+        /// Recordings of each class.
+        #[arg(long, default_value_t = 20)]
+        per_class: u32,
+    },
+    /// Find the room's memory rho that a measured signal shows.
+    Calibrate {
+        #[command(flatten)]
+        measured: MeasuredArgs,
+    },
+    /// Train the networks and save their float parameters.
+    Train {
+        /// Size of the job.
+        #[arg(long, value_enum, default_value_t = Preset::Quick)]
+        preset: Preset,
+    },
+    /// Turn trained networks into int8 model files.
+    Quantize,
+    /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
+    Verify {
+        #[command(flatten)]
+        proof: ProofArgs,
+    },
+    /// Fit the seven learning curves to accuracies.
+    Predict {
+        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE.csv")]
+        points: Option<PathBuf>,
+    },
+    /// Draw the accuracy-throughput region and choose a point on it.
+    Optimize {
+        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE.csv")]
+        points: Option<PathBuf>,
+        #[command(flatten)]
+        rule: RuleArgs,
+    },
+    /// Play one period of the operating point of --out's run through the core's scheduler.
+    Schedule,
+    /// Write the report page of --out's run again.
+    Report,
+}

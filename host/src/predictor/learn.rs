@@ -1,0 +1,139 @@
+//! Learn: images, networks, int8 models, and their accuracy, one after the other.
+//!
+//! Section IV of the paper; one network for each N_s of the scenario.
+
+use super::accuracy::{share_right, through_core};
+use super::float_network::FloatNetwork;
+use super::parameters::Parameters;
+use super::quantization::quantize;
+use super::spectrograms::{Collected, collect};
+use super::training::{self, train_all};
+use crate::formats::model_file::Preprocessing;
+use crate::pipeline::{Failure, Job, Learned};
+use crate::results::{Accuracy, Confusion, Training};
+use crate::scenario::{Class, Scenario};
+use crate::simulator::dataset::Set;
+
+/// Float networks of every N_s.
+pub struct Trained {
+    /// Parameters in the order of `frame.sensing_slots`.
+    pub parameters: Vec<Parameters>,
+    /// Histories; the loss on the test set is filled in by [`Job::learn`].
+    pub training: Vec<Training>,
+}
+
+impl Job {
+    /// Images of a set, with progress.
+    pub fn collect(&self, rho: f64, set: Set, what: &str) -> Collected {
+        let l = &self.scenario.learning;
+        let count = if set == Set::Test { l.test_per_class } else { l.train_per_class };
+        let stage = self.progress.stage("simulate", what);
+        let found = collect(&self.scenario, rho, self.seed, set, count, &|done, all| stage.at(done, all));
+        stage.finish(&format!("{what}: {count} of each class at rho = {rho}"));
+        found
+    }
+
+    /// Trains one network per N_s, `workers` side by side; the result does not depend on `workers`.
+    ///
+    /// # Errors
+    ///
+    /// Images that do not fit the settings.
+    pub fn train(&self, train: &Collected, workers: usize) -> Result<Trained, Failure> {
+        let s = &self.scenario;
+        let seeds = s.frame.sensing_slots.iter().map(|&n| self.seed ^ (u64::from(n) << 32));
+        let jobs: Vec<_> =
+            train.images.iter().zip(seeds).map(|(images, seed)| training::Job { images, seed }).collect();
+        let stage = self.progress.stage("learn", "networks");
+        let total = jobs.len() as u64 * u64::from(s.learning.epochs);
+        let trained = train_all(&jobs, &s.learning, Class::ALL.len(), workers, &|_, _| stage.step(total))?;
+        let last = trained.last().and_then(|t| t.epochs.last()).map_or(f64::NAN, |e| e.loss);
+        stage.finish(&format!("{} networks, last loss {last:.3}", trained.len()));
+        let training = trained
+            .iter()
+            .zip(&s.frame.sensing_slots)
+            .map(|(t, &sensing_slots)| Training {
+                sensing_slots,
+                parameters: t.parameters.count() as u32,
+                epochs: t.epochs.clone(),
+                float_loss: 0.0,
+            })
+            .collect();
+        Ok(Trained { parameters: trained.into_iter().map(|t| t.parameters).collect(), training })
+    }
+
+    /// Turns networks into model files, ranges measured on training images.
+    ///
+    /// # Errors
+    ///
+    /// Weights that do not fit the format.
+    pub fn quantize(&self, networks: &[Parameters], train: &Collected) -> Result<Vec<Vec<u8>>, Failure> {
+        let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
+        let stage = self.progress.stage("quantize", "int8 models");
+        let mut models = Vec::new();
+        for (index, network) in networks.iter().enumerate() {
+            let header = header(&self.scenario, self.scenario.frame.sensing_slots[index]);
+            let (quantized, _) = quantize(network, header, &names, &train.images[index])?;
+            models.push(quantized.to_bytes()?);
+            stage.step(networks.len() as u64);
+        }
+        let bytes = models.iter().map(Vec::len).max().unwrap_or(0);
+        stage.finish(&format!("{} models of at most {bytes} bytes", models.len()));
+        Ok(models)
+    }
+
+    /// The whole floor: train, quantise, test in float and through the core.
+    ///
+    /// # Errors
+    ///
+    /// Any of the steps'.
+    pub fn learn(&self, rho: f64, workers: usize) -> Result<(Learned, Trained), Failure> {
+        let train = self.collect(rho, Set::Train, "training recordings");
+        let mut trained = self.train(&train, workers)?;
+        let models = self.quantize(&trained.parameters, &train)?;
+        let test = self.collect(rho, Set::Test, "test recordings");
+        let stage = self.progress.stage("run", "raw I/Q through the core");
+        let counts = through_core(&self.scenario, rho, self.seed, &models, &|done, all| stage.at(done, all))?;
+        let mut accuracy = Vec::new();
+        let mut confusion = Vec::new();
+        for (index, &sensing_slots) in self.scenario.frame.sensing_slots.iter().enumerate() {
+            let float = FloatNetwork::new(&trained.parameters[index]).classify(&test.images[index]);
+            trained.training[index].float_loss = float.loss;
+            accuracy.push(Accuracy {
+                sensing_slots,
+                float: float.accuracy(),
+                int8: share_right(&counts[index]),
+                tested: float.classes.len() as u32,
+            });
+            let classes = Class::ALL.len();
+            let mut matrix = vec![vec![0; classes]; classes];
+            for (&truth, &answer) in test.images[index].labels.iter().zip(&float.classes) {
+                matrix[usize::from(truth)][usize::from(answer)] += 1;
+            }
+            confusion.push(Confusion { sensing_slots, arithmetic: "float".into(), counts: matrix });
+            let counts = counts[index].clone();
+            confusion.push(Confusion { sensing_slots, arithmetic: "int8".into(), counts });
+        }
+        let words: Vec<String> =
+            accuracy.iter().map(|a| format!("{} {:.3}", a.sensing_slots, a.int8)).collect();
+        stage.finish(&format!("int8 accuracy by N_s: {}", words.join(", ")));
+        let training = trained.training.clone();
+        Ok((Learned { models, accuracy, training, confusion }, trained))
+    }
+}
+
+/// What the radar module must know to make the network's images.
+pub fn header(scenario: &Scenario, sensing_slots: u32) -> Preprocessing {
+    let p = scenario.spectrogram.preprocessing();
+    Preprocessing {
+        sensing_slots: sensing_slots as u16,
+        first_kept: p.kept.first,
+        last_kept: p.kept.last,
+        window_len: p.window,
+        hop: p.hop,
+        bins_per_row: p.bins_per_row,
+        range: p.range,
+        kaiser_beta: p.beta,
+        carrier_khz: (scenario.radar.carrier_hz / 1e3).round() as u32,
+        slow_time_us: (scenario.interval_s() * 1e6).round() as u32,
+    }
+}
