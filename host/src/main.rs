@@ -116,7 +116,10 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             } else {
                 let p = &outcome.operating_point;
                 println!("{}: N_s = {}, N_c = {:?}", p.rule, p.sensing_slots, p.communication_slots);
-                println!("accuracy {:.4}, throughput {:.0} bit per period, {:?}", p.accuracy, p.throughput_bit, p.zone);
+                println!(
+                    "accuracy {:.4}, throughput {:.0} bit per period, {:?}",
+                    p.accuracy, p.throughput_bit, p.zone
+                );
             }
             Ok(true)
         }
@@ -181,7 +184,9 @@ fn chosen(rule: RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
     Ok(match (rule.accuracy, rule.throughput, rule.weight) {
         (Some(a), _, _) => Rule::AccuracyAtLeast(share("--accuracy", a)?),
         (_, Some(r), _) if r.is_finite() => Rule::ThroughputAtLeast(r),
-        (_, Some(r), _) => return Err(format!("command line: --throughput = {r} is no number of bits").into()),
+        (_, Some(r), _) => {
+            return Err(format!("command line: --throughput = {r} is no number of bits").into());
+        }
         (_, _, Some(w)) => Rule::Weighted(share("--weight", w)?),
         _ => Rule::Weighted(scenario.trade.accuracy_weight),
     })
@@ -241,7 +246,13 @@ fn model_name(sensing_slots: u32) -> String {
 }
 
 #[cfg(feature = "train")]
-fn run(job: &Job, measured: MeasuredArgs, proof: &ProofArgs, threads: usize, json: bool) -> Result<bool, Failure> {
+fn run(
+    job: &Job,
+    measured: MeasuredArgs,
+    proof: &ProofArgs,
+    threads: usize,
+    json: bool,
+) -> Result<bool, Failure> {
     use sdp3::results::OperatingPoint;
     check_targets(proof)?;
     job.warn_of_aliasing();
@@ -256,7 +267,8 @@ fn run(job: &Job, measured: MeasuredArgs, proof: &ProofArgs, threads: usize, jso
         (_, Some(rho)) => rho,
     };
     if rho != calibration.rho {
-        let text = format!("rho = {rho} is used: the measurement is at another carrier or the scenario gives it");
+        let text =
+            format!("rho = {rho} is used: the measurement is at another carrier or the scenario gives it");
         job.progress.note("calibrate", &text);
     }
     let spectrograms = job.gallery(rho);
@@ -318,9 +330,10 @@ fn simulate(job: &Job, per_class: u32, json: bool) -> Result<bool, Failure> {
     job.warn_of_aliasing();
     let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
     let stage = job.progress.stage("simulate", "recordings");
-    let written = sdp3::formats::dataset::write(&job.scenario, rho, job.seed, per_class, &job.output, &|done, all| {
-        stage.at(done, all)
-    })?;
+    let written =
+        sdp3::formats::dataset::write(&job.scenario, rho, job.seed, per_class, &job.output, &|done, all| {
+            stage.at(done, all)
+        })?;
     stage.finish(&format!("{} recordings in {}", written.recordings, job.output.folder().display()));
     if json {
         println!("{}", to_json(&written));

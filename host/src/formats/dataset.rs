@@ -61,7 +61,8 @@ fn one(scenario: &Scenario, rho: f64, seed: u64, index: u32) -> One {
         });
         image = front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default();
     }
-    let beat = recording.slots.iter().flat_map(|slot| dechirp(slot).map(|z| [z.re, z.im])).flatten().collect();
+    let beat =
+        recording.slots.iter().flat_map(|slot| dechirp(slot).map(|z| [z.re, z.im])).flatten().collect();
     One { image, beat, label, truth: recording.truth }
 }
 
@@ -94,12 +95,14 @@ pub fn write(
     let mut archive = npyz::npz::NpzWriter::new(std::io::Cursor::new(Vec::new()));
     let options = Default::default();
     {
-        let mut array = archive.array("image", options)?.default_dtype().shape(&[n, 64, frames as u64]).begin_nd()?;
+        let mut array =
+            archive.array("image", options)?.default_dtype().shape(&[n, 64, frames as u64]).begin_nd()?;
         all.iter().flat_map(|one| &one.image).try_for_each(|value| array.push(value))?;
         array.finish()?;
     }
     {
-        let mut array = archive.array("beat", options)?.default_dtype().shape(&[n, slot_count, 8, 2]).begin_nd()?;
+        let mut array =
+            archive.array("beat", options)?.default_dtype().shape(&[n, slot_count, 8, 2]).begin_nd()?;
         all.iter().flat_map(|one| &one.beat).try_for_each(|value| array.push(value))?;
         array.finish()?;
     }
@@ -121,7 +124,10 @@ pub fn write(
         classes: Class::ALL.iter().map(|class| class.name().to_owned()).collect(),
         arrays: [
             ("image", "int8 [recording, doppler, frame]: grey level minus 128"),
-            ("beat", "int32 [recording, slot, fast_time, re/im]: dechirped blocks of 125 samples in 1/8 ADC LSB"),
+            (
+                "beat",
+                "int32 [recording, slot, fast_time, re/im]: dechirped blocks of 125 samples in 1/8 ADC LSB",
+            ),
             ("label", "uint8 [recording]: index into classes"),
         ]
         .map(|(name, text)| (name.to_owned(), text.to_owned()))

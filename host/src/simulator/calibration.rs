@@ -16,9 +16,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Rate the measured signal is brought to, in Hz.
 pub const MEASURED_PRF_HZ: f64 = 2000.0;
 /// Simulated people behind every point of the curve.
-const PEOPLE: u32 = 20;
+const PEOPLE: u32 = 30;
 /// Recordings that stand for a measurement when none is given.
-const STAND_INS: u32 = 10;
+const STAND_INS: u32 = 30;
 /// First pass of the search.
 const GRID: [f64; 14] =
     [0.95, 0.96, 0.97, 0.975, 0.98, 0.984, 0.988, 0.99, 0.992, 0.994, 0.996, 0.998, 0.999, 1.0];

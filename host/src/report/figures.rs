@@ -1,0 +1,184 @@
+//! The vector figures: KL curve, grey-level shares, learning curve, losses, region, slot timeline.
+
+use super::plot::{Axis, COLOURS, Plot, number};
+use crate::predictor::learning_curve::Model;
+use crate::results::{Calibration, Figures, Run, Zone};
+use std::fmt::Write;
+
+/// KL divergence over rho.
+pub fn kl_curve(c: &Calibration) -> String {
+    let mut y = Axis::around(c.curve.iter().map(|p| p.kl.max(1e-5)), "KL divergence (nat)");
+    y.log = true;
+    y.low = c.curve.iter().map(|p| p.kl.max(1e-5)).fold(1.0, f64::min) / 1.5;
+    y.high = c.curve.iter().map(|p| p.kl).fold(0.1, f64::max) * 1.5;
+    let x = Axis::around(c.curve.iter().map(|p| p.rho), "rho");
+    let mut plot = Plot::new("KL divergence over rho", x, y);
+    let points: Vec<_> = c.curve.iter().map(|p| (p.rho, p.kl.max(1e-5))).collect();
+    plot.line(&points, COLOURS[0], 2.0, "all grey levels");
+    let without: Vec<_> = c.curve.iter().map(|p| (p.rho, p.kl_without_black.max(1e-5))).collect();
+    plot.line(&without, COLOURS[5], 1.5, "without black");
+    if let Some(best) = c.curve.iter().min_by(|a, b| a.kl.total_cmp(&b.kl)) {
+        plot.mark(best.rho, &format!("minimum at {}", number(best.rho)));
+        plot.dot(best.rho, best.kl.max(1e-5), 5.0, COLOURS[1], &format!("KL {}", number(best.kl)));
+    }
+    plot.svg()
+}
+
+/// Shares of the grey levels, measured and simulated.
+pub fn pmf(c: &Calibration) -> String {
+    let x = Axis {
+        low: 0.0,
+        high: c.measured_pmf.len().max(2) as f64 - 1.0,
+        name: "grey level".into(),
+        log: false,
+    };
+    let mut y = Axis::around(c.measured_pmf.iter().chain(&c.simulated_pmf).copied(), "share");
+    y.low = 0.0;
+    let mut plot = Plot::new("Grey level shares", x, y);
+    for (values, colour, name) in
+        [(&c.measured_pmf, COLOURS[1], "measured"), (&c.simulated_pmf, COLOURS[0], "simulated")]
+    {
+        let points: Vec<_> = values.iter().enumerate().map(|(level, &share)| (level as f64, share)).collect();
+        plot.line(&points, colour, 2.0, name);
+    }
+    plot.svg()
+}
+
+/// Accuracy over N_s: points with their binomial spread, the best curve and the others.
+pub fn learning_curve(run: &Run, figures: &Figures) -> String {
+    let most = run.accuracy.iter().map(|a| f64::from(a.sensing_slots)).fold(200.0, f64::max);
+    let x = Axis { low: 100.0, high: most * 1.05, name: "sensing slots N_s".into(), log: false };
+    let low = run.accuracy.iter().map(|a| a.int8).fold(1.0, f64::min);
+    let y = Axis { low: (low - 0.15).max(0.0), high: 1.0, name: "accuracy".into(), log: false };
+    let floor = y.low;
+    let mut plot = Plot::new("Accuracy over sensing slots", x, y);
+    for (index, fitted) in figures.prediction.models.iter().enumerate().rev() {
+        let Some(model) = Model::by_name(&fitted.name) else { continue };
+        let points: Vec<_> = (0..=120)
+            .map(|k| 128.0 + (most - 128.0) * f64::from(k) / 120.0)
+            .map(|n| (n, model.at(&fitted.parameters, n)))
+            .filter(|(_, a)| (floor..=1.0).contains(a))
+            .collect();
+        let (colour, width) = if index == 0 { (COLOURS[0], 2.5) } else { ("var(--soft,#999)", 0.8) };
+        let name = if index == 0 { format!("{} (best fit)", fitted.name) } else { String::new() };
+        plot.line(&points, colour, width, &name);
+    }
+    for a in &run.accuracy {
+        let (n, p) = (f64::from(a.sensing_slots), a.int8);
+        let spread = (p * (1.0 - p) / f64::from(a.tested.max(1))).sqrt();
+        plot.error_bar(n, p - spread, p + spread, COLOURS[1]);
+        let says = format!("N_s = {n}: int8 {p:.3}, float {:.3}, {} recordings", a.float, a.tested);
+        plot.dot(n, p, 4.5, COLOURS[1], &says);
+        plot.dot(n, a.float, 3.0, COLOURS[2], &says);
+    }
+    plot.entry("int8 through the core", COLOURS[1]);
+    plot.entry("float", COLOURS[2]);
+    plot.svg()
+}
+
+/// Training loss of every network.
+pub fn losses(figures: &Figures) -> String {
+    let epochs = figures.training.iter().map(|t| t.epochs.len()).max().unwrap_or(1);
+    let x = Axis { low: 0.0, high: epochs as f64, name: "epoch".into(), log: false };
+    let all = figures.training.iter().flat_map(|t| t.epochs.iter().map(|e| e.loss));
+    let mut y = Axis::around(all, "training loss (nat)");
+    y.low = y.low.min(0.0);
+    let mut plot = Plot::new("Training loss", x, y);
+    for (index, training) in figures.training.iter().enumerate() {
+        let points: Vec<_> =
+            training.epochs.iter().enumerate().map(|(k, e)| (k as f64 + 1.0, e.loss)).collect();
+        plot.line(&points, COLOURS[index % 7], 1.8, &format!("N_s = {}", training.sensing_slots));
+    }
+    plot.svg()
+}
+
+fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
+    match zone {
+        Zone::CommunicationSaturation => (COLOURS[4], "communication saturation"),
+        Zone::Adversarial => (COLOURS[2], "adversarial"),
+        Zone::SensingSaturation => (COLOURS[3], "sensing saturation"),
+    }
+}
+
+/// The accuracy-throughput region: boundaries of the cases, coloured by zone, and the operating point.
+pub fn region(run: &Run) -> String {
+    let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
+    let mut y = Axis::around(
+        run.region.iter().map(|p| p.throughput_bit / 1e6),
+        "worst throughput R (Mbit per period)",
+    );
+    y.low = 0.0;
+    let mut plot = Plot::new("Accuracy-throughput region", x, y);
+    let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
+    cases.dedup();
+    for (index, case) in cases.iter().enumerate() {
+        let points: Vec<_> = run.region.iter().filter(|p| p.case == *case).collect();
+        let line: Vec<_> = points.iter().map(|p| (p.accuracy, p.throughput_bit / 1e6)).collect();
+        plot.line(&line, COLOURS[if index == 0 { 0 } else { 1 }], 2.0, &format!("case {case}"));
+        for p in points {
+            let (colour, name) = zone_colour(p.zone);
+            let says = format!(
+                "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {name}",
+                p.sensing_slots, p.accuracy, p.throughput_bit
+            );
+            plot.dot(p.accuracy, p.throughput_bit / 1e6, 3.0, colour, &says);
+        }
+    }
+    for zone in [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation] {
+        let (colour, name) = zone_colour(zone);
+        plot.entry(name, colour);
+    }
+    let p = &run.operating_point;
+    let (px, py) = plot.at(p.accuracy, p.throughput_bit / 1e6);
+    plot.raw(&format!(
+        "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"8\" fill=\"none\" stroke=\"var(--ink,#222)\" stroke-width=\"2\"/>\
+         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">N_s = {}</text>",
+        px - 12.0,
+        py + 22.0,
+        p.sensing_slots
+    ));
+    plot.svg()
+}
+
+/// Slots of one period: all of them, and the first eighty.
+pub fn timeline(run: &Run) -> String {
+    let s = &run.schedule;
+    let mut svg = String::from(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 170\" role=\"img\" font-size=\"12\" \
+         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>",
+    );
+    for (y, first, text) in
+        [(20.0, s.period_slots, "whole period"), (90.0, 80.min(s.period_slots), "first slots")]
+    {
+        let width = 600.0 / f64::from(first.max(1));
+        let _ = write!(svg, "<text x=\"20\" y=\"{}\">{text}: slots 1 to {first}</text>", y - 6.0);
+        let mut at = 0;
+        for &(code, slots) in &s.timeline {
+            if at >= first {
+                break;
+            }
+            let shown = slots.min(first - at);
+            let colour = if code < 0 { "var(--ink,#222)" } else { COLOURS[code as usize % 7] };
+            let (x, w) = (20.0 + f64::from(at) * width, f64::from(shown) * width);
+            let _ = write!(
+                svg,
+                "<rect x=\"{x:.2}\" y=\"{y}\" width=\"{w:.2}\" height=\"34\" fill=\"{colour}\"/>"
+            );
+            at += shown;
+        }
+    }
+    let entry = |svg: &mut String, k: usize, name: &str, colour: &str| {
+        let x = 20 + k * 130;
+        let _ = write!(
+            svg,
+            "<rect x=\"{x}\" y=\"144\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"155\">{name}</text>",
+            x + 18
+        );
+    };
+    entry(&mut svg, 0, "sensing", "var(--ink,#222)");
+    for k in 0..s.communication_slots.len().min(4) {
+        entry(&mut svg, k + 1, &format!("receiver {}", k + 1), COLOURS[k % 7]);
+    }
+    svg.push_str("</svg>");
+    svg
+}
