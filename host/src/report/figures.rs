@@ -24,22 +24,25 @@ pub fn kl_curve(c: &Calibration) -> String {
     plot.svg()
 }
 
-/// Shares of the grey levels, measured and simulated.
+/// Shares of the grey levels above black, measured and simulated.
 pub fn pmf(c: &Calibration) -> String {
-    let x = Axis {
-        low: 0.0,
-        high: c.measured_pmf.len().max(2) as f64 - 1.0,
-        name: "grey level".into(),
-        log: false,
-    };
-    let mut y = Axis::around(c.measured_pmf.iter().chain(&c.simulated_pmf).copied(), "share");
+    let levels = c.measured_pmf.len().max(3);
+    let x =
+        Axis { low: 1.0, high: levels as f64 - 1.0, name: "grey level (black left out)".into(), log: false };
+    let mut y =
+        Axis::around(c.measured_pmf.iter().chain(&c.simulated_pmf).copied().filter(|&p| p < 0.3), "share");
     y.low = 0.0;
+    y.high =
+        c.measured_pmf.iter().skip(1).chain(c.simulated_pmf.iter().skip(1)).copied().fold(1e-3, f64::max)
+            * 1.1;
     let mut plot = Plot::new("Grey level shares", x, y);
     for (values, colour, name) in
         [(&c.measured_pmf, COLOURS[1], "measured"), (&c.simulated_pmf, COLOURS[0], "simulated")]
     {
-        let points: Vec<_> = values.iter().enumerate().map(|(level, &share)| (level as f64, share)).collect();
-        plot.line(&points, colour, 2.0, name);
+        let points: Vec<_> =
+            values.iter().enumerate().skip(1).map(|(level, &share)| (level as f64, share)).collect();
+        let black = values.first().copied().unwrap_or(0.0);
+        plot.line(&points, colour, 2.0, &format!("{name} (black {:.0} %)", 100.0 * black));
     }
     plot.svg()
 }

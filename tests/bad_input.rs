@@ -1,0 +1,90 @@
+//! Bad input: exit code 2, a message naming file, field, value and legal range, and nothing written.
+
+use sdp3_tests::{call, outcome, program};
+use std::path::Path;
+
+/// Runs the command in a fresh folder prepared by `prepare` and checks exit code, words, and that no result exists.
+fn refused(arguments: &[&str], prepare: impl Fn(&Path), words: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    prepare(folder.path());
+    let here = folder.path().to_string_lossy().into_owned();
+    let arguments: Vec<String> = arguments.iter().map(|a| a.replace('@', &here)).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let (code, stdout, stderr) = outcome(&call(&program(), &arguments));
+    assert_eq!(code, 2, "{arguments:?}: {stdout}{stderr}");
+    for word in words {
+        assert!(stderr.contains(word), "{arguments:?}: {word:?} is not in: {stderr}");
+    }
+    for name in ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json"] {
+        assert!(!folder.path().join("out").join(name).exists(), "{arguments:?} wrote {name}");
+    }
+}
+
+fn scenario(text: &'static str) -> impl Fn(&Path) {
+    move |folder: &Path| std::fs::write(folder.join("s.toml"), text).expect("a scenario")
+}
+
+const RUN: [&str; 5] = ["run", "--scenario", "@/s.toml", "--out", "@/out"];
+
+#[test]
+fn unknown_key() {
+    refused(&RUN, scenario("[radar]\ncarier_hz = 3.5e9\n"), &["s.toml", "carier_hz", "carrier_hz", "line 2"]);
+}
+
+#[test]
+fn rho_out_of_range() {
+    refused(&RUN, scenario("[channel]\nrho = 1.01\n"), &["s.toml", "channel.rho", "1.01", "0..=1"]);
+    refused(&RUN, scenario("[channel]\nrho = -0.5\n"), &["s.toml", "channel.rho", "-0.5", "0..=1"]);
+}
+
+#[test]
+fn more_sensing_slots_than_fit_the_period() {
+    let words = ["s.toml", "frame.sensing_slots", "600", "N_s (N_m + 1) <= N = 2000"];
+    refused(&RUN, scenario("[frame]\nperiod_slots = 2000\nsensing_slots = [200, 600]\n"), &words);
+}
+
+#[test]
+fn a_file_that_is_no_wav() {
+    let calibrate = ["calibrate", "--measured", "@/x.wav", "--carrier", "24e9", "--out", "@/out"];
+    let prepare = |folder: &Path| std::fs::write(folder.join("x.wav"), b"RIFF but no more").expect("a file");
+    refused(&calibrate, prepare, &["x.wav", "not a readable WAV"]);
+    refused(&calibrate, |_| (), &["x.wav"]);
+    let negative = ["calibrate", "--measured", "@/x.wav", "--carrier=-3", "--out", "@/out"];
+    refused(&negative, |_| (), &["--carrier", "-3", "5e8..=1e11"]);
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_written() {
+    refused(&["run", "--out", "/proc/sdp3"], |_| (), &["/proc/sdp3", "--out"]);
+    let prepare = |folder: &Path| std::fs::write(folder.join("file"), b"").expect("a file");
+    refused(&["simulate", "--out", "@/file/below"], prepare, &["file/below", "--out"]);
+}
+
+#[test]
+fn commands_that_need_a_run_say_so() {
+    for command in ["verify", "schedule", "report", "optimize", "predict"] {
+        refused(&[command, "--out", "@/out"], |_| (), &["run.json", "`sdp3 run`"]);
+    }
+    refused(&["quantize", "--out", "@/out"], |_| (), &["scenario.toml"]);
+}
+
+#[test]
+fn points_out_of_range() {
+    let predict = ["predict", "--points", "@/p.csv"];
+    let points =
+        |text: &'static str| move |folder: &Path| std::fs::write(folder.join("p.csv"), text).expect("a file");
+    refused(
+        &predict,
+        points("sensing_slots,accuracy\n200,1.5\n"),
+        &["p.csv", "line 2", "accuracy", "1.5", "0..=1"],
+    );
+    refused(&predict, points("sensing_slots,accuracy\n200,NaN\n"), &["line 2", "NaN"]);
+    refused(&predict, points("a,b\n"), &["header", "sensing_slots,accuracy"]);
+    refused(&predict, points("sensing_slots,accuracy\n200,0.5\n"), &["p.csv", "at least 2"]);
+}
+
+#[test]
+fn unknown_arguments_and_targets() {
+    refused(&["run", "--sed", "1", "--out", "@/out"], |_| (), &["--sed"]);
+    refused(&["run", "--targets", "z80", "--out", "@/out"], |_| (), &["z80", "cortex-m4f"]);
+}

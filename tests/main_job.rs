@@ -1,0 +1,163 @@
+//! The main job's promises: one JSON object, no mismatch on any target, the same bytes for any thread count, and a flipped
+//! bit of a core constant that is found.
+
+use sdp3::results::{Run, Verify};
+use sdp3_tests::{SMALL, call, outcome, program, small_run};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn every_target_agrees_and_the_json_has_its_fields() {
+    let (folder, stdout, code, stderr) = small_run();
+    assert_eq!(*code, 0, "{stderr}");
+    let run: Run = serde_json::from_str(stdout).expect("one JSON object");
+    assert_eq!((run.scenario.as_str(), run.seed), ("small", 3));
+    assert_eq!(run.verify.mismatches, 0);
+    let names: Vec<&str> = run.verify.targets.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(names, ["host-reference", "cortex-m4f", "riscv32imac"]);
+    for target in &run.verify.targets {
+        assert!(target.compared > 50, "{}", target.name);
+        let stages: Vec<&str> = target.stages.iter().map(|s| s.stage.as_str()).collect();
+        let expected = [
+            "beat",
+            "gram",
+            "weights",
+            "slow-time",
+            "frame",
+            "image",
+            "layer",
+            "logits",
+            "confidence",
+            "schedule",
+        ];
+        assert_eq!(stages, expected, "{}", target.name);
+    }
+    assert!(run.verify.targets[1].instructions.is_some_and(|n| n > 1_000_000));
+    assert_eq!(run.accuracy.len(), 2);
+    assert!(run.region.iter().any(|p| p.case == 1) && run.region.iter().any(|p| p.case == 2));
+    let slots = run.schedule.sensing_slots + run.schedule.communication_slots.iter().sum::<u32>();
+    assert_eq!(slots, 4000);
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).expect("a page");
+    assert!(page.contains("riscv32imac") && !page.contains("NaN"));
+    assert!(!page.replace("http://www.w3.org/2000/svg", "").contains("http"), "the page is self-contained");
+}
+
+/// Every file below a folder with its bytes.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            found.extend(files(&path).into_iter().map(|(name, bytes)| (path.join(name), bytes)));
+        } else {
+            found.insert(PathBuf::from(entry.file_name()), std::fs::read(&path).expect("a file"));
+        }
+    }
+    found
+        .into_iter()
+        .map(|(name, bytes)| (PathBuf::from(name.file_name().unwrap_or_default()), bytes))
+        .collect()
+}
+
+#[test]
+fn one_seed_gives_one_result_for_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = folder.path().join("small.toml");
+    std::fs::write(&scenario, SMALL).expect("a scenario");
+    let run = |out: &str, threads: &str, seed: &str| {
+        let out = folder.path().join(out);
+        let text = out.to_string_lossy().into_owned();
+        let scenario = scenario.to_string_lossy().into_owned();
+        let arguments = [
+            "run",
+            "-q",
+            "--targets",
+            "host-reference",
+            "--seed",
+            seed,
+            "--threads",
+            threads,
+            "--scenario",
+            &scenario,
+            "--out",
+            &text,
+        ];
+        let (code, _, stderr) = outcome(&call(&program(), &arguments));
+        assert_eq!(code, 0, "{stderr}");
+        files(&out)
+    };
+    let (one, two, other) = (run("one", "1", "5"), run("two", "2", "5"), run("other", "2", "6"));
+    assert!(one.len() >= 8, "{:?}", one.keys());
+    for (name, bytes) in &one {
+        assert!(two.get(name) == Some(bytes), "{} differs between 1 and 2 threads", name.display());
+    }
+    assert_eq!(one.len(), two.len());
+    assert_ne!(one.get(Path::new("run.json")), other.get(Path::new("run.json")), "the seed matters");
+}
+
+/// A copy of a file with one bit of the chirp table flipped, wherever the table stands in it.
+fn flip_a_bit(from: &Path, to: &Path) {
+    let table: Vec<u8> = sdp3_core::dechirp::CHIRP.iter().flat_map(|s| s.to_le_bytes()).collect();
+    let mut bytes = std::fs::read(from).expect("a program");
+    let places: Vec<usize> = (0..bytes.len() - table.len())
+        .filter(|&at| bytes[at] == table[0] && bytes[at..].starts_with(&table))
+        .collect();
+    assert!(!places.is_empty(), "{}: the chirp table is in it", from.display());
+    for at in places {
+        bytes[at + 1234] ^= 1 << 3;
+    }
+    std::fs::write(to, bytes).expect("a copy");
+    let mode = std::fs::metadata(from).expect("its mode").permissions();
+    std::fs::set_permissions(to, mode).expect("an executable copy");
+}
+
+fn verify(program: &Path, arguments: &[&str]) -> (i32, Verify) {
+    let (folder, ..) = small_run();
+    let out = folder.path().join("out");
+    let mut all = vec!["verify", "--json", "--out", out.to_str().expect("a path")];
+    all.extend(arguments);
+    let (code, stdout, stderr) = outcome(&call(program, &all));
+    (code, serde_json::from_str(&stdout).unwrap_or_else(|e| panic!("{e}: {stderr}")))
+}
+
+#[test]
+fn one_flipped_bit_in_the_host_core_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broken = folder.path().join("sdp3");
+    flip_a_bit(&program(), &broken);
+    let (code, verdict) = verify(&broken, &["--targets", "host-reference"]);
+    assert_eq!(code, 1);
+    assert!(verdict.mismatches > 0);
+    let detail = verdict.targets[0].detail.clone().expect("the first difference");
+    assert!(detail.contains("stage beat"), "{detail}");
+    let (code, verdict) = verify(&program(), &["--targets", "host-reference"]);
+    assert_eq!((code, verdict.mismatches), (0, 0));
+}
+
+#[test]
+fn one_flipped_bit_in_the_firmware_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let built = program().ancestors().nth(2).expect("target").join("firmware");
+    for machine in ["cortex-m4f", "riscv32imac"] {
+        std::fs::create_dir_all(folder.path().join(machine)).expect("a folder");
+        flip_a_bit(
+            &built.join(machine).join("conformance"),
+            &folder.path().join(machine).join("conformance"),
+        );
+    }
+    let text = folder.path().to_string_lossy().into_owned();
+    let (code, verdict) = verify(&program(), &["--targets", "cortex-m4f,riscv32imac", "--firmware", &text]);
+    assert_eq!(code, 1);
+    for target in &verdict.targets {
+        assert!(target.compared > 50 && target.mismatches > 0, "{target:?}");
+    }
+}
+
+#[test]
+fn a_target_that_cannot_run_counts_as_failed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = folder.path().to_string_lossy().into_owned();
+    let (code, verdict) = verify(&program(), &["--targets", "cortex-m4f", "--firmware", &text]);
+    assert_eq!((code, verdict.mismatches), (1, 1));
+    assert!(verdict.targets[0].detail.as_deref().unwrap_or("").contains("not run"), "{verdict:?}");
+}
