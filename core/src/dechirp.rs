@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn the_chirp_against_itself_is_a_constant() {
         let slot: Slot = CHIRP;
-        let full = 32767_i64 * 32767 * 125 >> BEAT_SHIFT;
+        let full = (32767_i64 * 32767 * 125) >> BEAT_SHIFT;
         for value in dechirp(&slot) {
             // rounding of the table: each sample is off by at most 0.71 of 32767
             assert!((i64::from(value.re) - full).abs() < full / 30_000, "{}", value.re);

@@ -50,3 +50,7 @@ pub mod selftest;
 pub mod spectrogram;
 pub mod station;
 pub mod stft;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

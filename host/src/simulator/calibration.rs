@@ -16,9 +16,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Rate the measured signal is brought to, in Hz.
 pub const MEASURED_PRF_HZ: f64 = 2000.0;
 /// Simulated people behind every point of the curve.
-const PEOPLE: u32 = 30;
+const PEOPLE: u32 = 20;
 /// Recordings that stand for a measurement when none is given.
-const STAND_INS: u32 = 30;
+const STAND_INS: u32 = 20;
 /// First pass of the search.
 const GRID: [f64; 14] =
     [0.95, 0.96, 0.97, 0.975, 0.98, 0.984, 0.988, 0.99, 0.992, 0.994, 0.996, 0.998, 0.999, 1.0];
@@ -68,7 +68,7 @@ impl Bench<'_> {
     /// One person's slow-time signal: clutter removed, as the measured one has it.
     fn signal(&self, rho: f64, set: Set, index: u32) -> Vec<Complex64> {
         let mut channel = Channel::new(self.scenario, rho, self.seed, set, Class::AdultWalking, index);
-        let sweeps: Vec<_> = (0..self.slots).map(|_| channel.next()).collect();
+        let sweeps: Vec<_> = (0..self.slots).map(|_| channel.advance()).collect();
         let mut y = clutter_free(&sweeps);
         if self.real {
             y.iter_mut().for_each(|z| z.im = 0.0);

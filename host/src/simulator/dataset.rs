@@ -71,7 +71,7 @@ impl<'a> Channel<'a> {
     }
 
     /// h of the next sensing slot in the beat domain.
-    pub fn next(&mut self) -> Sweep {
+    pub fn advance(&mut self) -> Sweep {
         let t = f64::from(self.taken) * self.scenario.interval_s();
         self.taken += 1;
         let mut sweep = self.room.next(&mut self.room_random);
@@ -95,7 +95,7 @@ pub fn recording(
     let mut channel = Channel::new(scenario, rho, seed, set, class, index);
     let mut noise = Random::new(seed, set as u64 * 8 + 2, class as u64, u64::from(index));
     let converter = Converter::of(scenario);
-    let slots = (0..slots).map(|_| slot(&channel.next(), &converter, &mut noise)).collect();
+    let slots = (0..slots).map(|_| slot(&channel.advance(), &converter, &mut noise)).collect();
     Recording { slots, truth: channel.truth().clone() }
 }
 

@@ -222,7 +222,7 @@ pub fn infer(model: &[u8], image: &[i8]) -> Answer {
             layers.push(t.data.clone());
         }
         let begin = bytes.many(8, Bytes::i8);
-        (bytes.f32(), bytes.f32(), bytes.f32());
+        bytes.at += 12; // three scales, for people
         let multiplier = bytes.many(3, Bytes::i32);
         let shift = bytes.many(4, Bytes::i8);
         for (a, b) in x.data.iter_mut().zip(&t.data) {
