@@ -132,12 +132,13 @@ pub fn apportion(rates: &[u32], slots: u32, shares: &mut [u32]) {
     if rates.is_empty() || rates.contains(&0) || rates.len() != shares.len() {
         return;
     }
-    // continuous optimum slots (1/r_k) / sum (1/r_i), rounded down in 64-bit fixed point with 2^32 / r_k
-    let inverse = |rate: u32| (1_u64 << 44) / u64::from(rate);
-    let total: u64 = rates.iter().map(|&rate| inverse(rate)).fold(0, u64::saturating_add);
+    // continuous optimum slots (1/r_k) / sum (1/r_i), rounded down; 2^64 / r_k keeps 33 bits of the largest rate, so the
+    // error stays below one slot for any period
+    let inverse = |rate: u32| (1_u128 << 64) / u128::from(rate);
+    let total: u128 = rates.iter().map(|&rate| inverse(rate)).fold(0, u128::saturating_add);
     let mut left = slots;
     for (share, &rate) in shares.iter_mut().zip(rates) {
-        let exact = u128::from(inverse(rate)) * u128::from(slots) / u128::from(total.max(1));
+        let exact = inverse(rate).saturating_mul(u128::from(slots)) / total.max(1);
         *share = (exact as u32).saturating_sub(1).min(left);
         left -= *share;
     }
@@ -184,6 +185,23 @@ mod tests {
                 }
             }
             assert_eq!(worst(shares), best, "{rates:?} {slots}");
+        }
+    }
+
+    #[test]
+    fn long_periods_are_shared_exactly_too() {
+        // no receiver can be one slot poorer without the worst getting worse: each share - 1 is worth no more than the worst
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(6);
+        for _ in 0..200 {
+            let rates = [0; 5].map(|_: u32| (1 << 27) + (rng.next_u32() >> 2));
+            let mut shares = [0; 5];
+            apportion(&rates, LONGEST_PERIOD, &mut shares);
+            assert_eq!(shares.iter().sum::<u32>(), LONGEST_PERIOD);
+            let products = shares.iter().zip(rates).map(|(&s, r)| u64::from(s) * u64::from(r));
+            let worst = products.clone().min().unwrap();
+            for (product, rate) in products.zip(rates) {
+                assert!(product - u64::from(rate) <= worst);
+            }
         }
     }
 }

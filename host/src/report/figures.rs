@@ -106,11 +106,11 @@ fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
 /// The accuracy-throughput region: boundaries of the cases, coloured by zone, and the operating point.
 pub fn region(run: &Run) -> String {
     let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
-    let mut y = Axis::around(
+    let y = Axis::around(
         run.region.iter().map(|p| p.throughput_bit / 1e6),
         "worst throughput R (Mbit per period)",
     );
-    y.low = 0.0;
+
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
     cases.dedup();
