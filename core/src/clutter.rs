@@ -55,12 +55,12 @@ impl Gram {
     fn normalised(&self) -> Option<Matrix> {
         let mut entries = self.upper.iter();
         let mut matrix = Matrix::zeros();
-        let mut trace = 0_i64;
+        let mut trace = 0_i128; // eight diagonal entries of up to 2^63
         for i in 0..BEATS {
             for j in i..BEATS {
                 let entry = entries.next()?;
                 if i == j {
-                    trace = trace.wrapping_add(entry.re);
+                    trace += i128::from(entry.re);
                 }
                 let value = Complex::new(entry.re as f32, entry.im as f32);
                 matrix[(i, j)] = value;
@@ -262,6 +262,19 @@ mod tests {
         let whole = inner(&UNIT_WEIGHTS, &echo);
         let ratio = (kept.re as f64).hypot(kept.im as f64) / (whole.re as f64).hypot(whole.im as f64);
         assert!(ratio < 1e-6, "left over: {ratio}");
+    }
+
+    #[test]
+    fn full_scale_recordings_do_not_overflow() {
+        // the loudest beats there are, as many as a Gram matrix takes: one static echo, removed like any other
+        let loudest: Beat = [Complex::new(32_700_000, 32_700_000); BEATS];
+        let mut gram = Gram::new();
+        (0..GRAM_SLOTS).for_each(|_| gram.add(&loudest));
+        assert!(gram.upper().iter().all(|entry| entry.re > 0));
+        let w = weights(&gram, Kept { first: 2, last: 8 });
+        assert_ne!(w, UNIT_WEIGHTS);
+        let kept = inner(&w, &loudest);
+        assert!(kept.re.unsigned_abs() < 1 << 38, "{kept}"); // of 2^56 before
     }
 
     #[test]

@@ -193,6 +193,7 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let header = network::header(&case.model);
 
     let mut beat = Tally::bits("beat");
+    beat.exact(&[core.beats.len()], &[case.slots.len()]);
     for (slot, found) in case.slots.iter().zip(&core.beats) {
         let samples: Vec<(i16, i16)> = slot.iter().map(|s| (s.i, s.q)).collect();
         beat.exact(found, &signal::beat(&samples));
@@ -214,6 +215,7 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
 
     let mut frame = Tally { rule: "|error| <= 2^-18 sum |x|".into(), ..Tally::bits("frame") };
     let window = signal::kaiser(header.window, header.beta);
+    frame.exact(&[core.frames.len()], &[header.frames]);
     for (k, found) in core.frames.iter().enumerate() {
         let (bins, total) = signal::frame(&core.slow_time, &window, k * header.hop);
         for (index, (found, expected)) in found.iter().zip(&bins).enumerate() {

@@ -1,0 +1,144 @@
+//! The core against results that nobody here computed: LiteRT's reference kernels, numpy, scipy, mpmath.
+//!
+//! The vectors and the Python programs that made them lie in `tests/oracle`.
+
+use base64::Engine;
+use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
+use sdp3_core::dechirp::CHIRP;
+use sdp3_core::dsn::{Model, Network, scratch_bytes};
+use sdp3_core::frame::{Beat, Complex};
+use sdp3_core::probe::Probe;
+use sdp3_core::stft::{Stft, ZERO_SPECTRUM};
+use serde_json::Value;
+
+fn bytes(value: &Value) -> Vec<u8> {
+    base64::engine::general_purpose::STANDARD.decode(value.as_str().expect("base64 text")).expect("base64")
+}
+
+fn signed(value: &Value) -> Vec<i8> {
+    bytes(value).into_iter().map(|b| b as i8).collect()
+}
+
+fn list(value: &Value) -> &Vec<Value> {
+    value.as_array().expect("a list")
+}
+
+fn pair(value: &Value) -> (f64, f64) {
+    let number = |k: usize| value[k].as_f64().expect("a number");
+    (number(0), number(1))
+}
+
+#[derive(Default)]
+struct Layers(Vec<Vec<i8>>);
+
+impl Probe for Layers {
+    fn layer(&mut self, _index: usize, activations: &[i8]) {
+        self.0.push(activations.to_vec());
+    }
+    fn logits(&mut self, logits: &[i8]) {
+        self.0.push(logits.to_vec());
+    }
+}
+
+#[test]
+fn every_layer_has_the_bits_of_tflites_reference_kernels() {
+    let vectors: Value = serde_json::from_str(include_str!("oracle/network.json")).expect("JSON");
+    let mut compared = 0;
+    for network in list(&vectors["networks"]) {
+        let (file, image) = (bytes(&network["model"]), signed(&network["image"]));
+        let model = Model::parse(&file).expect("a model");
+        let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
+        let mut layers = Layers::default();
+        Network::new(model, &mut scratch).expect("enough scratch").infer(&image, &mut layers);
+        // the oracle also keeps the stem before its pooling, which the core never holds as a whole
+        let expected = &list(&network["tensors"])[1..];
+        assert_eq!(layers.0.len(), expected.len());
+        for (found, expected) in layers.0.iter().zip(expected) {
+            let values = signed(&expected["values"]);
+            assert_eq!(found, &values, "{} {}", network["name"], expected["layer"]);
+            compared += values.len();
+        }
+    }
+    assert!(compared > 5_000, "{compared}");
+}
+
+fn front_end() -> Value {
+    serde_json::from_str(include_str!("oracle/front_end.json")).expect("JSON")
+}
+
+#[test]
+fn the_chirp_table_is_exact() {
+    let vectors = front_end();
+    for (n, sample) in CHIRP.iter().enumerate() {
+        let at = |name: &str| vectors["chirp"][name][n].as_i64().expect("an integer");
+        assert_eq!((i64::from(sample.i), i64::from(sample.q)), (at("cos"), at("sin")), "sample {}", n + 1);
+    }
+}
+
+#[test]
+fn slow_time_is_numpys_truncated_svd() {
+    let vectors = front_end();
+    let beats: Vec<Beat> = list(&vectors["clutter"]["beats"])
+        .iter()
+        .map(|slot| {
+            std::array::from_fn(|m| {
+                let (re, im) = pair(&slot[m]);
+                Complex::new(re as i32, im as i32)
+            })
+        })
+        .collect();
+    let mut gram = Gram::new();
+    beats.iter().for_each(|beat| gram.add(beat));
+    let project = |w: &Weights, beat: &Beat| {
+        let scale = f64::from(1 << WEIGHT_BITS);
+        w.iter().zip(beat).fold((0.0, 0.0), |sum, (w, b)| {
+            let (wr, wi) = (f64::from(w.re) / scale, f64::from(w.im) / scale);
+            let (br, bi) = (f64::from(b.re), f64::from(b.im));
+            (sum.0 + wr * br + wi * bi, sum.1 + wr * bi - wi * br)
+        })
+    };
+    let strongest = vectors["clutter"]["singular_values"][0].as_f64().expect("a number");
+    for cut in list(&vectors["clutter"]["cuts"]) {
+        let bound = |name: &str| cut[name].as_u64().expect("an integer") as u8;
+        let w = weights(&gram, Kept { first: bound("first"), last: bound("last") });
+        if (bound("first"), bound("last")) == (1, 8) {
+            assert_eq!(w, UNIT_WEIGHTS);
+        }
+        for (beat, expected) in beats.iter().zip(list(&cut["y"])) {
+            let (found, expected) = (project(&w, beat), pair(expected));
+            let error = (found.0 - expected.0).hypot(found.1 - expected.1) / strongest;
+            assert!(error < 3e-3, "cut {}..={}: {error}", cut["first"], cut["last"]);
+        }
+    }
+}
+
+#[test]
+fn frames_are_scipys() {
+    let vectors = front_end();
+    for case in list(&vectors["stft"]) {
+        let number = |name: &str| case[name].as_f64().expect("a number");
+        let stft = Stft::new(number("window_len") as u16, number("beta") as f32, number("hop") as u16);
+        for (found, expected) in stft.window().iter().zip(list(&case["window"])) {
+            assert!((f64::from(*found) - expected.as_f64().expect("a number")).abs() < 2e-6);
+        }
+        let signal: Vec<Complex<i32>> = list(&case["slow_time"])
+            .iter()
+            .map(|z| {
+                let (re, im) = pair(z);
+                Complex::new(re as i32, im as i32)
+            })
+            .collect();
+        let frames = list(&case["frames"]);
+        assert_eq!(frames.len(), stft.frames(signal.len()));
+        let mut spectrum = ZERO_SPECTRUM;
+        for (k, frame) in frames.iter().enumerate() {
+            stft.frame(&signal, k, &mut spectrum);
+            let total: f64 = signal.iter().map(|z| f64::from(z.re).hypot(f64::from(z.im))).sum();
+            for (found, expected) in spectrum.iter().zip(list(frame)) {
+                let (re, im) = pair(expected);
+                let error = (f64::from(found.re) - re).hypot(f64::from(found.im) - im);
+                assert!(error < total / 262_144.0, "frame {k}: {error}");
+            }
+        }
+    }
+}
