@@ -51,6 +51,12 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         Some(file) => Scenario::load(file)?,
         None => Scenario::default(),
     };
+    if common.verbose {
+        let file = common.scenario.as_ref().map_or("built in".into(), |file| file.display().to_string());
+        progress.note("sdp3", &format!("scenario {} ({file}), seed {}", scenario.name, common.seed));
+        let threads = rayon::current_num_threads();
+        progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
+    }
     let json = common.json;
     let command = cli.command.unwrap_or(Command::Run {
         preset: Preset::Quick,

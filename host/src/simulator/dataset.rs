@@ -154,9 +154,12 @@ mod tests {
     }
 
     #[test]
-    fn sixty_gigahertz_alias_and_three_and_a_half_do_not() {
+    fn high_carriers_alias_and_three_and_a_half_gigahertz_do_not() {
         let mut scenario = Scenario::default();
         assert_eq!(aliasing(&scenario), None);
+        scenario.radar.carrier_hz = 60e9;
+        // toes at 4.66 m/s: 5 m/s are unambiguous with every slot sensing
+        assert_eq!(aliasing(&scenario).and_then(|a| a.spacing_slots), Some(0));
         scenario.radar.carrier_hz = 24e9;
         assert_eq!(aliasing(&scenario).and_then(|a| a.spacing_slots), Some(1));
     }
