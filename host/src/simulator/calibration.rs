@@ -15,6 +15,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Rate the measured signal is brought to, in Hz.
 pub const MEASURED_PRF_HZ: f64 = 2000.0;
+/// Corner of the AC coupling that is applied to the measured and to the simulated signal alike, in Hz. CW sensors block what
+/// does not move; their own corners are rarely published.
+pub const AC_COUPLING_HZ: f64 = 20.0;
+/// Least energy of a window with motion, as a share of the median window's.
+const MOTION_SHARE: f64 = 0.5;
+/// Slots simulated before the window, for the filter to settle.
+const SETTLE_SLOTS: usize = 200;
 /// Simulated people behind every point of the curve.
 const PEOPLE: u32 = 20;
 /// Recordings that stand for a measurement when none is given.
@@ -68,13 +75,16 @@ impl Bench<'_> {
     /// One person's slow-time signal: clutter removed, as the measured one has it.
     fn signal(&self, rho: f64, set: Set, index: u32) -> Vec<Complex64> {
         let mut channel = Channel::new(self.scenario, rho, self.seed, set, Class::AdultWalking, index);
-        let sweeps: Vec<_> = (0..self.slots).map(|_| channel.advance()).collect();
-        let mut y = clutter_free(&sweeps);
         if self.real {
-            y.iter_mut().for_each(|z| z.im = 0.0);
-            remove_mean(&mut y);
+            // a CW sensor sees one number a time, AC-coupled; its filter settles before the window begins
+            let settle = SETTLE_SLOTS as u32;
+            let mut y: Vec<_> =
+                (0..settle + self.slots).map(|_| Complex64::new(channel.advance()[0].re, 0.0)).collect();
+            ac_couple(&mut y, 1.0 / self.scenario.interval_s());
+            return y.split_off(SETTLE_SLOTS);
         }
-        y
+        let sweeps: Vec<_> = (0..self.slots).map(|_| channel.advance()).collect();
+        clutter_free(&sweeps)
     }
 
     fn levels(&self, rho: f64, set: Set, index: u32) -> [u64; LEVELS] {
@@ -113,9 +123,18 @@ fn clutter_free(sweeps: &[super::channel::Sweep]) -> Vec<Complex64> {
     sweeps.iter().map(|s| s.iter().zip(&w).map(|(b, w)| w.conj() * b).sum()).collect()
 }
 
-fn remove_mean(y: &mut [Complex64]) {
-    let mean = y.iter().sum::<Complex64>() / y.len().max(1) as f64;
-    y.iter_mut().for_each(|z| *z -= mean);
+/// Two single-pole high-pass filters, one after the other: what AC coupling leaves of a signal at `rate_hz`.
+fn ac_couple(y: &mut [Complex64], rate_hz: f64) {
+    let keep = libm::exp(-std::f64::consts::TAU * AC_COUPLING_HZ / rate_hz);
+    for _ in 0..2 {
+        let Some(&first) = y.first() else { return };
+        let (mut before, mut state) = (first, Complex64::default());
+        for z in y.iter_mut() {
+            state = (state + *z - before) * keep;
+            before = *z;
+            *z = state;
+        }
+    }
 }
 
 fn shares(counts: &[u64; LEVELS]) -> Vec<f64> {
@@ -192,22 +211,29 @@ pub fn calibrate_measured(
 
     let mut signal: Vec<Complex64> =
         resample(samples, rate_hz, MEASURED_PRF_HZ).into_iter().map(|x| Complex64::new(x, 0.0)).collect();
-    remove_mean(&mut signal);
-    let windows: Vec<&[Complex64]> = signal.chunks_exact(slots).collect();
+    ac_couple(&mut signal, MEASURED_PRF_HZ);
+    let energy = |w: &[Complex64]| w.iter().map(|z| z.norm_sqr()).sum::<f64>();
+    let all: Vec<&[Complex64]> = signal.chunks_exact(slots).collect();
+    let mut energies: Vec<f64> = all.iter().map(|w| energy(w)).collect();
+    energies.sort_by(f64::total_cmp);
+    let median = energies.get(energies.len() / 2).copied().unwrap_or(0.0);
+    // pauses and turns show the room, not the walker
+    let windows: Vec<&[Complex64]> = all.into_iter().filter(|w| energy(w) >= MOTION_SHARE * median).collect();
     let mut counts = [0; LEVELS];
     for window in &windows {
-        let mut window = window.to_vec();
-        remove_mean(&mut window);
-        let one = histogram(&bench.grey.decibels(&window, true));
+        let one = histogram(&bench.grey.decibels(window, true));
         counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n);
     }
     let measured_pmf = shares(&counts);
     let (curve, simulated_pmf, best) = search(&bench, &measured_pmf, progress);
-    let energy = |w: &[Complex64]| w.iter().map(|z| z.norm_sqr()).sum::<f64>();
     let shown = windows.iter().max_by(|a, b| energy(a).total_cmp(&energy(b))).map_or(&signal[..0], |w| w);
     let simulated = bench.signal(curve[best].rho, Set::Demo, 0);
     Calibration {
-        source: format!("measured: {title}, {:.4} GHz, {} windows of 1 s", carrier_hz / 1e9, windows.len()),
+        source: format!(
+            "measured: {title}, {:.4} GHz, {} windows of 1 s with motion",
+            carrier_hz / 1e9,
+            windows.len()
+        ),
         carrier_hz,
         rho: curve[best].rho,
         kl: Some(curve[best].kl),
