@@ -279,7 +279,9 @@ impl Job {
                 None => qemu::build(&folder, &mut |line| self.progress.note("prove", line)),
             };
             let here = digests(suite).map_err(|e: CaseError| e.to_string())?;
-            let file = self.output.write("conformance.sdps", &suite.to_bytes())?;
+            // a name of its own: another process may prove in the same folder
+            let name = format!("conformance-{}.sdps", std::process::id());
+            let file = self.output.write(&name, &suite.to_bytes())?;
             let run = |machine: &qemu::Firmware| match &built {
                 Err(error) => not_run(machine.name, error.to_string()),
                 Ok(()) => match qemu::run(machine, &file, Duration::from_secs(240)) {
