@@ -21,7 +21,7 @@ mod firmware {
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
     use sdp3_firmware_sim::{log, semihosting};
 
-    /// The largest configuration: 1000 slots, 110 frames, 32 channels behind a stride of 2.
+    /// The largest configuration: 1000 slots, 110 frames, 16 channels behind a stride of 1.
     type Standard = Memory<1000, 110, { scratch_bytes(110, 16, 1) }>;
     static MEMORY: Single<Standard> = Single::new(Standard::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);

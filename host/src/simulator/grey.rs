@@ -24,18 +24,9 @@ impl Grey {
     /// A Kaiser window of `length` samples with `beta`, moved by `hop`.
     pub fn new(length: usize, beta: f64, hop: usize) -> Self {
         let centre = (length as f64 - 1.0) / 2.0;
-        let bessel = |x: f64| {
-            let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-            while term > 1e-17 * sum {
-                term *= x * x / (4.0 * k * k);
-                sum += term;
-                k += 1.0;
-            }
-            sum
-        };
         let value = |n: usize| {
             let x = (n as f64 - centre) / centre;
-            bessel(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel(beta)
+            bessel_i0(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(beta)
         };
         let fft = FftPlanner::new().plan_fft_forward(FFT);
         Grey { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
@@ -61,6 +52,17 @@ impl Grey {
         frames.iter_mut().flatten().for_each(|db| *db -= most);
         frames
     }
+}
+
+/// Modified Bessel function of the first kind, order zero, by its power series.
+pub fn bessel_i0(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+    while term > 1e-17 * sum {
+        term *= x * x / (4.0 * k * k);
+        sum += term;
+        k += 1.0;
+    }
+    sum
 }
 
 /// Grey level 0..LEVELS of a value in dB below the maximum; 0 is black.

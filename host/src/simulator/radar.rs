@@ -60,7 +60,8 @@ impl Converter {
 }
 
 /// The beat at the samples, `[fast_time]`, without the chirp.
-pub fn beat(sweep: &Sweep) -> Vec<Complex64> {
+#[cfg(test)]
+fn beat(sweep: &Sweep) -> Vec<Complex64> {
     INTERPOLATION
         .iter()
         .map(|row| row.iter().zip(sweep).fold(Complex64::default(), |sum, (w, z)| sum + z * w))

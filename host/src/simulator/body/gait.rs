@@ -278,7 +278,7 @@ mod tests {
     /// (joint, position at t = 0, .25, .5, .75) of the right side for H = 1.75.
     type Row = (usize, [Vec3; 4]);
 
-    fn check(rv: f64, rows: &[Row], translations: &[Vec3; 4]) {
+    fn check(rv: f64, rows: &[Row], translations: Option<&[Vec3; 4]>) {
         let gait = Gait::new(1.75, rv);
         for (index, t) in [0.0, 0.25, 0.5, 0.75].into_iter().enumerate() {
             let pose = gait.pose(t);
@@ -291,8 +291,10 @@ mod tests {
                     expected[index]
                 );
             }
-            let error = norm(sub(gait.translation(t), translations[index]));
-            assert!(error < 2e-5, "RV {rv} t {t}: {:?}", gait.translation(t));
+            if let Some(translations) = translations {
+                let error = norm(sub(gait.translation(t), translations[index]));
+                assert!(error < 2e-5, "RV {rv} t {t}: {:?}", gait.translation(t));
+            }
         }
     }
 
@@ -387,7 +389,7 @@ mod tests {
             [0.00542, -0.01881, -0.02714],
             [-0.00542, 0.02589, -0.00286],
         ];
-        check(1.0, &rows, &translations);
+        check(1.0, &rows, Some(&translations));
     }
 
     #[test]
@@ -418,7 +420,7 @@ mod tests {
             [-0.01376, 0.01806, -0.01085],
             [0.01376, -0.02485, -0.00115],
         ];
-        check(0.4, &slow, &translations);
+        check(0.4, &slow, Some(&translations));
         let fast: [Row; 3] = [
             (
                 KNEE + 1,
@@ -448,9 +450,7 @@ mod tests {
                 ],
             ),
         ];
-        let gait = Gait::new(1.75, 1.6);
-        let translations = [0.0, 0.25, 0.5, 0.75].map(|t| gait.translation(t));
-        check(1.6, &fast, &translations);
+        check(1.6, &fast, None); // no translations are tabulated at this speed
     }
 
     #[test]
