@@ -88,3 +88,24 @@ fn unknown_arguments_and_targets() {
     refused(&["run", "--sed", "1", "--out", "@/out"], |_| (), &["--sed"]);
     refused(&["run", "--targets", "z80", "--out", "@/out"], |_| (), &["z80", "cortex-m4f"]);
 }
+
+#[test]
+fn datasets_that_cannot_be() {
+    refused(
+        &["simulate", "--per-class", "0", "--out", "@/out"],
+        |_| (),
+        &["--per-class", "'0'", "1..=2000000"],
+    );
+    for shard in ["0/3", "4/3", "2", "1/0"] {
+        refused(&["simulate", "--shard", shard, "--out", "@/out"], |_| (), &["--shard", shard, "1/N..=N/N"]);
+    }
+    let another = |folder: &Path| {
+        std::fs::create_dir_all(folder.join("out")).expect("a folder");
+        std::fs::write(folder.join("out/request.json"), "{\"seed\": 3}").expect("a request");
+    };
+    refused(
+        &["simulate", "--per-class", "1", "--out", "@/out"],
+        another,
+        &["request.json", "per_class", "--out"],
+    );
+}

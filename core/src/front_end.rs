@@ -105,11 +105,16 @@ impl<'b> FrontEnd<'b> {
 
     /// Takes one slot: dechirp and running Gram matrix. `false`, and nothing changes, if the recording is full.
     pub fn push(&mut self, slot: &Slot, probe: &mut impl Probe) -> bool {
+        self.taken < self.capacity() && self.push_beat(dechirp(slot), probe)
+    }
+
+    /// Takes a slot that was dechirped elsewhere, in the units of [`dechirp`] (|re|, |im| < 2^25). `false`, and nothing
+    /// changes, if the recording is full.
+    pub fn push_beat(&mut self, beat: Beat, probe: &mut impl Probe) -> bool {
         if self.taken >= self.capacity() {
             return false;
         }
         let Some(place) = self.buffers.beats.get_mut(self.taken) else { return false };
-        let beat = dechirp(slot);
         probe.beat(&beat);
         self.gram.add(&beat);
         *place = beat;

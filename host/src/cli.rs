@@ -1,6 +1,7 @@
 //! The command line: what can be asked, in words; nothing is decided here.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use sdp3::formats::dataset::{PER_CLASS, Shard};
 use std::path::PathBuf;
 
 /// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
@@ -18,6 +19,8 @@ pub struct Cli {
 const EXAMPLES: &str = "Examples:
   sdp3                                     the main job, quick, results in ./out
   sdp3 run --measured walk.wav --carrier 24.125e9
+  sdp3 simulate --channel ray-tracing --per-class 100
+  sdp3 channels --json
   sdp3 predict --points points.csv --json
   sdp3 optimize --accuracy 0.9
 Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error.";
@@ -60,12 +63,24 @@ pub enum Preset {
 /// Measured signal.
 #[derive(Debug, Clone, Args)]
 pub struct MeasuredArgs {
-    /// Mono WAV of a CW Doppler sensor.
-    #[arg(long, value_name = "FILE.wav", requires = "carrier")]
+    /// A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5.
+    #[arg(long, value_name = "FILE")]
     pub measured: Option<PathBuf>,
-    /// Carrier of that sensor in Hz.
+    /// Its carrier in Hz, if the file does not say.
     #[arg(long, value_name = "HZ", requires = "measured")]
     pub carrier: Option<f64>,
+    /// Its sampling or slow-time rate in Hz, if the file does not say.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub rate: Option<f64>,
+    /// Gain of the sensor in dB, taken off.
+    #[arg(long, value_name = "DB", requires = "measured", allow_negative_numbers = true)]
+    pub gain: Option<f64>,
+    /// Which array of an NPZ or which dataset of an HDF5 file.
+    #[arg(long, value_name = "NAME", requires = "measured")]
+    pub dataset: Option<String>,
+    /// How the person in it moves: a class, such as adult-walking or standing.
+    #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking")]
+    pub motion: String,
 }
 
 /// Targets of the proof.
@@ -107,17 +122,42 @@ pub enum Command {
         #[command(flatten)]
         proof: ProofArgs,
     },
-    /// Simulate recordings and write them as dataset.npz.
+    /// Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest.
+    ///
+    /// Interrupted, the same command resumes; complete, it changes nothing.
     Simulate {
         /// Recordings of each class.
-        #[arg(long, default_value_t = 20)]
+        #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(PER_CLASS))]
         per_class: u32,
+        /// Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent:
+        /// the scenario's.
+        #[arg(long, value_name = "NAME")]
+        channel: Option<String>,
+        /// Classes, by name; absent: the paper's five. Also child-stepping, adult-stepping, child-running, adult-running.
+        #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+        classes: Option<Vec<String>>,
+        /// Store the raw slots in the parts too.
+        #[arg(long)]
+        raw: bool,
+        /// Write each recording's raw slots as SigMF too.
+        #[arg(long)]
+        sigmf: bool,
+        /// Make only the I-th of N shards of the parts; whichever comes last writes the manifest.
+        #[arg(long, value_name = "I/N", default_value = "1/1")]
+        shard: Shard,
     },
     /// Find the room's memory rho that a measured signal shows.
     Calibrate {
         #[command(flatten)]
         measured: MeasuredArgs,
+        /// Write the look-up table of rho again, to this file.
+        #[arg(long, value_name = "FILE.toml", conflicts_with = "measured")]
+        table: Option<PathBuf>,
     },
+    /// Run every channel model through the property tests of the paper's Table I.
+    Channels,
+    /// Draw a page of spectrograms: class by carrier by channel model.
+    Gallery,
     /// Train the networks and save their float parameters.
     Train {
         /// Size of the job.

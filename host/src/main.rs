@@ -4,6 +4,8 @@ mod cli;
 
 use clap::Parser;
 use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs};
+use sdp3::formats::dataset::{self, Shard};
+use sdp3::formats::measured::Stated;
 use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
@@ -11,8 +13,12 @@ use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
 use sdp3::predictor::learning_curve::fit_all;
 use sdp3::progress::Progress;
 use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
-use sdp3::scenario::{Scenario, ScenarioError};
+use sdp3::predictor::spectrograms::gallery;
+use sdp3::report;
+use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;
+use sdp3::simulator::channel::properties;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Default of `--targets`.
@@ -57,10 +63,18 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         let threads = rayon::current_num_threads();
         progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
     }
+    sdp3::simulator::dataset::check(&scenario)?;
     let json = common.json;
     let command = cli.command.unwrap_or(Command::Run {
         preset: Preset::Quick,
-        measured: MeasuredArgs { measured: None, carrier: None },
+        measured: MeasuredArgs {
+            measured: None,
+            carrier: None,
+            rate: None,
+            gain: None,
+            dataset: None,
+            motion: Class::AdultWalking.name().into(),
+        },
         proof: ProofArgs { targets: TARGETS.map(String::from).to_vec(), firmware: None },
     });
     if let Command::Predict { points: Some(file) } = &command {
@@ -75,8 +89,39 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
     }
     match command {
         Command::Run { measured, proof, .. } => run(&job, measured, &proof, common.threads, json),
-        Command::Simulate { per_class } => simulate(&job, per_class, json),
-        Command::Calibrate { measured } => {
+        Command::Simulate { per_class, channel, classes, raw, sigmf, shard } => {
+            with_channel(&mut job.scenario, channel.as_deref())?;
+            let classes = match classes {
+                Some(names) => names.iter().map(|name| class(name, "--classes")).collect::<Result<_, _>>()?,
+                None => Class::ALL.to_vec(),
+            };
+            simulate(&job, per_class, classes, (raw, sigmf), shard, json)
+        }
+        Command::Channels => {
+            let stage = job.progress.stage("channels", "models through the property tests");
+            let table = properties::table(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+            stage.finish(&format!("{} models", table.models.len()));
+            job.output.write_json("channels.json", &table)?;
+            print(json, &table, || report::tables::channels(&table));
+            Ok(true)
+        }
+        Command::Gallery => {
+            let stage = job.progress.stage("gallery", "spectrograms");
+            let shown = gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+            let path = job.output.write("gallery.html", report::gallery::page(&shown).as_bytes())?;
+            stage.finish(&path.display().to_string());
+            Ok(true)
+        }
+        Command::Calibrate { table: Some(file), .. } => {
+            let stage = job.progress.stage("calibrate", "the table of rho");
+            let table = calibration::stored::regenerate(job.seed, &|done, all| stage.at(done, all));
+            let text = format!("{}{}", calibration::stored::HEADER, toml::to_string(&table)?);
+            Output::create(&folder_of(&file))?.write(&name_of(&file), text.as_bytes())?;
+            stage.finish(&format!("{} entries in {}", table.entry.len(), file.display()));
+            print(json, &table, String::new);
+            Ok(true)
+        }
+        Command::Calibrate { measured, table: None } => {
             let found = job.calibrate(measurement(measured)?.as_ref())?;
             let path = job.output.write_json("calibration.json", &found)?;
             if json {
@@ -157,6 +202,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
     }
 }
 
+/// A result as JSON, or in words if there are any.
+fn print(json: bool, value: &impl serde::Serialize, words: impl FnOnce() -> String) {
+    let text = if json { to_json(value) } else { words() };
+    if !text.is_empty() {
+        println!("{text}");
+    }
+}
+
+fn folder_of(file: &Path) -> PathBuf {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(".".into(), Path::to_path_buf)
+}
+
+fn name_of(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// The quick preset makes an untouched scenario small; one from a file is taken as it is.
 fn apply(preset: Preset, job: &mut Job, from_file: bool) {
     if preset == Preset::Quick && !from_file {
@@ -169,17 +230,29 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
 }
 
 fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
-    let (Some(file), Some(carrier_hz)) = (args.measured, args.carrier) else { return Ok(None) };
-    if !(0.5e9..=100e9).contains(&carrier_hz) {
-        let value = ScenarioError::Value {
-            origin: "command line".into(),
-            field: "--carrier".into(),
-            value: carrier_hz.to_string(),
-            legal: "5e8..=1e11 Hz".into(),
-        };
-        return Err(value.into());
-    }
-    Ok(Some(Measured { file, carrier_hz }))
+    let Some(file) = args.measured else { return Ok(None) };
+    let motion = class(&args.motion, "--motion")?;
+    let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
+    Ok(Some(Measured { file, stated, motion }))
+}
+
+/// A class by its name.
+fn class(name: &str, flag: &str) -> Result<Class, Failure> {
+    Class::EVERY.into_iter().find(|class| class.name() == name).ok_or_else(|| {
+        let names = Class::EVERY.map(Class::name).join(", ");
+        format!("command line: {flag} = {name} is outside its legal range: one of {names}").into()
+    })
+}
+
+/// The scenario with the channel model of this name.
+fn with_channel(scenario: &mut Scenario, name: Option<&str>) -> Result<(), Failure> {
+    let Some(name) = name else { return Ok(()) };
+    let found = Model::ALL.into_iter().find(|model| model.name() == name);
+    scenario.channel.model = found.ok_or_else(|| {
+        let names = Model::ALL.map(Model::name).join(", ");
+        format!("command line: --channel = {name} is outside its legal range: one of {names}")
+    })?;
+    Ok(())
 }
 
 fn chosen(rule: RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
@@ -266,9 +339,9 @@ fn run(
     let measured = measurement(measured)?;
     let calibration = job.calibrate(measured.as_ref())?;
     // a measurement at another carrier says nothing about this one: its rho is used only at its own
-    let same = |m: &Measured| (m.carrier_hz / job.scenario.radar.carrier_hz - 1.0).abs() < 0.2;
+    let same = (calibration.carrier_hz / job.scenario.radar.carrier_hz - 1.0).abs() < 0.2;
     let rho = match (&measured, job.scenario.channel.rho) {
-        (Some(m), None) if !same(m) => calibration::stored_rho(&job.scenario).0,
+        (Some(_), None) if !same => calibration::stored_rho(&job.scenario).0,
         (Some(_), None) | (None, None) => calibration.rho,
         (_, Some(rho)) => rho,
     };
@@ -332,15 +405,27 @@ fn workers(threads: usize) -> usize {
     if threads == 0 { all } else { threads }
 }
 
-fn simulate(job: &Job, per_class: u32, json: bool) -> Result<bool, Failure> {
+fn simulate(
+    job: &Job,
+    per_class: u32,
+    classes: Vec<Class>,
+    (raw, sigmf): (bool, bool),
+    shard: Shard,
+    json: bool,
+) -> Result<bool, Failure> {
     job.warn_of_aliasing();
     let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
     let stage = job.progress.stage("simulate", "recordings");
-    let written =
-        sdp3::formats::dataset::write(&job.scenario, rho, job.seed, per_class, &job.output, &|done, all| {
-            stage.at(done, all)
-        })?;
-    stage.finish(&format!("{} recordings in {}", written.recordings, job.output.folder().display()));
+    let work = dataset::Work::new(&job.scenario, rho, job.seed, per_class, classes, raw, sigmf);
+    let written = work.write(shard, &job.output, &|done, all| stage.at(done, all))?;
+    let state = if written.manifest.is_some() { "complete" } else { "not yet complete" };
+    stage.finish(&format!(
+        "{} parts made, {} kept; {} recordings in {}, {state}",
+        written.made,
+        written.kept,
+        written.recordings,
+        job.output.folder().display()
+    ));
     if json {
         println!("{}", to_json(&written));
     }

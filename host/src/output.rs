@@ -4,6 +4,8 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Why a file could not be written or read.
@@ -37,6 +39,26 @@ pub enum OutputError {
     },
 }
 
+/// What a file is called while it is written, before the process's number.
+const PARTIAL: &str = ".partial-";
+/// The file that tries whether the folder can be written to, before the process's number.
+const PROBE: &str = ".sdp3-probe-";
+
+/// Whether another process of that number runs this program. Where the system does not say, it is taken to run.
+fn runs(process: u32) -> bool {
+    // "1234 (name) S ...": number, name, state
+    let stat = |process: &str| {
+        let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+        let (name, state) = text.split_once('(')?.1.rsplit_once(") ")?;
+        Some((name.to_owned(), state.starts_with(['Z', 'X'])))
+    };
+    match stat("self") {
+        // a number may be given again: to this process, or to another program
+        Some(this) => process != std::process::id() && stat(&process.to_string()) == Some(this),
+        None => true,
+    }
+}
+
 /// An output folder that is known to be writable.
 #[derive(Debug, Clone)]
 pub struct Output {
@@ -53,7 +75,7 @@ impl Output {
         let output = Output { folder: folder.to_owned() };
         let fail = |source| OutputError::Write { path: folder.to_owned(), source };
         std::fs::create_dir_all(folder).map_err(fail)?;
-        let probe = folder.join(format!(".sdp3-probe-{}", std::process::id()));
+        let probe = folder.join(format!("{PROBE}{}", std::process::id()));
         std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
         Ok(output)
     }
@@ -74,20 +96,73 @@ impl Output {
     ///
     /// [`OutputError::Write`] naming the file.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, OutputError> {
+        self.fill(name, |file| file.write_all(bytes))?;
+        Ok(self.path(name))
+    }
+
+    /// Writes a file piece by piece, whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] naming the file, also for what `fill` reports.
+    pub fn fill<T>(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
+    ) -> Result<T, OutputError> {
         let path = self.path(name);
         let fail = |source| OutputError::Write { path: path.clone(), source };
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(fail)?;
         }
         let mut partial = path.clone().into_os_string();
-        partial.push(format!(".partial-{}", std::process::id()));
+        partial.push(format!("{PARTIAL}{}", std::process::id()));
         let partial = PathBuf::from(partial);
-        let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &path));
+        let written = File::create(&partial).and_then(|file| {
+            let mut file = BufWriter::with_capacity(1 << 16, file);
+            let value = fill(&mut file)?;
+            file.flush()?;
+            drop(file);
+            std::fs::rename(&partial, &path)?;
+            Ok(value)
+        });
         if written.is_err() {
             let _ = std::fs::remove_file(&partial);
         }
-        written.map_err(fail)?;
-        Ok(path)
+        written.map_err(fail)
+    }
+
+    /// Removes what runs that were killed left half-written: `*.partial-PID` of the files `ours` knows, and probes, unless that
+    /// process still runs.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] naming the file or folder.
+    pub fn sweep(&self, ours: impl Fn(&str) -> bool) -> Result<(), OutputError> {
+        let fail = |path: &Path| {
+            let path = path.to_owned();
+            move |source| OutputError::Write { path, source }
+        };
+        for entry in std::fs::read_dir(&self.folder).map_err(fail(&self.folder))? {
+            let entry = entry.map_err(fail(&self.folder))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let process = match name.rsplit_once(PARTIAL) {
+                Some((file, process)) if ours(file) => Some(process),
+                Some(_) => None,
+                None => name.strip_prefix(PROBE),
+            };
+            let Some(process) = process.and_then(|process| process.parse().ok()) else { continue };
+            if runs(process) {
+                continue;
+            }
+            match std::fs::remove_file(entry.path()) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(fail(&entry.path())(error));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Writes a value as JSON.
@@ -137,7 +212,25 @@ mod tests {
         output.write("models/x.bin", b"22").unwrap();
         assert_eq!(output.read("models/x.bin", "").unwrap(), b"22");
         assert_eq!(std::fs::read_dir(output.path("models")).unwrap().count(), 1);
+        let error = output.fill("models/y.bin", |_| Err::<(), _>(io::Error::other("broken"))).unwrap_err();
+        assert!(error.to_string().contains("y.bin") && error.to_string().contains("broken"), "{error}");
+        assert_eq!(std::fs::read_dir(output.path("models")).unwrap().count(), 1);
         let error = Output::create(Path::new("/proc/nowhere")).unwrap_err().to_string();
         assert!(error.contains("/proc/nowhere") && error.contains("--out"), "{error}");
+    }
+
+    #[test]
+    fn only_our_leftovers_of_dead_runs_are_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::create(folder.path()).unwrap();
+        let own = format!("a.npz.partial-{}", std::process::id());
+        // 4294967295 is no process
+        let gone = ["a.npz.partial-4294967295", ".sdp3-probe-4294967295", &own];
+        let kept =
+            ["a.npz", "b.txt.partial-4294967295", "a.npz.partial-", "a.npz.partial-x", "partial-4294967295"];
+        gone.iter().chain(&kept).for_each(|name| std::fs::write(output.path(name), b"").unwrap());
+        output.sweep(|name| name == "a.npz").unwrap();
+        assert!(gone.iter().all(|name| !output.path(name).exists()));
+        assert!(kept.iter().all(|name| output.path(name).exists()));
     }
 }

@@ -7,7 +7,7 @@ use crate::conformance::compare::{CaseError, verify_host};
 use crate::conformance::digests::{compare, digests, not_run};
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
-use crate::formats::wav;
+use crate::formats::measured;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
 use crate::predictor::learning_curve::fit_all;
@@ -45,10 +45,12 @@ pub struct Job {
 /// A measured signal to calibrate on.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// WAV file.
+    /// The file.
     pub file: PathBuf,
-    /// Carrier of the sensor in Hz.
-    pub carrier_hz: f64,
+    /// What was stated about it.
+    pub stated: measured::Stated,
+    /// How the person in it moves.
+    pub motion: Class,
 }
 
 /// The targets of `verify`, by name.
@@ -75,18 +77,13 @@ impl Job {
     pub fn calibrate(&self, measured: Option<&Measured>) -> Result<Calibration, Failure> {
         let s = &self.scenario;
         if let Some(measured) = measured {
-            let wav = wav::read(&measured.file)?;
-            let title = measured.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let signal = measured::read(&measured.file, &measured.stated)?;
             let stage = self.progress.stage("calibrate", "rho on the measured signal");
-            let found = calibration::calibrate_measured(
-                s,
-                &wav.samples,
-                wav.rate_hz,
-                measured.carrier_hz,
-                &title,
-                self.seed,
-                &|done, all| stage.at(done, all),
-            );
+            let found =
+                calibration::calibrate_measured(s, &signal, measured.motion, self.seed, &|done, all| {
+                    stage.at(done, all)
+                })
+                .map_err(|error| format!("{}: {error}", measured.file.display()))?;
             stage.finish(&format!(
                 "rho = {} with KL {:.4}, {:.4} without uncertainty",
                 found.rho,
@@ -128,7 +125,7 @@ impl Job {
             .iter()
             .map(|&class| {
                 let recording = recording(s, rho, self.seed, Set::Demo, class, 0, slots);
-                let image = images_of(s, &recording).pop().unwrap_or_default();
+                let image = images_of(s, &recording.slots).pop().unwrap_or_default();
                 picture(s, class.name(), &image)
             })
             .collect()

@@ -4,6 +4,7 @@
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The main job's answer: what `sdp3 run --json` prints and `run.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -252,6 +253,8 @@ pub struct Spectrogram {
     pub row_hz: f64,
     /// Spacing of the frames in seconds.
     pub frame_s: f64,
+    /// Carrier in Hz: 2 v / lambda is the Doppler of a radial speed v.
+    pub carrier_hz: f64,
     /// Grey levels `[row][frame]`, 0 black (at or below the range) ..= 255 (the maximum).
     pub grey: Vec<u8>,
 }
@@ -359,4 +362,54 @@ pub struct WeightedPoint {
     pub accuracy: f64,
     /// Its throughput in bits per period.
     pub throughput_bit: f64,
+}
+
+/// One property of a channel model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Property {
+    /// Whether the model has it.
+    pub verdict: bool,
+    /// What was measured.
+    pub statistic: f64,
+    /// What it is held against.
+    pub threshold: f64,
+    /// `>=` or `<=`: the side of the threshold on which the verdict is true.
+    pub relation: String,
+    /// The statistic in words.
+    pub meaning: String,
+    /// The paper's verdict, if its Table I has this model.
+    pub paper: Option<bool>,
+    /// Why the verdict differs from the paper's, if it does.
+    pub reason: String,
+}
+
+/// A model's row of the table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelRow {
+    /// Its name.
+    pub name: String,
+    /// Its properties, by name.
+    pub properties: BTreeMap<String, Property>,
+}
+
+/// The paper's Table I from data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelTable {
+    /// Seed of the experiments.
+    pub seed: u64,
+    /// Carrier in Hz.
+    pub carrier_hz: f64,
+    /// A row for every model.
+    pub models: Vec<ModelRow>,
+}
+
+/// A spectrogram of the gallery and what it shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Exhibit {
+    /// Channel model.
+    pub model: String,
+    /// Class.
+    pub class: String,
+    /// Its picture.
+    pub spectrogram: Spectrogram,
 }

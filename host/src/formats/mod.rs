@@ -1,6 +1,7 @@
 //! File formats: what the outside world writes and reads.
 
 pub mod dataset;
+pub mod measured;
 pub mod model_file;
 pub mod points;
 pub mod wav;

@@ -5,7 +5,7 @@
 use super::spectrograms::item;
 use crate::conformance::compare::OwnedBuffers;
 use crate::scenario::{Class, Scenario};
-use crate::simulator::dataset::Set;
+use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;
 use sdp3_core::dsn::{Model, ModelError};
 use sdp3_core::receiver::{Receiver, ReceiverError};
@@ -49,11 +49,12 @@ pub fn through_core(
         .into_par_iter()
         .map(|index| {
             let slots = scenario.largest_sensing_slots();
-            let (recording, truth) = item(scenario, rho, seed, Set::Test, index, slots);
+            let (class, n) = item(index);
+            let recording = recording(scenario, rho, seed, Set::Test, class, n, slots);
             let classes =
                 models.iter().map(|model| classify(model, &recording.slots)).collect::<Result<_, _>>();
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-            classes.map(|classes| (truth, classes))
+            classes.map(|classes| (class as u8, classes))
         })
         .collect::<Result<_, AccuracyError>>()?;
     let mut counts = vec![vec![vec![0; classes]; classes]; models.len()];

@@ -1,15 +1,16 @@
 //! From recordings to the network's images, through the core's own front end.
 //!
-//! Networks are trained on exactly what the radar module will show them: raw 16-bit slots go through
+//! Networks are trained on what the radar module will show them: beats, or raw 16-bit slots, go through
 //! `sdp3_core::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
 use crate::conformance::compare::OwnedBuffers;
-use crate::results::Spectrogram;
-use crate::scenario::{Class, Scenario};
-use crate::simulator::dataset::{Recording, Set, recording};
+use crate::results::{Exhibit, Spectrogram};
+use crate::scenario::{Class, Model, Scenario};
+use crate::simulator::calibration::stored_rho;
+use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
-use sdp3_core::frame::{FFT_LEN, ROWS};
+use sdp3_core::frame::{Beat, FFT_LEN, ROWS, Slot};
 use sdp3_core::front_end::FrontEnd;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -19,15 +20,14 @@ pub struct Collected {
     pub images: Vec<Images>,
 }
 
-/// The `item`-th recording of a set: classes take turns, so that any prefix is balanced.
-pub fn item(scenario: &Scenario, rho: f64, seed: u64, set: Set, item: u32, slots: u32) -> (Recording, u8) {
+/// Class and index within it of the `item`-th recording of a set: classes take turns, so that any prefix is balanced.
+pub fn item(item: u32) -> (Class, u32) {
     let classes = Class::ALL.len() as u32;
-    let label = item % classes;
-    let class = Class::ALL[label as usize];
-    (recording(scenario, rho, seed, set, class, item / classes, slots), label as u8)
+    (Class::ALL[(item % classes) as usize], item / classes)
 }
 
-/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`].
+/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`]. Test recordings go the whole
+/// way through raw slots; the others start at the beats.
 pub fn collect(
     scenario: &Scenario,
     rho: f64,
@@ -41,10 +41,14 @@ pub fn collect(
     let each: Vec<(Vec<Vec<i8>>, u8)> = (0..count)
         .into_par_iter()
         .map(|index| {
-            let (recording, label) = item(scenario, rho, seed, set, index, scenario.largest_sensing_slots());
-            let images = images_of(scenario, &recording);
+            let (class, n) = item(index);
+            let slots = scenario.largest_sensing_slots();
+            let images = match set {
+                Set::Test => images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots),
+                _ => images_of_beats(scenario, &beats(scenario, rho, seed, set, class, n, slots).0),
+            };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-            (images, label)
+            (images, class as u8)
         })
         .collect();
     let settings = scenario.spectrogram.preprocessing();
@@ -63,20 +67,63 @@ pub fn collect(
     Collected { images }
 }
 
-/// One recording's image at every N_s of the scenario.
-pub fn images_of(scenario: &Scenario, recording: &Recording) -> Vec<Vec<i8>> {
+/// Images at every N_s of the scenario of a recording's raw slots.
+pub fn images_of(scenario: &Scenario, slots: &[Slot]) -> Vec<Vec<i8>> {
+    images_on_the_way(scenario, slots.len(), |front_end, n| front_end.push(&slots[n], &mut ()))
+}
+
+/// Images at every N_s of the scenario of a recording's beats.
+pub fn images_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<i8>> {
+    images_on_the_way(scenario, beats.len(), |front_end, n| front_end.push_beat(beats[n], &mut ()))
+}
+
+fn images_on_the_way(
+    scenario: &Scenario,
+    slots: usize,
+    push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
+) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
-    let slots = recording.slots.len();
     let mut buffers = OwnedBuffers::new(slots, settings.frames(slots), 0);
     let Some(mut front_end) = FrontEnd::new(settings, buffers.view().front_end) else { return Vec::new() };
     let mut images = Vec::new();
-    for slot in &recording.slots {
-        front_end.push(slot, &mut ());
+    for n in 0..slots {
+        push(&mut front_end, n);
         if scenario.frame.sensing_slots.contains(&(front_end.taken() as u32)) {
             images.push(front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default());
         }
     }
     images
+}
+
+/// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper, one second each.
+pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> Vec<Exhibit> {
+    // spacing and rows that show the toes at each carrier
+    let carriers = [(3.5e9, 3, 1), (24e9, 1, 4), (60e9, 0, 4)];
+    let total = (Model::ALL.len() * carriers.len() * Class::ALL.len()) as u64;
+    let wanted: Vec<_> = Model::ALL
+        .into_iter()
+        .flat_map(|model| carriers.into_iter().flat_map(move |c| Class::ALL.map(|class| (model, c, class))))
+        .collect();
+    let done = AtomicU64::new(0);
+    wanted
+        .into_par_iter()
+        .map(|(model, (carrier_hz, spacing, bins), class)| {
+            let mut scenario = scenario.clone();
+            scenario.channel.model = model;
+            scenario.radar.carrier_hz = carrier_hz;
+            scenario.frame.spacing_slots = spacing;
+            scenario.spectrogram.bins_per_row = bins;
+            let slots = (1.0 / scenario.interval_s()).round() as u32;
+            scenario.frame.sensing_slots = vec![slots];
+            let rho = stored_rho(&scenario).0;
+            let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);
+            let image = images_of_beats(&scenario, &beats).pop().unwrap_or_default();
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            let title = format!("{}, {}, {} GHz", class.name(), model.name(), carrier_hz / 1e9);
+            let spectrogram = picture(&scenario, &title, &image);
+            Exhibit { model: model.name().into(), class: class.name().into(), spectrogram }
+        })
+        .collect()
 }
 
 /// An image with its axes.
@@ -89,6 +136,7 @@ pub fn picture(scenario: &Scenario, title: &str, image: &[i8]) -> Spectrogram {
         first_row_hz: -(ROWS as f64 / 2.0) * row_hz,
         row_hz,
         frame_s: f64::from(scenario.spectrogram.hop) * scenario.interval_s(),
+        carrier_hz: scenario.radar.carrier_hz,
         grey: image.iter().map(|&p| (i16::from(p) + 128) as u8).collect(),
     }
 }

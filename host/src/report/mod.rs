@@ -3,6 +3,7 @@
 //! [`page`] is one self-contained HTML file: no script, no font, no address outside it.
 
 pub mod figures;
+pub mod gallery;
 pub mod plot;
 pub mod spectrograms;
 pub mod tables;

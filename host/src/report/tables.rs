@@ -1,7 +1,7 @@
 //! The tables of the page: conformance, learning curves, confusion.
 
 use super::plot::{escape, grouped, number};
-use crate::results::{Confusion, Figures, Verify};
+use crate::results::{ChannelTable, Confusion, Figures, Verify};
 use std::fmt::Write;
 
 /// Every stage of every target.
@@ -82,4 +82,38 @@ pub fn confusion(c: &Confusion, classes: &[String]) -> String {
         escape(&c.arithmetic),
         c.sensing_slots
     )
+}
+
+/// Table I in plain text: verdict, statistic and threshold of each property, and what the paper says.
+pub fn channels(table: &ChannelTable) -> String {
+    let mut text = format!("Table I from data, {} GHz, seed {}\n", table.carrier_hz / 1e9, table.seed);
+    for model in &table.models {
+        let _ = writeln!(text, "\n{}", model.name);
+        for name in crate::simulator::channel::properties::PROPERTIES {
+            let Some(p) = model.properties.get(name) else { continue };
+            let word = |yes: bool| if yes { "yes" } else { "no" };
+            let paper = match p.paper {
+                Some(paper) if paper == p.verdict => String::new(),
+                Some(paper) => format!("  paper: {}; {}", word(paper), p.reason),
+                None => format!("  {}", p.reason),
+            };
+            let _ = writeln!(
+                text,
+                "  {name:<24} {:<4} {:>10.3e} {} {:<8}{paper}",
+                word(p.verdict),
+                p.statistic,
+                p.relation,
+                p.threshold
+            );
+        }
+    }
+    if let Some(model) = table.models.first() {
+        text.push_str("\nThe statistics:\n");
+        for name in crate::simulator::channel::properties::PROPERTIES {
+            if let Some(p) = model.properties.get(name) {
+                let _ = writeln!(text, "  {name:<24} {}", p.meaning);
+            }
+        }
+    }
+    text.trim_end().to_owned()
 }

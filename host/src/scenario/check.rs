@@ -85,23 +85,64 @@ impl Scenario {
         }
         c.inside("radar.position_m", &self.radar.position_m, &self.room.size_m)?;
         c.within("radar.carrier_hz", self.radar.carrier_hz, 0.5e9, 100e9)?;
+        let bandwidth = self.radar.bandwidth_hz;
+        let legal = "10000000, the sweep of the radar module (Hz)";
+        c.legal("radar.bandwidth_hz", bandwidth, bandwidth == 10e6, legal)?;
         c.within("radar.power_w", self.radar.power_w, 1e-6, 1e3)?;
         c.within("radar.antenna_gain_db", self.radar.antenna_gain_db, -10.0, 60.0)?;
+        c.within("radar.sidelobe_db", self.radar.sidelobe_db, 0.0, 60.0)?;
         c.within("radar.noise_figure_db", self.radar.noise_figure_db, 0.0, 40.0)?;
         c.within("radar.headroom_db", self.radar.headroom_db, 0.0, 60.0)?;
+        c.within("radar.phase_noise_deg", self.radar.phase_noise_deg, 0.0, 90.0)?;
+        c.within("radar.iq_gain_db", self.radar.iq_gain_db, -6.0, 6.0)?;
+        c.within("radar.iq_phase_deg", self.radar.iq_phase_deg, -30.0, 30.0)?;
         self.check_frame(&c)?;
         if let Some(rho) = self.channel.rho {
             c.within("channel.rho", rho, 0.0, 1.0)?;
         }
-        let [sx, sy, _] = self.room.size_m;
-        c.within("target.start_m (x)", self.target.start_m[0], 0.0, sx)?;
-        c.within("target.start_m (y)", self.target.start_m[1], 0.0, sy)?;
+        let t = &self.target;
+        c.ground("target.start_m", &t.start_m, &self.room.size_m)?;
+        for (k, point) in t.waypoints_m.iter().enumerate() {
+            c.ground(&format!("target.waypoints_m[{k}]"), point, &self.room.size_m)?;
+        }
+        c.count("target.others (how many)", t.others.len() as u32, 0, 8)?;
+        for (k, other) in t.others.iter().enumerate() {
+            c.ground(&format!("target.others[{k}].start_m"), &other.start_m, &self.room.size_m)?;
+            c.within(&format!("target.others[{k}].heading_deg"), other.heading_deg.unwrap_or(0.0), -360.0, 360.0)?;
+        }
+        self.check_walks(&c)?;
         c.within("target.heading_spread_deg", self.target.heading_spread_deg, 0.0, 180.0)?;
         c.within("target.speed_jitter", self.target.speed_jitter, 0.0, 0.5)?;
         c.interval("target.adult_height_m", &self.target.adult_height_m, 0.5, 2.5)?;
         c.interval("target.child_height_m", &self.target.child_height_m, 0.5, 2.5)?;
         self.check_learning(&c)?;
         self.check_communication(&c)
+    }
+
+    /// Without turns a walk may lead through a wall: refused, with the time at which it would.
+    fn check_walks(&self, c: &Check) -> Result<(), ScenarioError> {
+        let t = &self.target;
+        if t.turns || t.waypoints_m.len() > 1 || t.capture.is_some() {
+            return Ok(());
+        }
+        let duration = self.interval_s() * f64::from(self.largest_sensing_slots());
+        let speed = 0.5 * t.adult_height_m[1] * (1.0 + 3.0 * t.speed_jitter);
+        let [x, y] = t.start_m;
+        let radar = self.radar.position_m;
+        let towards = libm::atan2(radar[1] - y, radar[0] - x);
+        let mut soonest = f64::INFINITY;
+        for step in -180..=180 {
+            let heading = towards + f64::from(step) / 180.0 * t.heading_spread_deg.to_radians();
+            for (axis, d) in [libm::cos(heading), libm::sin(heading)].into_iter().enumerate() {
+                let room = if d > 0.0 { self.room.size_m[axis] - t.start_m[axis] } else { t.start_m[axis] };
+                soonest = soonest.min(room / (d.abs() * speed).max(1e-12));
+            }
+        }
+        let legal = format!(
+            "true, or a start, heading and duration that stay inside the room: a walk would leave it after {soonest:.2} s \
+             of {duration:.2} s"
+        );
+        c.legal("target.turns", false, soonest >= duration, &legal)
     }
 
     fn check_frame(&self, c: &Check) -> Result<(), ScenarioError> {
@@ -242,6 +283,11 @@ impl Check<'_> {
         let [a, b] = *value;
         let legal = (low..=high).contains(&a) && (a..=high).contains(&b);
         self.legal(field, format!("{value:?}"), legal, &format!("[a, b] with {low} <= a <= b <= {high}"))
+    }
+
+    fn ground(&self, field: &str, point: &[f64; 2], room: &[f64; 3]) -> Result<(), ScenarioError> {
+        let legal = point.iter().zip(room).all(|(p, size)| (0.0..=*size).contains(p));
+        self.legal(field, format!("{point:?}"), legal, &format!("inside the room [0, 0]..={:?}", &room[..2]))
     }
 
     fn inside(&self, field: &str, position: &[f64; 3], room: &[f64; 3]) -> Result<(), ScenarioError> {

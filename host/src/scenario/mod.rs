@@ -8,11 +8,12 @@ mod check;
 pub use check::ScenarioError;
 
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Speed of light in m/s.
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
-/// The five motions of the paper, in the order of their labels.
+/// A person's motion: the five classes of the paper in the order of their labels, then those only simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
@@ -26,16 +27,55 @@ pub enum Class {
     AdultWalking,
     /// An adult pacing.
     AdultPacing,
+    /// A child stepping on the spot.
+    ChildStepping,
+    /// An adult stepping on the spot.
+    AdultStepping,
+    /// A child running.
+    ChildRunning,
+    /// An adult running.
+    AdultRunning,
 }
 
 impl Class {
-    /// All classes; the index is the label.
+    /// The paper's classes; the index is the label.
     pub const ALL: [Class; 5] =
         [Class::Standing, Class::ChildWalking, Class::ChildPacing, Class::AdultWalking, Class::AdultPacing];
+
+    /// Every motion there is.
+    pub const EVERY: [Class; 9] = [
+        Class::Standing,
+        Class::ChildWalking,
+        Class::ChildPacing,
+        Class::AdultWalking,
+        Class::AdultPacing,
+        Class::ChildStepping,
+        Class::AdultStepping,
+        Class::ChildRunning,
+        Class::AdultRunning,
+    ];
+
+    /// Whether a child moves; standing people may be either.
+    pub fn child(self) -> Option<bool> {
+        match self {
+            Class::Standing => None,
+            Class::ChildWalking | Class::ChildPacing | Class::ChildStepping | Class::ChildRunning => Some(true),
+            Class::AdultWalking | Class::AdultPacing | Class::AdultStepping | Class::AdultRunning => Some(false),
+        }
+    }
+
+    /// Whether the person stays where it is.
+    pub fn on_the_spot(self) -> bool {
+        matches!(self, Class::Standing | Class::ChildStepping | Class::AdultStepping)
+    }
 
     /// The name used in files and pages.
     pub fn name(self) -> &'static str {
         match self {
+            Class::ChildStepping => "child-stepping",
+            Class::AdultStepping => "adult-stepping",
+            Class::ChildRunning => "child-running",
+            Class::AdultRunning => "adult-running",
             Class::Standing => "standing",
             Class::ChildWalking => "child-walking",
             Class::ChildPacing => "child-pacing",
@@ -87,14 +127,24 @@ pub struct Radar {
     pub position_m: [f64; 3],
     /// Carrier frequency in Hz.
     pub carrier_hz: f64,
+    /// Swept bandwidth in Hz: the radar module's, and the band the sub-carriers share.
+    pub bandwidth_hz: f64,
     /// Transmit power in W.
     pub power_w: f64,
     /// Gain of the transmit antenna and of the receive antenna, each, in dB.
     pub antenna_gain_db: f64,
+    /// Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
+    pub sidelobe_db: f64,
     /// Receiver noise figure in dB (290 K).
     pub noise_figure_db: f64,
     /// Head room between the strongest expected echo and the converter's full scale in dB.
     pub headroom_db: f64,
+    /// Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees.
+    pub phase_noise_deg: f64,
+    /// Gain mismatch of Q against I in dB.
+    pub iq_gain_db: f64,
+    /// Deviation of I and Q from quadrature in degrees.
+    pub iq_phase_deg: f64,
 }
 
 /// Time frame: slots, period, spacing.
@@ -123,6 +173,84 @@ pub enum ArMode {
     Consistent,
 }
 
+/// Channel models, by the names of the paper's Table I.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Model {
+    /// The data-assisted hybrid channel.
+    Dahc,
+    /// Primitives and a room that never changes.
+    Primitive,
+    /// Image method with Fresnel materials.
+    RayTracing,
+    /// Saleh-Valenzuela.
+    Statistical,
+    /// IEEE 802.11ay quasi-deterministic conference room.
+    #[serde(rename = "80211ay")]
+    Ieee80211ay,
+    /// IEEE 802.11 TGn/TGac/TGax taps.
+    #[serde(rename = "80211ax")]
+    Ieee80211ax,
+    /// 3GPP TR 38.901 indoor office.
+    #[serde(rename = "38901")]
+    Tr38901,
+    /// QuaDRiGa's drifting clusters.
+    Quadriga,
+    /// METIS' map-based hybrid.
+    Metis,
+}
+
+impl Model {
+    /// All models.
+    pub const ALL: [Model; 9] = [
+        Model::Dahc,
+        Model::Primitive,
+        Model::RayTracing,
+        Model::Statistical,
+        Model::Ieee80211ay,
+        Model::Ieee80211ax,
+        Model::Tr38901,
+        Model::Quadriga,
+        Model::Metis,
+    ];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Dahc => "dahc",
+            Model::Primitive => "primitive",
+            Model::RayTracing => "ray-tracing",
+            Model::Statistical => "statistical",
+            Model::Ieee80211ay => "80211ay",
+            Model::Ieee80211ax => "80211ax",
+            Model::Tr38901 => "38901",
+            Model::Quadriga => "quadriga",
+            Model::Metis => "metis",
+        }
+    }
+}
+
+/// The TGn model that suits the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tgn {
+    /// Residential, rms delay spread 15 ns.
+    B,
+    /// Small office, 30 ns.
+    C,
+    /// Typical office, 50 ns.
+    D,
+}
+
+/// When the room's recursion advances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Advance {
+    /// Once per sensing slot, as the authors' recordings were made.
+    SensingSlot,
+    /// Once per slot, also in those between two sensing slots.
+    Slot,
+}
+
 /// Room channel statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -135,10 +263,12 @@ pub enum Clusters {
     Ieee80211ax,
 }
 
-/// The data-assisted hybrid channel.
+/// The channel model and its settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Channel {
+    /// Which model.
+    pub model: Model,
     /// Memory of the room channel; absent: taken from the calibration table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rho: Option<f64>,
@@ -146,6 +276,16 @@ pub struct Channel {
     pub mode: ArMode,
     /// Where the room's responses come from.
     pub clusters: Clusters,
+    /// When the recursion advances.
+    pub advance: Advance,
+    /// Whether the room's response starts with the power it settles at instead of Upsilon's.
+    pub stationary_start: bool,
+    /// Taps of `80211ax` and of the hybrid channel with those statistics.
+    pub tgn: Tgn,
+    /// Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
+    pub blockage: bool,
+    /// Line of sight (`38901`, `quadriga`).
+    pub line_of_sight: bool,
     /// Whether a second person walks in the room (the paper's scenario 2).
     pub interferer: bool,
 }
@@ -156,6 +296,10 @@ pub struct Channel {
 pub struct Target {
     /// Ground position at the start in m.
     pub start_m: [f64; 2],
+    /// Way points on the ground in m; with two or more the walk leads through them and the heading is theirs.
+    pub waypoints_m: Vec<[f64; 2]>,
+    /// Whether who comes near a wall turns; else the walk goes straight on.
+    pub turns: bool,
     /// Headings are uniform within plus or minus this many degrees around the direction to the radar.
     pub heading_spread_deg: f64,
     /// Standard deviation of the walking speed relative to its mean.
@@ -164,6 +308,24 @@ pub struct Target {
     pub adult_height_m: [f64; 2],
     /// Range of a child's height in m.
     pub child_height_m: [f64; 2],
+    /// Joints of the first person from a motion capture (CSV or BVH) instead of the gait.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capture: Option<PathBuf>,
+    /// Further people in the room.
+    pub others: Vec<Other>,
+}
+
+/// A further person.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Other {
+    /// Its motion.
+    pub class: Class,
+    /// Ground position at the start in m.
+    pub start_m: [f64; 2],
+    /// Heading in degrees, counter-clockwise from the x axis; absent: any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heading_deg: Option<f64>,
 }
 
 /// From slow time to the network's image.
@@ -268,10 +430,15 @@ impl Default for Radar {
         Radar {
             position_m: [1.5, 1.0, 1.0],
             carrier_hz: 3.5e9,
+            bandwidth_hz: 10e6,
             power_w: 1.0,
             antenna_gain_db: 25.0,
+            sidelobe_db: 10.0,
             noise_figure_db: 10.0,
             headroom_db: 12.0,
+            phase_noise_deg: 0.0,
+            iq_gain_db: 0.0,
+            iq_phase_deg: 0.0,
         }
     }
 }
@@ -289,7 +456,18 @@ impl Default for Frame {
 
 impl Default for Channel {
     fn default() -> Self {
-        Channel { rho: None, mode: ArMode::Paper, clusters: Clusters::Ieee80211ax, interferer: false }
+        Channel {
+            model: Model::Dahc,
+            rho: None,
+            mode: ArMode::Paper,
+            clusters: Clusters::Ieee80211ax,
+            advance: Advance::SensingSlot,
+            stationary_start: false,
+            tgn: Tgn::B,
+            blockage: false,
+            line_of_sight: true,
+            interferer: false,
+        }
     }
 }
 
@@ -297,10 +475,14 @@ impl Default for Target {
     fn default() -> Self {
         Target {
             start_m: [2.7, 4.2],
+            waypoints_m: Vec::new(),
+            turns: true,
             heading_spread_deg: 15.0,
             speed_jitter: 0.05,
             adult_height_m: [1.6, 1.9],
             child_height_m: [0.9, 1.2],
+            capture: None,
+            others: Vec::new(),
         }
     }
 }

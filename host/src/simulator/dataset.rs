@@ -1,16 +1,19 @@
 //! A recording: a function of (scenario, rho, seed, set, class, index) alone.
 //!
-//! Person, room and noise draw from streams of their own, slot after slot, so that the first n slots do not depend on
-//! how many follow.
+//! People, channel, noise and impairments draw from streams of their own, slot after slot, so that the first n slots do not
+//! depend on how many follow. The same recording exists twice: as raw slots, and as the beats the core would make of them,
+//! formed without the samples in between.
 
+use super::body::Vec3;
+use super::body::capture::{Capture, CaptureError};
+use super::body::gait::joint;
 use super::body::motion::{Person, Truth};
-use super::channel::autoregressive::RoomChannel;
-use super::channel::target::Echoes;
-use super::channel::{Sweep, accumulate, wavelength};
-use super::radar::{Converter, slot};
+use super::channel::target::Target;
+use super::channel::{Blocks, ChannelModel, Path, Scene, Sweep, accumulate, model, tone, wavelength};
+use super::radar::{Converter, Impairments, slot};
 use super::random::Random;
 use crate::scenario::{Class, Scenario};
-use sdp3_core::frame::Slot;
+use sdp3_core::frame::{Beat, Slot};
 
 /// What a recording is for; recordings of different sets share nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,50 +39,116 @@ pub struct Recording {
     pub truth: Truth,
 }
 
-/// The channel of a recording, slot after slot.
-pub struct Channel<'a> {
+/// The radar's channel in a recording, slot after slot.
+pub struct Simulation<'a> {
     scenario: &'a Scenario,
-    echoes: Vec<Echoes>,
-    room: RoomChannel,
-    room_random: Random,
+    people: Vec<Target>,
+    channel: Box<dyn ChannelModel>,
+    front: f64,
     taken: u32,
+    paths: Vec<Path>,
 }
 
-impl<'a> Channel<'a> {
+/// Random streams of a recording.
+fn stream(seed: u64, set: Set, part: u64, class: Class, index: u32) -> Random {
+    Random::new(seed, set as u64 * 8 + part, class as u64, u64::from(index))
+}
+
+impl<'a> Simulation<'a> {
     /// Draws the people and the room.
     pub fn new(scenario: &'a Scenario, rho: f64, seed: u64, set: Set, class: Class, index: u32) -> Self {
-        let stream = |part: u64| Random::new(seed, set as u64 * 8 + part, class as u64, u64::from(index));
-        let mut random = stream(0);
-        let person = Person::draw(class, &scenario.target, scenario.radar.position_m, &mut random);
-        let mut echoes = vec![Echoes::new(person, &mut random)];
-        if scenario.channel.interferer {
-            // a second adult walks at the other side of the room
-            let mut target = scenario.target.clone();
-            target.start_m = [scenario.room.size_m[0] - target.start_m[0], scenario.room.size_m[1] / 2.0];
-            target.heading_spread_deg = 180.0;
-            let other = Person::draw(Class::AdultWalking, &target, scenario.radar.position_m, &mut random);
-            echoes.push(Echoes::new(other, &mut random));
+        let mut random = stream(seed, set, 0, class, index);
+        let radar = scenario.radar.position_m;
+        Simulation {
+            people: cast(scenario, class, &mut random),
+            channel: model(scenario, radar, radar, rho, stream(seed, set, 1, class, index)),
+            // transmit power and both antennas
+            front: scenario.radar.power_w.sqrt() * libm::pow(10.0, scenario.radar.antenna_gain_db / 10.0),
+            taken: 0,
+            paths: Vec::new(),
+            scenario,
         }
-        let mut room_random = stream(1);
-        let room = RoomChannel::new(scenario, rho, &mut room_random);
-        Channel { scenario, echoes, room, room_random, taken: 0 }
     }
 
     /// What is true of the person.
     pub fn truth(&self) -> &Truth {
-        &self.echoes[0].person().truth
+        &self.people[0].person.truth
     }
 
-    /// h of the next sensing slot in the beat domain.
+    fn scene(&self) -> Scene<'_> {
+        let radar = self.scenario.radar.position_m;
+        let time_s = f64::from(self.taken) * self.scenario.interval_s();
+        Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people }
+    }
+
+    /// h of the next sensing slot in the beat domain, in sqrt W.
     pub fn advance(&mut self) -> Sweep {
-        let t = f64::from(self.taken) * self.scenario.interval_s();
+        let mut paths = std::mem::take(&mut self.paths);
+        paths.clear();
+        let radar = self.scenario.radar.position_m;
+        let time_s = f64::from(self.taken) * self.scenario.interval_s();
+        let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
+        self.channel.paths(&scene, &mut paths);
         self.taken += 1;
-        let mut sweep = self.room.next(&mut self.room_random);
-        for echoes in &self.echoes {
-            accumulate(&mut sweep, &echoes.sweep(&self.scenario.radar, t));
+        let mut sweep = Sweep::default();
+        for path in &paths {
+            accumulate(&mut sweep, &tone(path.gain * self.front, path.delay_s));
         }
+        self.paths = paths;
         sweep
     }
+
+    /// The block means of the next `count` sensing slots, in sqrt W.
+    pub fn advance_blocks(&mut self, count: u32) -> Vec<Blocks> {
+        let mut beats = vec![Blocks::default(); count as usize];
+        let radar = self.scenario.radar.position_m;
+        let interval_s = self.scenario.interval_s();
+        let time_s = f64::from(self.taken) * interval_s;
+        let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
+        self.channel.beats(&scene, interval_s, &mut beats);
+        self.taken += count;
+        beats.iter_mut().flatten().for_each(|z| *z *= self.front);
+        beats
+    }
+
+    /// Where the person is now; for warnings.
+    pub fn place(&self) -> Vec3 {
+        let scene = self.scene();
+        self.people[0].person.joints(scene.time_s)[joint::BASE]
+    }
+}
+
+/// Everybody in the room: the person of the recording first.
+fn cast(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<Target> {
+    let (room, radar) = (scenario.room.size_m, scenario.radar.position_m);
+    let mut person = Person::draw(class, &scenario.target, room, radar, random);
+    if let Some(capture) = scenario.target.capture.as_ref().and_then(|file| Capture::shared(file).ok()) {
+        person = Person::captured(person.truth, capture);
+    }
+    let mut people = vec![Target::new(person, random)];
+    // the antenna looks at the person of the recording; others are seen by its side lobes, out and back
+    let side = libm::pow(10.0, -2.0 * scenario.radar.sidelobe_db / 20.0);
+    let mut other = |class: Class, start_m: [f64; 2], heading_deg: Option<f64>, random: &mut Random| {
+        let mut target = scenario.target.clone();
+        (target.start_m, target.heading_spread_deg) = (start_m, 180.0);
+        target.waypoints_m.clear();
+        let drawn = Person::draw(class, &target, room, radar, random);
+        let mut truth = drawn.truth.clone();
+        truth.heading_deg = heading_deg.unwrap_or(truth.heading_deg);
+        let person = Person::new(truth, room, random);
+        let mut target = Target::new(person, random);
+        target.gain = side;
+        people.push(target);
+    };
+    if scenario.channel.interferer {
+        // a second adult walks on the other side of the room, as far from the radar
+        let start = [room[0] - scenario.target.start_m[0], scenario.target.start_m[1]];
+        other(Class::AdultWalking, start, None, random);
+    }
+    for person in &scenario.target.others {
+        other(person.class, person.start_m, person.heading_deg, random);
+    }
+    people
 }
 
 /// The recording with these coordinates.
@@ -92,11 +161,85 @@ pub fn recording(
     index: u32,
     slots: u32,
 ) -> Recording {
-    let mut channel = Channel::new(scenario, rho, seed, set, class, index);
-    let mut noise = Random::new(seed, set as u64 * 8 + 2, class as u64, u64::from(index));
+    let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
+    let mut noise = stream(seed, set, 2, class, index);
+    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
     let converter = Converter::of(scenario);
-    let slots = (0..slots).map(|_| slot(&channel.advance(), &converter, &mut noise)).collect();
-    Recording { slots, truth: channel.truth().clone() }
+    let slots = (0..slots)
+        .map(|_| slot(&simulation.advance(), &converter, &mut impairments, &mut noise))
+        .collect();
+    Recording { slots, truth: simulation.truth().clone() }
+}
+
+/// The same recording as beats: what the core's dechirp makes of the raw slots, to -60 dB of the signal; the noise is drawn
+/// per block, with the power it has there.
+pub fn beats(
+    scenario: &Scenario,
+    rho: f64,
+    seed: u64,
+    set: Set,
+    class: Class,
+    index: u32,
+    slots: u32,
+) -> (Vec<Beat>, Truth) {
+    let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
+    let mut noise = stream(seed, set, 2, class, index);
+    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
+    let converter = Converter::of(scenario);
+    let blocks = simulation.advance_blocks(slots);
+    let beats = blocks.iter().map(|b| converter.beat(b, &mut impairments, &mut noise)).collect();
+    (beats, simulation.truth().clone())
+}
+
+/// Why a scenario's people cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum CastError {
+    /// The motion capture cannot be used.
+    #[error("target.capture: {0}")]
+    Capture(#[from] CaptureError),
+    /// Somebody leaves the room.
+    #[error(
+        "target.capture = {file}: the body is at x = {x:.2} m, y = {y:.2} m after {time_s:.2} s, outside the room \
+         0..={width} m by 0..={depth} m; move target.start_m"
+    )]
+    Outside {
+        /// The capture.
+        file: String,
+        /// Place in m.
+        x: f64,
+        /// Place in m.
+        y: f64,
+        /// When, in s.
+        time_s: f64,
+        /// The room in m.
+        width: f64,
+        /// The room in m.
+        depth: f64,
+    },
+}
+
+/// Reads what a scenario refers to and walks through it once, before anything is simulated.
+///
+/// # Errors
+///
+/// See [`CastError`].
+pub fn check(scenario: &Scenario) -> Result<(), CastError> {
+    let Some(file) = &scenario.target.capture else { return Ok(()) };
+    let capture = Capture::shared(file)?;
+    let base = capture.at(0.0).0[joint::BASE];
+    let start = scenario.target.start_m;
+    let [width, depth, _] = scenario.room.size_m;
+    let slots = scenario.largest_sensing_slots();
+    for slot in 0..slots {
+        let time_s = f64::from(slot) * scenario.interval_s();
+        let now = capture.at(time_s).0[joint::BASE];
+        let (x, y) = (start[0] + now[0] - base[0], start[1] + now[1] - base[1]);
+        if !(0.0..=width).contains(&x) || !(0.0..=depth).contains(&y) {
+            let file = file.display().to_string();
+            return Err(CastError::Outside { file, x, y, time_s, width, depth });
+        }
+    }
+    Ok(())
 }
 
 /// A scenario whose limbs move faster than the sensing slots can follow.
@@ -126,16 +269,49 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Model;
+    use sdp3_core::dechirp::dechirp;
 
     #[test]
     fn a_recording_depends_on_its_coordinates_alone() {
-        let scenario = Scenario::default();
-        let take =
-            |index, slots| recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, index, slots);
-        let (long, short) = (take(3, 40), take(3, 25));
-        assert_eq!(long.slots[..25], short.slots[..]);
-        assert_ne!(take(4, 25).slots, short.slots);
-        assert_eq!(long.truth, short.truth);
+        let mut scenario = Scenario::default();
+        for model in Model::ALL {
+            scenario.channel.model = model;
+            let take =
+                |index, slots| recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, index, slots);
+            let (long, short) = (take(3, 40), take(3, 25));
+            assert_eq!(long.slots[..25], short.slots[..], "{model:?}");
+            assert_ne!(take(4, 25).slots, short.slots, "{model:?}");
+            assert_eq!(long.truth, short.truth);
+        }
+    }
+
+    #[test]
+    fn raw_slots_and_beats_agree_to_sixty_decibels() {
+        // without a converter's noise: its full scale is brought down to the signal
+        let mut scenario = Scenario::default();
+        for (model, carrier_hz) in
+            [(Model::Dahc, 3.5e9), (Model::Dahc, 60e9), (Model::RayTracing, 3.5e9), (Model::Quadriga, 24e9)]
+        {
+            scenario.channel.model = model;
+            scenario.radar.carrier_hz = carrier_hz;
+            scenario.radar.noise_figure_db = 0.0;
+            (scenario.radar.phase_noise_deg, scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) =
+                (3.0, 1.0, 2.0);
+            let raw = recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+            let (fast, truth) = beats(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+            assert_eq!(raw.truth, truth);
+            let (mut error, mut power) = (0.0, 0.0);
+            for (slot, fast) in raw.slots.iter().zip(&fast) {
+                for (a, b) in dechirp(slot).iter().zip(fast) {
+                    let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
+                    error += re * re + im * im;
+                    power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
+                }
+            }
+            let db = 10.0 * libm::log10(error / power);
+            assert!(db < -60.0, "{model:?} at {carrier_hz:e}: {db} dB");
+        }
     }
 
     #[test]

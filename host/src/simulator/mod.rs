@@ -10,7 +10,5 @@ pub mod body;
 pub mod calibration;
 pub mod channel;
 pub mod dataset;
-pub mod grey;
 pub mod radar;
 pub mod random;
-pub mod resample;

@@ -3,9 +3,9 @@
 //! Boulic, Thalmann, Thalmann, "A global human walking model with real-time kinematic personification" (1990), in the
 //! form of Chen's micro-Doppler model with its known slips corrected. Angles in degrees, phase t in [0, 1).
 
+use super::number::Real;
 use super::pchip::Periodic;
 use super::{Vec3, add};
-use std::f64::consts::{PI, TAU};
 
 /// Joints in their order: base, neck, head, then left and right of shoulder, elbow, hand, hip, knee, ankle, toe.
 pub const JOINTS: usize = 17;
@@ -92,12 +92,12 @@ pub struct Gait {
     elbow: Periodic,
 }
 
-fn sine(turns: f64) -> f64 {
-    libm::sin(TAU * turns)
+fn sine<R: Real>(turns: R) -> R {
+    turns.sin_cos_turns().0
 }
 
-fn cosine(turns: f64) -> f64 {
-    libm::cos(TAU * turns)
+fn cosine<R: Real>(turns: R) -> R {
+    turns.sin_cos_turns().1
 }
 
 impl Gait {
@@ -178,7 +178,7 @@ impl Gait {
     }
 
     /// Translation of the pelvis at phase `t` in units of H_t (the published figures, which public code takes as m).
-    pub fn translation(&self, t: f64) -> Vec3 {
+    pub fn translation<R: Real>(&self, t: R) -> Vec3<R> {
         let rv = self.rv;
         let (lateral, forward) = if rv < 0.5 {
             (-0.128 * rv * rv + 0.128 * rv, -0.084 * rv * rv + 0.084 * rv)
@@ -188,85 +188,112 @@ impl Gait {
         let vertical = 0.015 * rv;
         let phase = 0.625 - self.support;
         [
-            forward * sine(2.0 * t + 2.0 * phase),
-            lateral * sine(t - 0.1),
-            -vertical + vertical * sine(2.0 * t - 0.35),
+            sine(t.times(2.0).plus(2.0 * phase)).times(forward),
+            sine(t.plus(-0.1)).times(lateral),
+            sine(t.times(2.0).plus(-0.35)).times(vertical).plus(-vertical),
         ]
     }
 
     /// Pelvis roll in degrees.
-    fn roll(&self, t: f64) -> f64 {
+    fn roll<R: Real>(&self, t: R) -> R {
         let a = 1.66 * self.rv;
-        let c = |x: f64| libm::cos(TAU * x);
-        match t {
-            t if t < 0.15 => -a + a * c(10.0 * t / 3.0),
-            t if t < 0.5 => -a - a * c(10.0 * (t - 0.15) / 7.0),
-            t if t < 0.65 => a - a * c(10.0 * (t - 0.5) / 3.0),
-            t => a + a * c(10.0 * (t - 0.65) / 7.0),
-        }
+        let [offset, sign, turns] = t.lift(|t| {
+            let t = t - t.floor();
+            // (offset, sign of the cosine, start of the piece, turns per cycle)
+            let (offset, sign, start, turns) = match t {
+                t if t < 0.15 => (-a, a, 0.0, 10.0 / 3.0),
+                t if t < 0.5 => (-a, -a, 0.15, 10.0 / 7.0),
+                t if t < 0.65 => (a, -a, 0.5, 10.0 / 3.0),
+                _ => (a, a, 0.65, 10.0 / 7.0),
+            };
+            ([offset, sign, turns * (t - start)], [0.0, 0.0, turns])
+        });
+        offset + sign * turns.sin_cos_turns().1
     }
 
     /// Joint positions at phase `t`, relative to the pelvis centre, in m: x forward, y left, z up.
-    pub fn pose(&self, t: f64) -> [Vec3; JOINTS] {
-        let t = t - t.floor();
+    #[inline(always)]
+    pub fn pose<R: Real>(&self, t: R) -> [Vec3<R>; JOINTS] {
         let s = &self.segments;
+        let along = |length: f64| [R::of(0.0), R::of(0.0), R::of(length)];
+        let aside = |width: f64, up: f64| [R::of(0.0), R::of(width), R::of(up)];
+        let curve = |c: &Periodic, t: R| {
+            let [angle] = t.lift(|t| {
+                let (value, slope) = c.at(t);
+                ([value], [slope])
+            });
+            angle
+        };
         let flex = if self.rv < 0.5 { -8.0 * self.rv * self.rv + 8.0 * self.rv } else { 2.0 };
-        let flex = radians(-flex + flex * sine(2.0 * t - 0.1));
-        let roll = radians(self.roll(t));
-        let torsion = radians(-4.0 * self.rv * cosine(t));
-        let thorax = radians(self.thorax.at(t));
-        let upper = |v: Vec3| yaw(thorax, pitch(flex, v));
-        let lower = |v: Vec3| yaw(torsion, tilt(-roll, v));
+        let flex = Turn::degrees(sine(t.times(2.0).plus(-0.1)).times(flex).plus(-flex));
+        let roll = Turn::degrees(-self.roll(t));
+        let swing = cosine(t);
+        let torsion = Turn::degrees(swing.times(-4.0 * self.rv));
+        let thorax = Turn::degrees(curve(&self.thorax, t));
+        let upper = |v: Vec3<R>| thorax.yaw(flex.pitch(v));
+        let lower = |v: Vec3<R>| torsion.yaw(roll.tilt(v));
 
-        let mut joints = [[0.0; 3]; JOINTS];
-        joints[joint::NECK] = upper([0.0, 0.0, s.torso]);
-        joints[joint::HEAD] = upper([0.0, 0.0, s.torso + s.head]);
-        for (side, sign, phase) in [(0, 1.0, t + 0.5), (1, -1.0, t)] {
-            let swing = 9.88 * self.rv;
-            let shoulder = radians(3.0 - swing / 2.0 - swing * cosine(phase));
-            let elbow = radians(self.elbow.at(phase));
-            let root = [0.0, sign * s.half_shoulder, s.torso];
-            let upper_arm = [0.0, 0.0, -s.upper_arm];
-            let hand = pitch(shoulder, add(pitch(elbow, [0.0, 0.0, -s.lower_arm]), upper_arm));
+        let mut joints = [[R::of(0.0); 3]; JOINTS];
+        joints[joint::NECK] = upper(along(s.torso));
+        joints[joint::HEAD] = upper(along(s.torso + s.head));
+        for (side, sign, phase) in [(0, 1.0, t.plus(0.5)), (1, -1.0, t)] {
+            let amplitude = 9.88 * self.rv;
+            // half a cycle later the cosine has changed its sign
+            let shoulder = Turn::degrees(swing.times(sign * amplitude).plus(3.0 - amplitude / 2.0));
+            let elbow = Turn::degrees(curve(&self.elbow, phase));
+            let root = aside(sign * s.half_shoulder, s.torso);
+            let upper_arm = along(-s.upper_arm);
+            let hand = shoulder.pitch(add(elbow.pitch(along(-s.lower_arm)), upper_arm));
             joints[joint::SHOULDER + side] = upper(root);
-            joints[joint::ELBOW + side] = upper(add(pitch(shoulder, upper_arm), root));
+            joints[joint::ELBOW + side] = upper(add(shoulder.pitch(upper_arm), root));
             joints[joint::HAND + side] = upper(add(hand, root));
 
-            let hip = radians(self.hip.at(phase));
-            let knee = -radians(self.knee.at(phase));
-            let ankle = radians(self.ankle.at(phase));
-            let root = [0.0, sign * s.half_hip, 0.0];
-            let (thigh, shank) = ([0.0, 0.0, -s.thigh], [0.0, 0.0, -s.shank]);
-            let toe = add(pitch(ankle, [s.foot, 0.0, 0.0]), shank);
+            let hip = Turn::degrees(curve(&self.hip, phase));
+            let knee = Turn::degrees(-curve(&self.knee, phase));
+            let ankle = Turn::degrees(curve(&self.ankle, phase));
+            let root = aside(sign * s.half_hip, 0.0);
+            let (thigh, shank) = (along(-s.thigh), along(-s.shank));
+            let toe = add(ankle.pitch([R::of(s.foot), R::of(0.0), R::of(0.0)]), shank);
             joints[joint::HIP + side] = lower(root);
-            joints[joint::KNEE + side] = lower(add(pitch(hip, thigh), root));
-            joints[joint::ANKLE + side] = lower(add(pitch(hip, add(pitch(knee, shank), thigh)), root));
-            joints[joint::TOE + side] = lower(add(pitch(hip, add(pitch(knee, toe), thigh)), root));
+            joints[joint::KNEE + side] = lower(add(hip.pitch(thigh), root));
+            joints[joint::ANKLE + side] = lower(add(hip.pitch(add(knee.pitch(shank), thigh)), root));
+            joints[joint::TOE + side] = lower(add(hip.pitch(add(knee.pitch(toe), thigh)), root));
         }
         joints
     }
 }
 
-fn radians(degrees: f64) -> f64 {
-    degrees * PI / 180.0
-}
+/// A rotation by its sine and cosine.
+#[derive(Debug, Clone, Copy)]
+struct Turn<R>(R, R);
 
-/// About y: a positive angle swings a hanging limb forward.
-fn pitch(angle: f64, [x, y, z]: Vec3) -> Vec3 {
-    let (s, c) = (libm::sin(angle), libm::cos(angle));
-    [c * x - s * z, y, s * x + c * z]
-}
+impl<R: Real> Turn<R> {
+    #[inline(always)]
+    fn degrees(angle: R) -> Self {
+        let (s, c) = angle.times(1.0 / 360.0).sin_cos_turns();
+        Turn(s, c)
+    }
 
-/// About z, clockwise seen from above.
-fn yaw(angle: f64, [x, y, z]: Vec3) -> Vec3 {
-    let (s, c) = (libm::sin(angle), libm::cos(angle));
-    [c * x + s * y, -s * x + c * y, z]
-}
+    /// About y: a positive angle swings a hanging limb forward.
+    #[inline(always)]
+    fn pitch(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
+        let Turn(s, c) = self;
+        [c * x - s * z, y, s * x + c * z]
+    }
 
-/// About x.
-fn tilt(angle: f64, [x, y, z]: Vec3) -> Vec3 {
-    let (s, c) = (libm::sin(angle), libm::cos(angle));
-    [x, c * y + s * z, -s * y + c * z]
+    /// About z, clockwise seen from above.
+    #[inline(always)]
+    fn yaw(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
+        let Turn(s, c) = self;
+        [c * x + s * y, c * y - s * x, z]
+    }
+
+    /// About x.
+    #[inline(always)]
+    fn tilt(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
+        let Turn(s, c) = self;
+        [x, c * y + s * z, c * z - s * y]
+    }
 }
 
 #[cfg(test)]
@@ -473,7 +500,7 @@ mod tests {
                         assert!((found - length).abs() < 1e-9);
                     }
                 }
-                for left in [HIP, KNEE, ANKLE, TOE] {
+                for left in [SHOULDER, ELBOW, HAND, HIP, KNEE, ANKLE, TOE] {
                     let [x, y, z] = later[left + 1];
                     assert!(norm(sub(now[left], [x, -y, z])) < 1e-9, "rv {rv} t {t} joint {left}");
                 }

@@ -1,34 +1,44 @@
 //! A human body: how its joints move and what sixteen ellipsoids stand on them.
 
+pub mod capture;
 pub mod gait;
 pub mod motion;
+pub mod number;
 pub mod pchip;
 pub mod primitives;
+pub mod trajectory;
+
+use number::Real;
 
 /// A point or vector in m: x, y, z.
-pub type Vec3 = [f64; 3];
+pub type Vec3<R = f64> = [R; 3];
 
 /// a + b.
-pub fn add(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub fn add<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// a - b.
-pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub fn sub<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// s a.
-pub fn scale(a: Vec3, s: f64) -> Vec3 {
+#[inline(always)]
+pub fn scale<R: Real>(a: Vec3<R>, s: R) -> Vec3<R> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
 /// Inner product.
-pub fn dot(a: Vec3, b: Vec3) -> f64 {
+#[inline(always)]
+pub fn dot<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Length.
-pub fn norm(a: Vec3) -> f64 {
+#[inline(always)]
+pub fn norm<R: Real>(a: Vec3<R>) -> R {
     dot(a, a).sqrt()
 }

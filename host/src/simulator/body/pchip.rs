@@ -2,12 +2,22 @@
 //!
 //! Fritsch-Carlson slopes (weighted harmonic mean), the points repeated one period before and after.
 
+/// Cells of the look-up from a phase to its piece; control points lie further apart than a cell is wide.
+const CELLS: usize = 64;
+
+/// One cubic piece: from where it begins, a0 + a1 s + a2 s^2 + a3 s^3.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    start: f64,
+    a: [f64; 4],
+}
+
 /// A curve of period 1 through control points.
 #[derive(Debug, Clone)]
 pub struct Periodic {
-    times: Vec<f64>,
-    values: Vec<f64>,
-    slopes: Vec<f64>,
+    pieces: Vec<Piece>,
+    /// Piece at the beginning of each cell.
+    cells: [u8; CELLS],
 }
 
 impl Periodic {
@@ -26,19 +36,53 @@ impl Periodic {
                 slopes[i] = (w1 + w2) / (w1 / left + w2 / right);
             }
         }
-        Periodic { times, values, slopes }
+        let piece = |i: usize| {
+            let (h, m) = (widths[i], secants[i]);
+            let (d0, d1) = (slopes[i], slopes[i + 1]);
+            let a = [values[i], d0, (3.0 * m - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * m) / (h * h)];
+            Piece { start: times[i], a }
+        };
+        // the pieces that reach into 0..1
+        let first = times.partition_point(|&t| t <= 0.0).max(1) - 1;
+        let last = times.partition_point(|&t| t < 1.0);
+        let pieces: Vec<Piece> = (first..last).map(piece).collect();
+        let at = |t: f64| pieces.iter().rposition(|p| p.start <= t).unwrap_or(0) as u8;
+        let cells = std::array::from_fn(|cell| at(cell as f64 / CELLS as f64));
+        Periodic { pieces, cells }
     }
 
-    /// Value at phase `t`, any real number.
-    pub fn at(&self, t: f64) -> f64 {
+    /// Value and slope at phase `t`, any real number.
+    pub fn at(&self, t: f64) -> (f64, f64) {
         let t = t - t.floor();
-        let i = self.times.partition_point(|&knot| knot <= t).clamp(1, self.times.len() - 1) - 1;
-        let h = self.times[i + 1] - self.times[i];
-        let s = (t - self.times[i]) / h;
-        let (s2, s3) = (s * s, s * s * s);
-        (2.0 * s3 - 3.0 * s2 + 1.0) * self.values[i]
-            + (s3 - 2.0 * s2 + s) * h * self.slopes[i]
-            + (3.0 * s2 - 2.0 * s3) * self.values[i + 1]
-            + (s3 - s2) * h * self.slopes[i + 1]
+        let mut i = usize::from(self.cells[((t * CELLS as f64) as usize).min(CELLS - 1)]);
+        while self.pieces.get(i + 1).is_some_and(|next| next.start <= t) {
+            i += 1;
+        }
+        let Piece { start, a } = self.pieces[i];
+        let s = t - start;
+        let value = a[0] + s * (a[1] + s * (a[2] + s * a[3]));
+        (value, a[1] + s * (2.0 * a[2] + 3.0 * s * a[3]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_pass_their_points_without_overshoot_and_close() {
+        let points = [(0.17, 3.0), (0.4, 3.0), (0.75, 70.0), (1.0, 3.0)];
+        let curve = Periodic::new(&points);
+        for (t, v) in points {
+            assert!((curve.at(t).0 - v).abs() < 1e-12 && (curve.at(t - 3.0).0 - v).abs() < 1e-9);
+        }
+        for step in 0..10_000 {
+            let t = f64::from(step) / 10_000.0;
+            let (value, slope) = curve.at(t);
+            assert!((3.0 - 1e-12..=70.0 + 1e-12).contains(&value), "{t}: {value}");
+            let h = 1e-6;
+            let secant = (curve.at(t + h).0 - curve.at(t - h).0) / (2.0 * h);
+            assert!((slope - secant).abs() < 0.02, "{t}: {slope} {secant}");
+        }
     }
 }

@@ -4,7 +4,8 @@
 //! and the axis of length 2c (Chen, "The Micro-Doppler Effect in Radar", ch. 4).
 
 use super::gait::{JOINTS, Segments, joint};
-use super::{Vec3, dot, norm, scale, sub};
+use super::number::Real;
+use super::{Vec3, dot, scale, sub};
 use std::f64::consts::PI;
 
 /// Primitives of a body.
@@ -12,62 +13,88 @@ pub const PRIMITIVES: usize = 16;
 
 /// An ellipsoid of revolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Primitive {
+pub struct Primitive<R = f64> {
     /// Scatter centre in m.
-    pub centre: Vec3,
+    pub centre: Vec3<R>,
     /// Direction of its axis, not normalised.
-    pub axis: Vec3,
+    pub axis: Vec3<R>,
+    /// Length of `axis` in m.
+    pub axis_m: f64,
     /// Semi-axes across (a = b) and along (c) in m.
     pub semi: [f64; 2],
+}
+
+impl<R: Real> Primitive<R> {
+    /// Distance D to `radar` in m, and sqrt(sigma) / D^2 in 1/m: what the radar equation needs of a primitive.
+    ///
+    /// With p the projection of the line of sight on the axis, a^2 sin^2 th + c^2 cos^2 th = (a^2 D^2 + (c^2 - a^2) p^2) / D^2,
+    /// so that sqrt(sigma) / D^2 = sqrt(pi) a^2 c / (a^2 D^2 + (c^2 - a^2) p^2).
+    #[inline(always)]
+    pub fn echo(&self, radar: Vec3) -> (R, R) {
+        let [a, c] = self.semi;
+        let sight = sub(radar.map(R::of), self.centre);
+        let distance2 = dot(sight, sight);
+        let along = dot(sight, self.axis).times(1.0 / self.axis_m);
+        let below = distance2.times(a * a) + (along * along).times(c * c - a * a);
+        (distance2.sqrt(), R::of(PI.sqrt() * a * a * c) / below)
+    }
 }
 
 impl Primitive {
     /// Radar cross section in m^2 seen from `radar`.
     pub fn cross_section(&self, radar: Vec3) -> f64 {
-        let [a, c] = self.semi;
-        let sight = sub(radar, self.centre);
-        let cosine = dot(sight, self.axis) / (norm(sight) * norm(self.axis)).max(1e-12);
-        let cos2 = (cosine * cosine).min(1.0);
-        let (a2, c2) = (a * a, c * c);
-        let below = a2 * (1.0 - cos2) + c2 * cos2;
-        PI * a2 * a2 * c2 / (below * below)
+        let (distance, amplitude) = self.echo(radar);
+        let root = amplitude * distance * distance;
+        root * root
+    }
+
+    /// Geometric mean of the cross sections seen from two points, in m^2: the bistatic cross section of a body that is
+    /// small against both distances.
+    pub fn bistatic_cross_section(&self, from: Vec3, to: Vec3) -> f64 {
+        (self.cross_section(from) * self.cross_section(to)).sqrt()
     }
 }
 
-/// The primitives of a body of height `height` at these joints: head, torso, then left and right of shoulder, upper
-/// arm, lower arm, hip, thigh, shank, foot. Girths scale with the height (they are those of 1.75 m).
-pub fn primitives(joints: &[Vec3; JOINTS], segments: &Segments, height: f64) -> [Primitive; PRIMITIVES] {
-    let girth = height / 1.75;
-    let between = |a: usize, b: usize| scale(super::add(joints[a], joints[b]), 0.5);
-    let make = |centre: Vec3, from: usize, to: usize, a: f64, c: f64| Primitive {
-        centre,
-        axis: sub(joints[to], joints[from]),
-        semi: [a * girth, c],
-    };
+/// The primitives of a body of height `height` at these joints, in their order: head, torso, then left and right of shoulder,
+/// upper arm, lower arm, hip, thigh, shank, foot. Girths scale with the height (they are those of 1.75 m).
+#[inline(always)]
+pub fn primitive<R: Real>(
+    joints: &[Vec3<R>; JOINTS],
+    segments: &Segments,
+    height: f64,
+    index: usize,
+) -> Primitive<R> {
+    use joint::{ANKLE, BASE, ELBOW, HAND, HEAD, HIP, KNEE, NECK, SHOULDER, TOE};
     let s = segments;
-    let side = |side: usize| {
-        let at = |base: usize| base + side;
-        let (shoulder, elbow, hand) = (at(joint::SHOULDER), at(joint::ELBOW), at(joint::HAND));
-        let (hip, knee, ankle, toe) = (at(joint::HIP), at(joint::KNEE), at(joint::ANKLE), at(joint::TOE));
-        [
-            make(joints[shoulder], joint::NECK, shoulder, 0.06, s.half_shoulder / 2.0),
-            make(between(shoulder, elbow), elbow, shoulder, 0.06, s.upper_arm / 2.0),
-            make(joints[hand], hand, elbow, 0.05, s.lower_arm / 2.0),
-            make(joints[hip], joint::BASE, hip, 0.07, s.half_hip / 2.0),
-            make(between(hip, knee), hip, knee, 0.07, s.thigh / 2.0),
-            make(between(knee, ankle), knee, ankle, 0.06, s.shank / 2.0),
-            make(joints[toe], toe, ankle, 0.05, s.foot / 2.0),
-        ]
+    let side = index % 2;
+    // (from, to, length of the axis, radius, whether the centre is the middle of the limb or its end)
+    let (from, to, length, radius, middle) = match (index, index / 2) {
+        (0, _) => (NECK, HEAD, s.head, 0.10, false),
+        (1, _) => (BASE, NECK, s.torso, 0.15, true),
+        (_, 1) => (NECK, SHOULDER + side, s.half_shoulder, 0.06, false),
+        (_, 2) => (SHOULDER + side, ELBOW + side, s.upper_arm, 0.06, true),
+        (_, 3) => (ELBOW + side, HAND + side, s.lower_arm, 0.05, false),
+        (_, 4) => (BASE, HIP + side, s.half_hip, 0.07, false),
+        (_, 5) => (HIP + side, KNEE + side, s.thigh, 0.07, true),
+        (_, 6) => (KNEE + side, ANKLE + side, s.shank, 0.06, true),
+        _ => (ANKLE + side, TOE + side, s.foot, 0.05, false),
     };
-    let head = make(joints[joint::HEAD], joint::NECK, joint::HEAD, 0.10, s.head / 2.0);
-    let torso = make(between(joint::NECK, joint::BASE), joint::BASE, joint::NECK, 0.15, s.torso / 2.0);
-    let (left, right) = (side(0), side(1));
-    std::array::from_fn(|b| match b {
-        0 => head,
-        1 => torso,
-        b if b % 2 == 0 => left[b / 2 - 1],
-        b => right[b / 2 - 1],
-    })
+    let (a, b) = (joints[from], joints[to]);
+    Primitive {
+        centre: if middle { scale(super::add(a, b), R::of(0.5)) } else { b },
+        axis: sub(b, a),
+        axis_m: length,
+        semi: [radius * height / 1.75, length / 2.0],
+    }
+}
+
+/// All of them.
+pub fn primitives<R: Real>(
+    joints: &[Vec3<R>; JOINTS],
+    segments: &Segments,
+    height: f64,
+) -> [Primitive<R>; PRIMITIVES] {
+    std::array::from_fn(|index| primitive(joints, segments, height, index))
 }
 
 #[cfg(test)]
@@ -76,7 +103,7 @@ mod tests {
 
     #[test]
     fn cross_sections_of_known_shapes() {
-        let mut p = Primitive { centre: [0.0; 3], axis: [0.0, 0.0, 1.0], semi: [0.3, 0.3] };
+        let mut p = Primitive { centre: [0.0; 3], axis: [0.0, 0.0, 1.0], axis_m: 1.0, semi: [0.3, 0.3] };
         assert!((p.cross_section([5.0, 1.0, 2.0]) - PI * 0.09).abs() < 1e-12); // sphere
         p.semi = [0.1, 0.4];
         assert!((p.cross_section([5.0, 0.0, 0.0]) - PI * 0.16).abs() < 1e-12); // broadside: pi c^2

@@ -1,169 +1,227 @@
-//! The room's response with memory: v_j = rho v_{j-1} + (1 - rho) Upsilon_j, once per sensing slot.
+//! The room's response with memory: v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
 //!
-//! Eq. (vit) in three modes. Upsilon is a sum of paths with fixed delays and redrawn phases (802.11ay rays) or complex
-//! Gaussian taps (802.11ax), so the recursion runs on one complex number per path.
+//! Eq. (vit) in three modes, once per sensing slot or once per slot. Upsilon is a sum of rays with fixed delays and redrawn
+//! phases (802.11ay) or complex Gaussian taps (802.11ax), so the recursion runs on one complex number per ray.
 
-use super::room::{Reflection, delay_s, draw_loss_db, draw_rays, mean_amplitude, reflections};
-use super::tgn::{TAP_S, TAPS, tap_powers};
-use super::{Complex64, Sweep, phasor, tone, wavelength};
-use crate::scenario::{ArMode, Clusters, SPEED_OF_LIGHT, Scenario};
+use super::ieee80211ay::Ray;
+use super::{Blocks, Complex64, Path, add_blocks, phasor};
+use crate::scenario::{Advance, ArMode, Channel};
+use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::random::Random;
-use std::f64::consts::PI;
+use std::f64::consts::FRAC_1_SQRT_2;
 
-/// A path of the room: its beat at unit amplitude and how its amplitude is drawn.
-#[derive(Debug, Clone)]
-struct Path {
-    sweep: Sweep,
-    /// Root of the mean power, antenna gains and transmit power included, in sqrt W.
-    amplitude: f64,
-    /// Phase of a geometric ray; `None` for a diffuse one.
-    fixed: Option<f64>,
+/// How a new innovation is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// Amplitude 1, uniform phase: a ray.
+    Phase,
+    /// Complex Gaussian of unit power: a tap.
+    Gaussian,
 }
 
-/// The room seen by the radar, slot after slot.
+/// The room between two points, slot after slot.
 #[derive(Debug, Clone)]
-pub struct RoomChannel {
-    paths: Vec<Path>,
+pub struct Memory {
+    rays: Vec<Ray>,
+    law: Law,
     state: Vec<Complex64>,
+    draw: Vec<Complex64>,
+    /// Block means of each ray at unit amplitude.
+    blocks: Vec<Blocks>,
     rho: f64,
+    innovation: f64,
     mode: ArMode,
-    rayleigh: bool,
+    stationary: bool,
+    steps: u32,
     started: bool,
 }
 
-/// Mean power in W of all reflections the radar receives at their mean losses: sets the converter's full scale too.
-pub fn mean_power_w(scenario: &Scenario) -> f64 {
-    let radar = &scenario.radar;
-    let lambda = wavelength(radar.carrier_hz);
-    let gain = libm::pow(10.0, radar.antenna_gain_db / 10.0);
-    let power: f64 = reflections(scenario.room.size_m, radar.position_m, radar.position_m)
-        .iter()
-        .map(|r| mean_amplitude(r, lambda) * mean_amplitude(r, lambda))
-        .sum();
-    radar.power_w * gain * gain * power
-}
-
-impl RoomChannel {
-    /// Draws a room: losses and rays once per recording.
-    pub fn new(scenario: &Scenario, rho: f64, random: &mut Random) -> Self {
-        let radar = &scenario.radar;
-        let room = reflections(scenario.room.size_m, radar.position_m, radar.position_m);
-        let paths = match scenario.channel.clusters {
-            Clusters::Ieee80211ax => taps(scenario, &room),
-            Clusters::Ieee80211ay => rays(scenario, &room, random),
-        };
-        RoomChannel {
-            state: vec![Complex64::default(); paths.len()],
-            rayleigh: scenario.channel.clusters == Clusters::Ieee80211ax,
-            mode: scenario.channel.mode,
-            paths,
+impl Memory {
+    /// A room of `rays`; with `spacing_slots` between two sensing slots.
+    pub fn new(channel: &Channel, rays: Vec<Ray>, law: Law, rho: f64, spacing_slots: u32) -> Self {
+        let blocks = rays.iter().map(|ray| {
+            let mut blocks = Blocks::default();
+            add_blocks(&mut blocks, Complex64::new(1.0, 0.0), ray.delay_s);
+            blocks
+        });
+        Memory {
+            blocks: blocks.collect(),
+            state: vec![Complex64::default(); rays.len()],
+            draw: vec![Complex64::default(); rays.len()],
+            rays,
+            law,
             rho,
+            innovation: match channel.mode {
+                ArMode::Paper | ArMode::Consistent => 1.0 - rho,
+                ArMode::VariancePreserving => (1.0 - rho * rho).sqrt(),
+            },
+            mode: channel.mode,
+            stationary: channel.stationary_start,
+            steps: match channel.advance {
+                Advance::SensingSlot => 1,
+                Advance::Slot => spacing_slots + 1,
+            },
             started: false,
         }
     }
 
-    /// The next sensing slot's response in the beat domain.
-    pub fn next(&mut self, random: &mut Random) -> Sweep {
-        let rho = self.rho;
-        let innovation = match self.mode {
-            ArMode::Paper | ArMode::Consistent => 1.0 - rho,
-            ArMode::VariancePreserving => (1.0 - rho * rho).sqrt(),
-        };
-        let mut sum = Sweep::default();
-        for (path, state) in self.paths.iter().zip(&mut self.state) {
-            let draw = if self.rayleigh {
-                Complex64::new(random.gaussian(), random.gaussian()) * std::f64::consts::FRAC_1_SQRT_2
-            } else {
-                phasor(2.0 * PI * random.uniform())
-            };
-            let draw = match (self.mode, path.fixed) {
-                (ArMode::Consistent, Some(phase)) => phasor(phase),
-                _ => draw,
-            };
-            *state = if self.started { *state * rho + draw * innovation } else { draw };
-            let amplitude = *state * path.amplitude;
-            sum.iter_mut().zip(&path.sweep).for_each(|(sum, tone)| *sum += amplitude * tone);
-        }
-        self.started = true;
-        sum
-    }
-}
-
-/// Nine Gaussian taps behind the shortest reflection, with the room's mean power.
-fn taps(scenario: &Scenario, room: &[Reflection]) -> Vec<Path> {
-    let power = mean_power_w(scenario);
-    let first = room.iter().map(|r| r.length_m).fold(f64::INFINITY, f64::min) / SPEED_OF_LIGHT;
-    let powers = tap_powers();
-    (0..TAPS)
-        .map(|tap| Path {
-            sweep: tone(Complex64::new(1.0, 0.0), first + tap as f64 * TAP_S),
-            amplitude: (power * powers[tap]).sqrt(),
-            fixed: (tap == 0).then_some(0.0),
-        })
-        .collect()
-}
-
-/// Image-method clusters, each with its drawn loss and rays.
-fn rays(scenario: &Scenario, room: &[Reflection], random: &mut Random) -> Vec<Path> {
-    let radar = &scenario.radar;
-    let lambda = wavelength(radar.carrier_hz);
-    let front = radar.power_w.sqrt() * libm::pow(10.0, radar.antenna_gain_db / 10.0);
-    let mut paths = Vec::new();
-    for reflection in room {
-        let loss = libm::pow(10.0, draw_loss_db(reflection.order, random) / 20.0);
-        let amplitude = front * loss * lambda / (4.0 * PI * reflection.length_m);
-        let turns = reflection.length_m / lambda;
-        for ray in draw_rays(random) {
-            let delay = delay_s(reflection) + ray.delay_s;
-            if delay < 0.0 {
-                continue;
+    fn draw(&mut self, random: &mut Random) {
+        match self.law {
+            Law::Gaussian => self.draw.iter_mut().for_each(|z| {
+                *z = Complex64::new(random.gaussian(), random.gaussian()) * FRAC_1_SQRT_2;
+            }),
+            Law::Phase => {
+                for group in self.draw.chunks_mut(LANES) {
+                    let mut turns = [0.0; LANES];
+                    turns.iter_mut().take(group.len()).for_each(|t| *t = random.uniform());
+                    let (s, c) = Lanes::new(turns).sin_cos_turns();
+                    let drawn = c.to_array().into_iter().zip(s.to_array());
+                    group.iter_mut().zip(drawn).for_each(|(z, (c, s))| *z = Complex64::new(c, s));
+                }
             }
-            paths.push(Path {
-                sweep: tone(Complex64::new(1.0, 0.0), delay),
-                amplitude: amplitude * ray.amplitude,
-                fixed: ray.central.then_some(-2.0 * PI * (turns - turns.floor())),
-            });
+        }
+        if self.mode == ArMode::Consistent {
+            for (z, ray) in self.draw.iter_mut().zip(&self.rays) {
+                if let Some(phase) = ray.fixed {
+                    *z = phasor(phase);
+                }
+            }
         }
     }
-    paths
+
+    /// Goes on to the next sensing slot.
+    pub fn step(&mut self, random: &mut Random) {
+        if !self.started {
+            self.started = true;
+            self.draw(random);
+            // what the recursion forgets of Upsilon's power in the long run
+            let settled = self.innovation / (1.0 - self.rho * self.rho).max(f64::MIN_POSITIVE).sqrt();
+            for ((state, draw), ray) in self.state.iter_mut().zip(&self.draw).zip(&self.rays) {
+                let kept = self.mode == ArMode::Consistent && ray.fixed.is_some();
+                let start = if self.stationary && self.rho < 1.0 && !kept { settled } else { 1.0 };
+                *state = draw * (start * ray.amplitude);
+            }
+            return;
+        }
+        if self.rho == 1.0 {
+            return;
+        }
+        for _ in 0..self.steps {
+            self.draw(random);
+            for ((state, draw), ray) in self.state.iter_mut().zip(&self.draw).zip(&self.rays) {
+                *state = *state * self.rho + draw * (self.innovation * ray.amplitude);
+            }
+        }
+    }
+
+    /// Appends the room's ways as they are now.
+    pub fn paths(&self, paths: &mut Vec<Path>) {
+        let path = |(state, ray): (&Complex64, &Ray)| Path {
+            gain: *state,
+            delay_s: ray.delay_s,
+            arrival: ray.arrival,
+        };
+        paths.extend(self.state.iter().zip(&self.rays).map(path));
+    }
+
+    /// Adds their beats.
+    pub fn beat(&self, beat: &mut Blocks) {
+        for (state, blocks) in self.state.iter().zip(&self.blocks) {
+            for (sum, tone) in beat.iter_mut().zip(blocks) {
+                sum.re += state.re * tone.re - state.im * tone.im;
+                sum.im += state.re * tone.im + state.im * tone.re;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn powers(mode: ArMode, rho: f64, slots: usize) -> Vec<f64> {
-        let scenario = Scenario {
-            channel: crate::scenario::Channel { mode, ..Default::default() },
-            ..Default::default()
-        };
+    fn ray(fixed: Option<f64>) -> Ray {
+        Ray { amplitude: 1.0, delay_s: 20e-9, arrival: [1.0, 0.0, 0.0], fixed }
+    }
+
+    fn memory(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Memory {
+        let channel = Channel { mode, stationary_start, ..Default::default() };
+        Memory::new(&channel, vec![ray(fixed)], Law::Phase, rho, 3)
+    }
+
+    /// Mean powers of one ray over `runs` runs of `slots` slots.
+    fn powers(mode: ArMode, rho: f64, stationary: bool, slots: usize, runs: u32) -> Vec<f64> {
         let mut sums = vec![0.0; slots];
-        for index in 0..300 {
-            let mut random = Random::new(3, 0, 0, index);
-            let mut room = RoomChannel::new(&scenario, rho, &mut random);
-            sums.iter_mut().for_each(|sum| *sum += room.next(&mut random)[0].norm_sqr() / 300.0);
+        for index in 0..runs {
+            let mut random = Random::new(3, 0, 0, u64::from(index));
+            let mut memory = memory(mode, rho, stationary, None);
+            for sum in &mut sums {
+                memory.step(&mut random);
+                *sum += memory.state[0].norm_sqr() / f64::from(runs);
+            }
         }
         sums
     }
 
     #[test]
     fn variance_follows_each_mode() {
-        let start = powers(ArMode::Paper, 0.9, 1)[0];
-        // paper: the first response fades to (1 - rho) / (1 + rho) of its power
-        let late: f64 = powers(ArMode::Paper, 0.9, 120)[60..].iter().sum::<f64>() / 60.0;
-        assert!((late / start / (0.1 / 1.9) - 1.0).abs() < 0.15, "{}", late / start);
-        let late: f64 = powers(ArMode::VariancePreserving, 0.9, 120)[60..].iter().sum::<f64>() / 60.0;
-        assert!((late / start - 1.0).abs() < 0.15, "{}", late / start);
-        assert!((start / mean_power_w(&Scenario::default()) - 1.0).abs() < 0.2);
+        let start = powers(ArMode::Paper, 0.9, false, 120, 4000);
+        assert!((start[0] - 1.0).abs() < 1e-9);
+        // paper: the first response fades as rho^2j, its innovations rise to (1 - rho) / (1 + rho)
+        for j in [1, 5, 10, 40] {
+            let fade = libm::pow(0.9, 2.0 * j as f64);
+            let exact = fade + (1.0 - fade) * 0.1 / 1.9;
+            assert!((start[j] / exact - 1.0).abs() < 0.06, "{j}: {} {exact}", start[j]);
+        }
+        for (mode, exact) in [(ArMode::Paper, 0.1 / 1.9), (ArMode::VariancePreserving, 1.0)] {
+            let settled = powers(mode, 0.9, true, 60, 4000);
+            let mean = settled.iter().sum::<f64>() / 60.0;
+            assert!((mean / exact - 1.0).abs() < 0.03, "{mode:?} {mean}");
+        }
     }
 
     #[test]
-    fn full_memory_never_changes() {
-        let mut random = Random::new(3, 0, 0, 0);
-        let mut room = RoomChannel::new(&Scenario::default(), 1.0, &mut random);
-        let first = room.next(&mut random);
-        for _ in 0..10 {
-            assert_eq!(room.next(&mut random), first);
+    fn the_spectrum_is_lorentzian() {
+        // at 0.997 and 1 kHz: half width 0.48 Hz, -20 dB at 5 Hz, -40 dB at 50 Hz
+        let (rho, n) = (0.997, 1 << 15);
+        let mut planner = rustfft::FftPlanner::new();
+        let fft = planner.plan_fft_forward(n);
+        let mut spectrum = vec![0.0; n];
+        for run in 0..40 {
+            let mut random = Random::new(5, 0, 0, run);
+            let mut memory = memory(ArMode::Paper, rho, true, None);
+            let mut signal: Vec<Complex64> = (0..n)
+                .map(|k| {
+                    memory.step(&mut random);
+                    // Hann window: the tails are its, not the rectangle's
+                    memory.state[0] * (0.5 - 0.5 * libm::cos(std::f64::consts::TAU * k as f64 / n as f64))
+                })
+                .collect();
+            fft.process(&mut signal);
+            spectrum.iter_mut().zip(&signal).for_each(|(s, z)| *s += z.norm_sqr());
+        }
+        let density = |hz: f64, width: f64| -> f64 {
+            let bin = |f: f64| (f / 1000.0 * n as f64) as usize;
+            let band = &spectrum[bin(hz - width).max(1)..bin(hz + width)];
+            band.iter().sum::<f64>() / band.len() as f64
+        };
+        let top = density(0.1, 0.1);
+        for (hz, width, db) in [(0.48, 0.05, -3.2), (5.0, 0.3, -20.4), (50.0, 2.0, -40.1)] {
+            let found = 10.0 * libm::log10(density(hz, width) / top);
+            assert!((found - db).abs() < 1.2, "{hz} Hz: {found} dB");
+        }
+    }
+
+    #[test]
+    fn full_memory_and_geometry_never_change() {
+        for (mode, rho, fixed) in [(ArMode::Paper, 1.0, None), (ArMode::Consistent, 0.9, Some(1.0))] {
+            let mut random = Random::new(3, 0, 0, 0);
+            let mut memory = memory(mode, rho, false, fixed);
+            memory.step(&mut random);
+            let first = memory.state[0];
+            for _ in 0..50 {
+                memory.step(&mut random);
+                assert!((memory.state[0] - first).norm() < 1e-12);
+            }
         }
     }
 }

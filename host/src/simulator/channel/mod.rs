@@ -1,31 +1,145 @@
-//! The data-assisted hybrid channel: target echoes of geometry plus a room that remembers.
+//! Channels of the sensed room: nine models behind one trait, for the radar and for every receiver.
 //!
-//! h = u + v, eqs. (DAHC), (uit) and (vit) of the paper. A slot's baseband is smooth over the sweep: it is held as its
-//! values on [`NODES`] Chebyshev nodes in the beat domain ([`tone`]) and interpolated by `radar`.
+//! A model says, slot after slot, over which [`Path`]s a wave travels between two points of a [`Scene`]. What a radar makes
+//! of them is one sum of tones in the beat domain ([`Sweep`], [`Blocks`]); what a receiver makes of them is a frequency
+//! response ([`link`]).
+//!
+//! | name | file | what it is |
+//! |---|---|---|
+//! | `dahc` | [`dahc`] | the paper's: sixteen primitives and a room with memory, eqs. (DAHC), (uit), (vit) |
+//! | `primitive` | [`primitive`] | the same with a perfect memory (rho = 1): no uncertainty |
+//! | `ray-tracing` | [`ray_tracing`] | images up to second order, Fresnel materials, a body that moves: the paper's baseline |
+//! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, drawn anew wherever something moves |
+//! | `80211ay` | [`ieee80211ay`] | quasi-deterministic conference room |
+//! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax taps with their bell spectrum |
+//! | `38901` | [`tr38901`] | 3GPP indoor office, spatially consistent, with the sensing additions' human |
+//! | `quadriga` | [`quadriga`] | the same clusters as scatterers in space, drifting within segments |
+//! | `metis` | [`metis`] | map-based hybrid: traced walls, random objects, a diffuse rest |
 
 pub mod autoregressive;
+pub mod dahc;
+pub mod field;
+pub mod ieee80211ax;
+pub mod ieee80211ay;
 pub mod link;
+pub mod metis;
+pub mod primitive;
+pub mod properties;
+pub mod quadriga;
+pub mod ray_tracing;
 pub mod room;
+pub mod statistical;
 pub mod target;
-pub mod tgn;
+pub mod tr38901;
 
-use crate::scenario::SPEED_OF_LIGHT;
+use super::body::Vec3;
+use super::random::Random;
+use crate::scenario::{Model, SPEED_OF_LIGHT, Scenario};
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
+use target::Target;
 
 /// Complex amplitude.
 pub type Complex64 = Complex<f64>;
 
-/// Chebyshev nodes of a sweep. A delay of 110 ns turns the beat by 7 rad: sixteen nodes hold it to -180 dB.
+/// One way a wave takes at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// Complex amplitude ratio between isotropic antennas, the carrier's phase included.
+    pub gain: Complex64,
+    /// Delay in s.
+    pub delay_s: f64,
+    /// Unit vector from the receiver towards where the wave comes from.
+    pub arrival: Vec3,
+}
+
+/// Where everything is at one sensing slot.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The sensing slot, counted from 0.
+    pub slot: u32,
+    /// Its time in s.
+    pub time_s: f64,
+    /// Transmit antenna in m.
+    pub from: Vec3,
+    /// Receive antenna in m; the radar's own position for the radar.
+    pub to: Vec3,
+    /// Everybody in the room.
+    pub people: &'a [Target],
+}
+
+impl Scene<'_> {
+    /// Whether both ends are the radar's.
+    pub fn monostatic(&self) -> bool {
+        self.from == self.to
+    }
+
+    /// Length of the direct way in m.
+    pub fn distance_m(&self) -> f64 {
+        super::body::norm(super::body::sub(self.to, self.from))
+    }
+}
+
+/// A channel model of one link in one recording: it remembers, and draws from its own stream of random numbers.
+pub trait ChannelModel: Send {
+    /// Appends the paths of `scene`. Scenes come in the order of their slots, every slot once.
+    fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>);
+
+    /// The radar's beats of consecutive slots, added to `beats`; `scene` is the first, the others follow `interval_s` apart.
+    /// Models whose sums can be formed faster than path by path do so; the result agrees with [`ChannelModel::paths`] to
+    /// -80 dB.
+    fn beats(&mut self, scene: &Scene, interval_s: f64, beats: &mut [Blocks]) {
+        let mut paths = Vec::new();
+        for (n, beat) in beats.iter_mut().enumerate() {
+            let scene = Scene {
+                slot: scene.slot + n as u32,
+                time_s: scene.time_s + n as f64 * interval_s,
+                ..*scene
+            };
+            paths.clear();
+            self.paths(&scene, &mut paths);
+            paths.iter().for_each(|path| add_blocks(beat, path.gain, path.delay_s));
+        }
+    }
+}
+
+/// The model of `scenario` for a link between two points, with memory `rho` where it has one.
+pub fn model(scenario: &Scenario, from: Vec3, to: Vec3, rho: f64, mut random: Random) -> Box<dyn ChannelModel> {
+    let link = (from, to);
+    match scenario.channel.model {
+        Model::Dahc => Box::new(dahc::Dahc::new(scenario, link, rho, random)),
+        Model::Primitive => Box::new(primitive::model(scenario, link, random)),
+        Model::RayTracing => Box::new(ray_tracing::RayTracing::new(scenario)),
+        Model::Statistical => Box::new(statistical::SalehValenzuela::new(scenario, link, &mut random)),
+        Model::Ieee80211ay => Box::new(ieee80211ay::ConferenceRoom::new(scenario, link, &mut random)),
+        Model::Ieee80211ax => Box::new(ieee80211ax::Indoor::new(scenario, link, random)),
+        Model::Tr38901 => Box::new(tr38901::IndoorOffice::new(scenario, random)),
+        Model::Quadriga => Box::new(quadriga::Drifting::new(scenario, random)),
+        Model::Metis => Box::new(metis::MapBased::new(scenario, link, random)),
+    }
+}
+
+/// Chebyshev nodes of a sweep. A delay of 110 ns turns the beat by 7 rad: sixteen nodes hold it to -160 dB; the 190 ns of a
+/// corner path in a room of 20 m to -100 dB.
 pub const NODES: usize = 16;
 
 /// A slot's beat at the nodes.
 pub type Sweep = [Complex64; NODES];
 
+/// Beats of a slot after decimation.
+pub const BLOCKS: usize = sdp3_core::frame::BEATS;
+
+/// A slot's beat averaged over each of the core's blocks, in sqrt W per sqrt W.
+pub type Blocks = [Complex64; BLOCKS];
+
 /// Sweep rate B / T_sw in Hz/s.
 pub const SWEEP_RATE: f64 = 10e6 / 100e-6;
 /// Sweep duration in s.
 pub const SWEEP_S: f64 = 100e-6;
+/// Time between two block centres in s.
+pub const BLOCK_S: f64 = SWEEP_S / BLOCKS as f64;
+/// Time of the sweep's middle in s: samples are taken at n / f_s, n = 1..=1000.
+pub const MIDDLE_S: f64 = SWEEP_S / 2.0 + 0.05e-6;
 
 /// Time of a node in s.
 pub fn node_time(k: usize) -> f64 {
@@ -38,9 +152,35 @@ pub fn tone(amplitude: Complex64, delay_s: f64) -> Sweep {
     std::array::from_fn(|k| start * phasor(-2.0 * PI * SWEEP_RATE * delay_s * node_time(k)))
 }
 
+/// Mean over a block of 125 samples of a tone at `frequency` in Hz, relative to its value at the block's centre, to -140 dB.
+pub fn boxcar(frequency: f64) -> f64 {
+    let x = PI * frequency * BLOCK_S;
+    // sin(x) / x over sin(x/125) / (x/125), to x^6
+    let x2 = x * x;
+    1.0 - x2 / 6.0 * (1.0 - 1.0 / 15_625.0) * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0))
+}
+
+/// Adds one path's block means.
+pub fn add_blocks(beat: &mut Blocks, amplitude: Complex64, delay_s: f64) {
+    let frequency = SWEEP_RATE * delay_s;
+    let angle = PI * SWEEP_RATE * delay_s * delay_s - 2.0 * PI * frequency * (MIDDLE_S - 3.5 * BLOCK_S);
+    let mut value = amplitude * phasor(angle) * boxcar(frequency);
+    let step = phasor(-2.0 * PI * frequency * BLOCK_S);
+    for beat in beat {
+        *beat += value;
+        value *= step;
+    }
+}
+
 /// exp(j angle).
 pub fn phasor(angle: f64) -> Complex64 {
     Complex64::new(libm::cos(angle), libm::sin(angle))
+}
+
+/// exp(-j 2 pi length / lambda): whole wavelengths are taken off before the cosine.
+pub fn carrier_phase(length_m: f64, lambda: f64) -> Complex64 {
+    let turns = length_m / lambda;
+    phasor(-2.0 * PI * (turns - turns.floor()))
 }
 
 /// Wavelength in m.
@@ -51,4 +191,27 @@ pub fn wavelength(carrier_hz: f64) -> f64 {
 /// a += b.
 pub fn accumulate(a: &mut Sweep, b: &Sweep) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn block_means_are_means_of_the_beat() {
+        for delay in [0.4e-9, 13.3e-9, 60e-9, 110e-9] {
+            let mut found = Blocks::default();
+            add_blocks(&mut found, Complex64::new(0.8, -0.3), delay);
+            for (b, found) in found.iter().enumerate() {
+                let sum: Complex64 = (1..=125)
+                    .map(|n| {
+                        let t = f64::from(125 * b as u32 + n) / 10e6;
+                        phasor(PI * SWEEP_RATE * (delay * delay - 2.0 * delay * t))
+                    })
+                    .sum();
+                let exact = sum * Complex64::new(0.8, -0.3) / 125.0;
+                assert!((found - exact).norm() < 1e-7, "{delay} {b}: {found} {exact}");
+            }
+        }
+    }
 }

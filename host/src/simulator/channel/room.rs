@@ -1,35 +1,80 @@
-//! The conference room by the image method: first and second order reflections off ceiling and walls.
+//! The room as a box: reflections by the image method, and how materials reflect.
 //!
-//! IEEE 802.11ad/ay (11-09/0334r8, 11-15/1150): 17 clusters, lognormal losses, rays before and after each
-//! central one. Floor and table are left out.
+//! A reflected way is the straight way from the transmitter's image. Fresnel's coefficients take the angle at which that
+//! straight line meets each wall; permittivities are ITU-R P.2040's as the NIST Q-D software uses them.
 
-use crate::scenario::SPEED_OF_LIGHT;
-use crate::simulator::body::{Vec3, norm, sub};
-use crate::simulator::random::Random;
+use super::Complex64;
+use crate::scenario::{SPEED_OF_LIGHT, Scenario};
+use crate::simulator::body::{Vec3, norm, scale, sub};
 
-/// A reflected path.
+/// A wall: the axis it is normal to and its coordinate.
+type Plane = (usize, f64);
+
+/// A reflected way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
     /// Its whole length in m.
     pub length_m: f64,
     /// Reflections on the way.
     pub order: u8,
+    /// Whether the ceiling is one of them.
+    pub ceiling: bool,
+    /// Unit vector from the receiver towards the last image.
+    pub arrival: Vec3,
+    /// Product of the Fresnel coefficients, vertical polarisation.
+    pub fresnel: Complex64,
 }
 
-/// The 17 reflections between two points: ceiling, four walls, four wall-ceiling, eight double walls.
-pub fn reflections(size: Vec3, from: Vec3, to: Vec3) -> Vec<Reflection> {
-    let mirror = |p: Vec3, axis: usize, plane: f64| {
-        let mut image = p;
-        image[axis] = 2.0 * plane - p[axis];
-        image
+impl Reflection {
+    /// Its delay in s.
+    pub fn delay_s(&self) -> f64 {
+        self.length_m / SPEED_OF_LIGHT
+    }
+}
+
+/// Relative permittivity of concrete (walls, floor) and of plasterboard (ceiling); losses are negative imaginary parts.
+const CONCRETE: Complex64 = Complex64::new(4.0, -0.2);
+const PLASTERBOARD: Complex64 = Complex64::new(6.25, -0.3);
+
+/// Fresnel's coefficient of a half space for a vertically polarised wave: perpendicular to the plane of incidence at a
+/// wall, parallel to it at ceiling and floor. `cosine` is that of the angle of incidence.
+pub fn fresnel(permittivity: Complex64, cosine: f64, wall: bool) -> Complex64 {
+    let root = (permittivity - (1.0 - cosine * cosine)).sqrt();
+    let c = Complex64::new(cosine, 0.0);
+    if wall { (c - root) / (c + root) } else { (permittivity * c - root) / (permittivity * c + root) }
+}
+
+fn image(p: Vec3, (axis, plane): Plane) -> Vec3 {
+    let mut image = p;
+    image[axis] = 2.0 * plane - p[axis];
+    image
+}
+
+fn reflection(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Reflection {
+    let source = planes.iter().fold(from, |p, &plane| image(p, plane));
+    let way = sub(source, to);
+    let length_m = norm(way).max(1e-6);
+    let arrival = scale(way, 1.0 / length_m);
+    let coefficient = |&(axis, plane): &Plane| {
+        let ceiling = axis == 2 && plane == size[2];
+        fresnel(if ceiling { PLASTERBOARD } else { CONCRETE }, arrival[axis].abs(), axis != 2)
     };
+    Reflection {
+        length_m,
+        order: planes.len() as u8,
+        ceiling: planes.contains(&(2, size[2])),
+        arrival,
+        fresnel: planes.iter().map(coefficient).product(),
+    }
+}
+
+/// The 17 reflections of the 802.11ay conference room between two points: ceiling, four walls, four wall-ceiling, eight
+/// double walls. The floor and the table are left out.
+pub fn conference_room(size: Vec3, from: Vec3, to: Vec3) -> Vec<Reflection> {
     let walls = [(0, 0.0), (0, size[0]), (1, 0.0), (1, size[1])];
     let ceiling = (2, size[2]);
-    let mut found = Vec::new();
-    let mut push = |planes: &[(usize, f64)]| {
-        let image = planes.iter().fold(from, |p, &(axis, plane)| mirror(p, axis, plane));
-        found.push(Reflection { length_m: norm(sub(image, to)), order: planes.len() as u8 });
-    };
+    let mut found = Vec::with_capacity(17);
+    let mut push = |planes: &[Plane]| found.push(reflection(size, planes, from, to));
     push(&[ceiling]);
     walls.iter().for_each(|&wall| push(&[wall]));
     walls.iter().for_each(|&wall| push(&[wall, ceiling]));
@@ -44,73 +89,72 @@ pub fn reflections(size: Vec3, from: Vec3, to: Vec3) -> Vec<Reflection> {
     found
 }
 
-/// Mean reflection loss in dB of an order, before truncation, and its standard deviation.
-const LOSS_DB: [(f64, f64); 2] = [(-10.0, 4.0), (-16.0, 5.0)];
-
-/// A reflection loss in dB: normal, never above -2 dB.
-pub fn draw_loss_db(order: u8, random: &mut Random) -> f64 {
-    let (mean, deviation) = LOSS_DB[usize::from(order.clamp(1, 2)) - 1];
-    loop {
-        let loss = mean + deviation * random.gaussian();
-        if loss <= -2.0 {
-            return loss;
+/// Every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
+pub fn traced(size: Vec3, from: Vec3, to: Vec3, order: u8) -> Vec<Reflection> {
+    let planes: [Plane; 6] = std::array::from_fn(|k| (k / 2, if k % 2 == 0 { 0.0 } else { size[k / 2] }));
+    let mut found: Vec<Reflection> = planes.iter().map(|&p| reflection(size, &[p], from, to)).collect();
+    if order >= 2 {
+        for (i, &a) in planes.iter().enumerate() {
+            for (j, &b) in planes.iter().enumerate() {
+                // images in planes of different axes commute: each pair once; opposite planes do not
+                if a.0 == b.0 && i != j || a.0 < b.0 {
+                    found.push(reflection(size, &[a, b], from, to));
+                }
+            }
         }
     }
+    found
 }
 
-/// Free-space amplitude of a path times its mean reflection loss.
+/// Images of a point in the six planes, with each plane's coefficient seen from `to`.
+pub fn images(size: Vec3, point: Vec3, to: Vec3) -> [(Vec3, Complex64); 6] {
+    std::array::from_fn(|k| {
+        let plane = (k / 2, if k % 2 == 0 { 0.0 } else { size[k / 2] });
+        (image(point, plane), reflection(size, &[plane], point, to).fresnel)
+    })
+}
+
+/// Mean reflection loss in dB of an order before truncation at -2 dB, and its standard deviation (11-09/0334r8).
+pub const LOSS_DB: [(f64, f64); 2] = [(-10.0, 4.0), (-16.0, 5.0)];
+
+/// Power ratio of all reflections at their mean losses, isotropic antennas: the large-scale law of a monostatic radar in
+/// every stochastic model here, and what sets the converter's full scale.
+pub fn mean_power(scenario: &Scenario) -> f64 {
+    let radar = &scenario.radar;
+    let lambda = super::wavelength(radar.carrier_hz);
+    conference_room(scenario.room.size_m, radar.position_m, radar.position_m)
+        .iter()
+        .map(|r| {
+            let amplitude = mean_amplitude(r, lambda);
+            amplitude * amplitude
+        })
+        .sum()
+}
+
+/// Free-space amplitude of a way times its mean reflection loss.
 pub fn mean_amplitude(reflection: &Reflection, lambda: f64) -> f64 {
     let (mean, _) = LOSS_DB[usize::from(reflection.order.clamp(1, 2)) - 1];
-    lambda / (4.0 * std::f64::consts::PI * reflection.length_m) * libm::pow(10.0, mean / 20.0)
+    free_space(reflection.length_m, lambda) * libm::pow(10.0, mean / 20.0)
 }
 
-/// One ray of a cluster.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// Amplitude; a cluster's rays have unit energy.
-    pub amplitude: f64,
-    /// Delay after (or before) the cluster's central ray in s.
-    pub delay_s: f64,
-    /// Whether it is the central, geometric ray.
-    pub central: bool,
-}
-
-/// Rays of one cluster of the conference room: six before and eight after the central one, Poisson arrivals, Rayleigh
-/// amplitudes, exponential decay.
-pub fn draw_rays(random: &mut Random) -> Vec<Ray> {
-    let mut rays = vec![Ray { amplitude: 1.0, delay_s: 0.0, central: true }];
-    // (rays, K factor in dB, decay in ns, arrival in 1/ns, sign of the delay)
-    for (count, k_db, decay, arrival, sign) in [(6, 10.0, 3.7, 0.37, -1.0), (8, 14.2, 4.5, 0.31, 1.0)] {
-        let mut delay = 0.0;
-        for _ in 0..count {
-            delay -= libm::log(1.0 - random.uniform()) / arrival;
-            let mean_power = libm::exp(-delay / decay) * libm::pow(10.0, -k_db / 10.0);
-            let (x, y) = (random.gaussian(), random.gaussian());
-            let amplitude = (mean_power * (x * x + y * y) / 2.0).sqrt();
-            rays.push(Ray { amplitude, delay_s: sign * delay * 1e-9, central: false });
-        }
-    }
-    let energy: f64 = rays.iter().map(|r| r.amplitude * r.amplitude).sum();
-    rays.iter_mut().for_each(|r| r.amplitude /= energy.sqrt());
-    rays
-}
-
-/// Delay of a path in s.
-pub fn delay_s(reflection: &Reflection) -> f64 {
-    reflection.length_m / SPEED_OF_LIGHT
+/// lambda / (4 pi d).
+pub fn free_space(length_m: f64, lambda: f64) -> f64 {
+    lambda / (4.0 * std::f64::consts::PI * length_m)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const SIZE: Vec3 = [3.0, 4.5, 3.0];
+    const RADAR: Vec3 = [1.5, 1.0, 1.0];
+
     #[test]
     fn path_lengths_of_the_papers_room() {
-        let radar = [1.5, 1.0, 1.0];
-        let lengths: Vec<f64> =
-            reflections([3.0, 4.5, 3.0], radar, radar).iter().map(|r| r.length_m).collect();
-        let golden =
-            [4.0, 3.0, 3.0, 2.0, 7.0, 5.0, 5.0, 4.472, 8.062, 3.606, 7.616, 3.606, 7.616, 6.0, 6.0, 9.0, 9.0];
+        let lengths: Vec<f64> = conference_room(SIZE, RADAR, RADAR).iter().map(|r| r.length_m).collect();
+        let golden = [
+            4.0, 3.0, 3.0, 2.0, 7.0, 5.0, 5.0, 4.472, 8.062, 3.606, 7.616, 3.606, 7.616, 6.0, 6.0, 9.0, 9.0,
+        ];
         assert_eq!(lengths.len(), 17);
         for (found, expected) in lengths.iter().zip(golden) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");
@@ -118,15 +162,22 @@ mod tests {
     }
 
     #[test]
-    fn losses_have_their_means_and_rays_unit_energy() {
-        let mut random = Random::new(9, 0, 0, 0);
-        for (order, mean) in [(1, -10.2), (2, -16.0)] {
-            let sum: f64 = (0..40_000).map(|_| draw_loss_db(order, &mut random)).sum();
-            assert!((sum / 40_000.0 - mean).abs() < 0.1, "order {order}: {}", sum / 40_000.0);
+    fn traced_ways_are_the_conference_rooms_and_those_of_the_floor() {
+        let to = [2.1, 3.3, 1.4];
+        let traced: Vec<f64> = traced(SIZE, RADAR, to, 2).iter().map(|r| r.length_m).collect();
+        assert_eq!(traced.len(), 24);
+        for r in conference_room(SIZE, RADAR, to) {
+            assert!(traced.iter().any(|length| (length - r.length_m).abs() < 1e-12), "{r:?}");
         }
-        for _ in 0..100 {
-            let energy: f64 = draw_rays(&mut random).iter().map(|r| r.amplitude * r.amplitude).sum();
-            assert!((energy - 1.0).abs() < 1e-12);
-        }
+    }
+
+    #[test]
+    fn fresnel_knows_normal_grazing_and_brewster() {
+        let real = Complex64::new(4.0, 0.0);
+        assert!((fresnel(real, 1.0, true).re + 1.0 / 3.0).abs() < 1e-12);
+        assert!((fresnel(real, 1.0, false).re - 1.0 / 3.0).abs() < 1e-12);
+        assert!((fresnel(real, 1e-9, true).re + 1.0).abs() < 1e-6);
+        // Brewster's angle: tan = sqrt(4)
+        assert!(fresnel(real, libm::cos(libm::atan(2.0)), false).norm() < 1e-12);
     }
 }

@@ -1,57 +1,151 @@
-//! Echoes of a person: sixteen primitives by the monostatic radar equation.
+//! Echoes of a person: sixteen primitives by the radar equation, or one mean echo where a model knows no limbs.
 //!
-//! Eq. (uit) with the radar equation's amplitude, sqrt(P G_t G_r) lambda sqrt(sigma) / ((4 pi)^1.5 D^2), the phase of the
-//! exact distance and the delay 2 D / c.
+//! Eq. (uit) with the radar equation's amplitude, lambda sqrt(sigma) / ((4 pi)^1.5 D^2), the phase of the exact distance and
+//! the delay 2 D / c; on the way to a receiver the two distances differ. Mean echo: 3GPP TR 38.901 clause 7.9.2, human model 1.
 
-use super::{Complex64, Sweep, accumulate, phasor, tone, wavelength};
-use crate::scenario::{Radar, SPEED_OF_LIGHT};
+use super::{Complex64, Path, Scene, carrier_phase, phasor};
+use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::motion::Person;
-use crate::simulator::body::primitives::PRIMITIVES;
-use crate::simulator::body::{norm, sub};
+use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
+use crate::simulator::body::{Vec3, add, norm, scale, sub};
 use crate::simulator::random::Random;
 use std::f64::consts::PI;
 
-/// A person seen by the radar.
+/// A person as channels see it: how it moves, and the initial phase of each primitive, fixed for the recording.
 #[derive(Debug, Clone)]
-pub struct Echoes {
-    person: Person,
-    phases: [f64; PRIMITIVES],
+pub struct Target {
+    /// The person.
+    pub person: Person,
+    /// Phases in rad.
+    pub phases: [f64; PRIMITIVES],
+    /// Amplitude of its echo: below 1 off the antenna's main lobe.
+    pub gain: f64,
+    /// A rigid body instead of a moving one: the pose of time 0 carried along at this velocity in m/s.
+    pub rigid: Option<Vec3>,
 }
 
-impl Echoes {
-    /// Initial phases are uniform and fixed for the recording.
+/// Nearest a scatterer may come to an antenna in m: the far field ends there.
+pub const NEAREST_M: f64 = 0.1;
+
+/// Mean bistatic cross section of an adult of 1.75 m: -1.37 dBsm - 3 sin(beta / 2) dB, in m^2.
+pub fn mean_cross_section(height_m: f64, bistatic_angle: f64) -> f64 {
+    let area = height_m / 1.75;
+    libm::pow(10.0, (-1.37 - 3.0 * libm::sin(bistatic_angle / 2.0)) / 10.0) * area * area
+}
+
+impl Target {
+    /// Initial phases are uniform.
     pub fn new(person: Person, random: &mut Random) -> Self {
-        Echoes { person, phases: std::array::from_fn(|_| 2.0 * PI * random.uniform()) }
+        Target { person, phases: std::array::from_fn(|_| 2.0 * PI * random.uniform()), gain: 1.0, rigid: None }
     }
 
-    /// The person.
-    pub fn person(&self) -> &Person {
-        &self.person
-    }
-
-    /// Complex amplitude (sqrt W) and delay (s) of each primitive at `t` seconds.
-    pub fn paths(&self, radar: &Radar, t: f64) -> [(Complex64, f64); PRIMITIVES] {
-        let lambda = wavelength(radar.carrier_hz);
-        let gain = libm::pow(10.0, radar.antenna_gain_db / 10.0);
-        let front = radar.power_w.sqrt() * gain * lambda / libm::pow(4.0 * PI, 1.5);
-        let primitives = self.person.primitives(t);
-        std::array::from_fn(|b| {
-            let primitive = &primitives[b];
-            let distance = norm(sub(primitive.centre, radar.position_m)).max(0.1);
-            let amplitude = front * primitive.cross_section(radar.position_m).sqrt() / (distance * distance);
-            // whole wavelengths are taken off before the cosine
-            let turns = 2.0 * distance / lambda;
-            let phase = self.phases[b] - 2.0 * PI * (turns - turns.floor());
-            (phasor(phase) * amplitude, 2.0 * distance / SPEED_OF_LIGHT)
-        })
-    }
-
-    /// Their sum in the beat domain.
-    pub fn sweep(&self, radar: &Radar, t: f64) -> Sweep {
-        let mut sum = Sweep::default();
-        for (amplitude, delay) in self.paths(radar, t) {
-            accumulate(&mut sum, &tone(amplitude, delay));
+    /// Primitives at `t` seconds.
+    pub fn primitives(&self, t: f64) -> [Primitive; PRIMITIVES] {
+        match self.rigid {
+            None => self.person.primitives(t),
+            Some(velocity) => self.person.primitives(0.0).map(|mut p| {
+                p.centre = add(p.centre, scale(velocity, t));
+                p
+            }),
         }
-        sum
+    }
+
+    /// Middle of the torso at `t` seconds in m.
+    pub fn centre(&self, t: f64) -> Vec3 {
+        self.primitives(t)[1].centre
+    }
+
+    /// Appends the echo of every primitive on the way from `scene.from` to `scene.to`.
+    pub fn echoes(&self, scene: &Scene, lambda: f64, paths: &mut Vec<Path>) {
+        for (primitive, phase) in self.primitives(scene.time_s).iter().zip(&self.phases) {
+            let root = self.gain * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
+            paths.push(scattered(scene, primitive.centre, root, lambda, *phase));
+        }
+    }
+
+    /// The whole body as one scatterer of its mean cross section, at its place of `t` seconds.
+    pub fn mean_echo(&self, scene: &Scene, t: f64, lambda: f64, phase: f64) -> Path {
+        let centre = self.centre(t);
+        let (a, b) = (sub(scene.from, centre), sub(scene.to, centre));
+        let cosine = super::super::body::dot(a, b) / (norm(a) * norm(b)).max(1e-9);
+        let sigma = mean_cross_section(self.person.truth.height_m, libm::acos(cosine.clamp(-1.0, 1.0)));
+        scattered(scene, centre, self.gain * sigma.sqrt(), lambda, phase)
+    }
+}
+
+/// A wave scattered at `centre` with the root of the cross section `root` in m.
+pub fn scattered(scene: &Scene, centre: Vec3, root: f64, lambda: f64, phase: f64) -> Path {
+    let there = norm(sub(centre, scene.from)).max(NEAREST_M);
+    let way = sub(centre, scene.to);
+    let back = norm(way).max(NEAREST_M);
+    let amplitude = lambda * root / (libm::pow(4.0 * PI, 1.5) * there * back);
+    let length = there + back;
+    Path {
+        gain: carrier_phase(length, lambda) * phasor(phase) * amplitude,
+        delay_s: length / SPEED_OF_LIGHT,
+        arrival: scale(way, 1.0 / back),
+    }
+}
+
+/// The direct way between two antennas; `None` for the radar, which has none.
+pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
+    if scene.monostatic() {
+        return None;
+    }
+    let length = scene.distance_m().max(NEAREST_M);
+    let gain = carrier_phase(length, lambda) * super::room::free_space(length, lambda);
+    let arrival = scale(sub(scene.from, scene.to), 1.0 / length);
+    Some(Path { gain, delay_s: length / SPEED_OF_LIGHT, arrival })
+}
+
+/// Amplitude 1 of a sum of powers, as a complex number without a phase.
+pub fn amplitude(power: f64) -> Complex64 {
+    Complex64::new(power.sqrt(), 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Class;
+    use crate::simulator::body::motion::Truth;
+
+    #[test]
+    fn a_sphere_at_two_metres_echoes_by_the_radar_equation() {
+        let scene = Scene { slot: 0, time_s: 0.0, from: [0.0; 3], to: [0.0; 3], people: &[] };
+        let lambda = 0.1;
+        let path = scattered(&scene, [2.0, 0.0, 0.0], 0.5, lambda, 0.0);
+        // P_r / P_t = lambda^2 sigma / ((4 pi)^3 D^4)
+        let exact = 0.01 * 0.25 / (libm::pow(4.0 * PI, 3.0) * 16.0);
+        assert!((path.gain.norm_sqr() / exact - 1.0).abs() < 1e-12);
+        assert!((path.delay_s * SPEED_OF_LIGHT - 4.0).abs() < 1e-12);
+        // forty whole wavelengths there and back
+        assert!((path.gain.arg()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_mean_echo_is_that_of_the_primitives_within_three_decibels() {
+        let truth = Truth {
+            class: Class::Standing,
+            child: false,
+            height_m: 1.75,
+            speed_m_s: 0.0,
+            heading_deg: 0.0,
+            phase: 0.0,
+            start_m: [1.5, 3.0],
+        };
+        let mut random = Random::new(1, 0, 0, 0);
+        let (mut whole, mut limbs) = (0.0, 0.0);
+        for degrees in (0..360).step_by(10) {
+            let truth = Truth { heading_deg: f64::from(degrees), ..truth.clone() };
+            let target = Target::new(Person::new(truth, [3.0, 4.5, 3.0], &mut random), &mut random);
+            let radar = [1.5, 1.0, 1.0];
+            let scene = Scene { slot: 0, time_s: 0.0, from: radar, to: radar, people: &[] };
+            let mut paths = Vec::new();
+            target.echoes(&scene, 0.0857, &mut paths);
+            limbs += paths.iter().map(|p| p.gain.norm_sqr()).sum::<f64>();
+            whole += target.mean_echo(&scene, 0.0, 0.0857, 0.0).gain.norm_sqr();
+        }
+        let db = 10.0 * libm::log10(limbs / whole);
+        assert!(db.abs() < 3.0, "{db}");
     }
 }

@@ -2,22 +2,30 @@
 //!
 //! Kaiser window with beta 9 over 32 zero crossings a side: stop band below -90 dB.
 
-use super::grey::bessel_i0;
-
 /// Zero crossings of the sinc on each side.
 const CROSSINGS: f64 = 32.0;
+/// Table entries per zero crossing; linear interpolation between them errs by less than -115 dB.
+const STEPS: f64 = 1024.0;
 
 /// `signal` at `from_hz` to `to_hz`.
 pub fn resample(signal: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
     let cutoff = (to_hz / from_hz).min(1.0);
     let half = CROSSINGS / cutoff;
     let count = (signal.len() as f64 * to_hz / from_hz).floor() as usize;
+    let entries = (CROSSINGS * STEPS) as usize + 2;
+    let table: Vec<f64> = (0..entries).map(|k| kernel(k as f64 / STEPS) * cutoff).collect();
+    let weight = |x: f64| {
+        let place = x.abs() * cutoff * STEPS;
+        let entry = (place as usize).min(entries - 2);
+        table[entry] + (table[entry + 1] - table[entry]) * (place - entry as f64)
+    };
     (0..count)
         .map(|n| {
             let centre = n as f64 * from_hz / to_hz;
             let first = (centre - half).ceil().max(0.0) as usize;
-            let last = ((centre + half).floor() as usize).min(signal.len().saturating_sub(1));
-            (first..=last).map(|k| signal[k] * kernel((k as f64 - centre) * cutoff) * cutoff).sum()
+            let end = (centre + half).floor() as usize + 1;
+            let near = signal[..end.min(signal.len())].iter().enumerate().skip(first);
+            near.map(|(k, x)| x * weight(k as f64 - centre)).sum()
         })
         .collect()
 }
@@ -27,7 +35,17 @@ fn kernel(x: f64) -> f64 {
     let turn = std::f64::consts::PI * x;
     let sinc = if x.abs() < 1e-9 { 1.0 } else { libm::sin(turn) / turn };
     let inside = 1.0 - (x / CROSSINGS) * (x / CROSSINGS);
-    sinc * bessel_i0(9.0 * inside.max(0.0).sqrt()) / bessel_i0(9.0)
+    sinc * bessel(9.0 * inside.max(0.0).sqrt()) / bessel(9.0)
+}
+
+fn bessel(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
+    while term > 1e-12 * sum {
+        term *= x * x / (4.0 * k * k);
+        sum += term;
+        k += 1.0;
+    }
+    sum
 }
 
 #[cfg(test)]

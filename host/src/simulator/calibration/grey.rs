@@ -1,13 +1,17 @@
 //! Spectrogram grey levels in f64 for calibration, where signals may be real and rates arbitrary.
 //!
-//! Section III-C of the paper: Kaiser window, 256-point FFT, 50 dB below the maximum, quantised into F levels.
+//! Section III-C of the paper: Kaiser window, 256-point FFT, a range of 50 dB quantised into F levels.
 
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use rustfft::{Fft, FftPlannerScalar};
 use std::sync::Arc;
 
 /// Levels F of the probability mass function.
 pub const LEVELS: usize = 64;
+/// Brightest level in dB above the spectrogram's mean power, where its maximum lies on average. The maximum itself is one cell of
+/// 28160: levels below it shift by decibels from recording to recording, and rho recovered from 30 recordings scatters
+/// twice as much.
+pub const REFERENCE_DB: f64 = 16.0;
 /// Dynamic range in dB.
 pub const RANGE_DB: f64 = 50.0;
 /// Length of the transform.
@@ -28,11 +32,11 @@ impl Grey {
             let x = (n as f64 - centre) / centre;
             bessel_i0(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(beta)
         };
-        let fft = FftPlanner::new().plan_fft_forward(FFT);
+        let fft = FftPlannerScalar::new().plan_fft_forward(FFT);
         Grey { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
     }
 
-    /// Decibels below the maximum, `[frame][bin]`, negative frequencies first; `half` keeps 0..=128 only.
+    /// Decibels below the reference, `[frame][bin]`, negative frequencies first; `half` keeps 0..=128 only.
     pub fn decibels(&self, signal: &[Complex<f64>], half: bool) -> Vec<Vec<f64>> {
         let mut frames = Vec::new();
         let mut start = 0;
@@ -48,7 +52,9 @@ impl Grey {
                 .push(kept.iter().map(|z| 10.0 * libm::log10(z.norm_sqr().max(1e-300))).collect::<Vec<_>>());
             start += self.hop;
         }
-        let most = frames.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let cells = frames.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+        let mean = frames.iter().flatten().map(|db| libm::pow(10.0, db / 10.0)).sum::<f64>() / cells;
+        let most = REFERENCE_DB + 10.0 * libm::log10(mean.max(1e-300));
         frames.iter_mut().flatten().for_each(|db| *db -= most);
         frames
     }
@@ -65,7 +71,7 @@ pub fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Grey level 0..LEVELS of a value in dB below the maximum; 0 is black.
+/// Grey level 0..LEVELS of a value in dB below the reference; 0 is black, what is brighter than it is brightest.
 pub fn level(db: f64) -> usize {
     let share = 1.0 + db / RANGE_DB;
     ((share * LEVELS as f64) as isize).clamp(0, LEVELS as isize - 1) as usize

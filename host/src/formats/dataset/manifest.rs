@@ -1,0 +1,186 @@
+//! `manifest.json`: what a dataset is, file by file and recording by recording; the last file to appear.
+//!
+//! It is put together from the sidecars, one at a time, so that its length needs no memory.
+
+use super::{PROGRAM, Work, part};
+use crate::output::{Output, OutputError};
+use crate::scenario::{Class, Scenario};
+use crate::simulator::body::motion::Truth;
+use serde::ser::{Error, SerializeSeq};
+use serde::{Deserialize, Serialize, Serializer};
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{self, Write};
+
+/// Its name.
+pub const NAME: &str = "manifest.json";
+
+/// A file of the dataset.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FileRecord {
+    /// Its name in the folder.
+    pub name: String,
+    /// Its length.
+    pub bytes: u64,
+    /// SHA-256 of its content.
+    pub sha256: String,
+}
+
+impl FileRecord {
+    /// Describes content.
+    pub fn new(name: String, content: &[u8]) -> Self {
+        FileRecord { name, bytes: content.len() as u64, sha256: hex(&Sha256::digest(content)) }
+    }
+
+    /// Describes a file that is there.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Read`] naming the file.
+    pub fn of(output: &Output, name: &str) -> Result<Self, OutputError> {
+        let path = output.path(name);
+        let read = || {
+            let mut hash = Sha256::new();
+            let bytes = io::copy(&mut File::open(&path)?, &mut hash)?;
+            Ok(FileRecord { name: name.to_owned(), bytes, sha256: hex(&hash.finalize()) })
+        };
+        read().map_err(|source| OutputError::Read {
+            path: path.clone(),
+            source,
+            hint: "the dataset was just written there",
+        })
+    }
+
+    /// Whether the file is as described; without `read`, its length must do.
+    pub fn is_there(&self, output: &Output, read: bool) -> bool {
+        std::fs::metadata(output.path(&self.name)).is_ok_and(|found| found.len() == self.bytes)
+            && (!read || Self::of(output, &self.name).is_ok_and(|found| found == *self))
+    }
+}
+
+/// What is true of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TruthRecord {
+    /// Its number in the dataset.
+    pub index: u32,
+    /// Its label, an index into the classes.
+    pub label: u8,
+    /// The person.
+    #[serde(flatten)]
+    pub truth: Truth,
+}
+
+/// Bytes in hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[derive(Serialize)]
+struct Array {
+    name: &'static str,
+    dtype: &'static str,
+    axes: &'static [&'static str],
+    meaning: &'static str,
+}
+
+const ARRAYS: [Array; 4] = [
+    Array {
+        name: "image",
+        dtype: "int8",
+        axes: &["recording", "doppler", "frame"],
+        meaning: "grey level minus 128 of the Doppler spectrogram: what the network sees",
+    },
+    Array {
+        name: "beat",
+        dtype: "int32",
+        axes: &["recording", "slot", "fast_time", "re/im"],
+        meaning: "dechirped sums of 125 samples; 1000 are one ADC LSB of echo",
+    },
+    Array { name: "label", dtype: "uint8", axes: &["recording"], meaning: "index into classes" },
+    Array {
+        name: "raw",
+        dtype: "int16",
+        axes: &["recording", "slot", "sample", "i/q"],
+        meaning: "converter output in ADC LSB at 10 MHz",
+    },
+];
+
+#[derive(Serialize)]
+struct Manifest<'a, F: Serialize, T: Serialize> {
+    program: &'a str,
+    scenario: &'a Scenario,
+    rho: f64,
+    seed: u64,
+    recordings: u32,
+    recordings_per_part: u32,
+    sensing_slots: u32,
+    classes: &'a [Class],
+    arrays: &'a [Array],
+    files: F,
+    truth: T,
+}
+
+/// The rows of all parts, read while they are written.
+struct Rows<F> {
+    parts: u32,
+    of: F,
+}
+
+impl<R: Serialize, F: Fn(u32) -> Result<Vec<R>, OutputError>> Serialize for Rows<F> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut sequence = serializer.serialize_seq(None)?;
+        for part in 0..self.parts {
+            for row in (self.of)(part).map_err(S::Error::custom)? {
+                sequence.serialize_element(&row)?;
+            }
+        }
+        sequence.end()
+    }
+}
+
+fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
+    let files_of = |number: u32| {
+        let (sidecar, bytes) = part::sidecar(number, output)?;
+        let mut files = sidecar.files;
+        files.push(FileRecord::new(part::sidecar_name(number), &bytes));
+        if number == 0 {
+            for name in [super::REQUEST, super::SCENARIO] {
+                files.insert(0, FileRecord::of(output, name)?);
+            }
+        }
+        Ok(files)
+    };
+    let arrays = if work.request.raw { &ARRAYS[..] } else { &ARRAYS[..3] };
+    let manifest = Manifest {
+        program: PROGRAM,
+        scenario: work.scenario,
+        rho: work.rho,
+        seed: work.request.seed,
+        recordings: work.recordings(),
+        recordings_per_part: part::RECORDINGS,
+        sensing_slots: work.slots(),
+        classes: &work.request.classes,
+        arrays,
+        files: Rows { parts: work.parts(), of: files_of },
+        truth: Rows { parts: work.parts(), of: |part| Ok(part::sidecar(part, output)?.0.truth) },
+    };
+    serde_json::to_writer_pretty(&mut file, &manifest)?;
+    file.write_all(b"\n")
+}
+
+/// Writes the manifest of a dataset whose parts are all there; one that is right already is left alone.
+///
+/// # Errors
+///
+/// A sidecar that cannot be read, or a manifest that cannot be written.
+pub fn write(work: &Work, output: &Output) -> Result<(), OutputError> {
+    if output.path(NAME).exists() {
+        let mut hash = Sha256::new();
+        print(work, output, &mut hash)
+            .map_err(|source| OutputError::Write { path: output.path(NAME), source })?;
+        if FileRecord::of(output, NAME)?.sha256 == hex(&hash.finalize()) {
+            return Ok(());
+        }
+    }
+    output.fill(NAME, |file| print(work, output, file))
+}

@@ -1,0 +1,258 @@
+//! Datasets: parts that `numpy.load` reads, SigMF on request, and a manifest; made in shards, resumed after any interruption.
+//!
+//! Written in this order, each file whole or not at all: `scenario.toml`, `request.json`, the parts, `manifest.json`. A part is the
+//! SigMF files of its recordings, then `part-00000.npz`, then the sidecar `part-00000.json` that says it is whole. The bytes of
+//! every file depend on scenario, rho, seed and options alone.
+//!
+//! An NPZ holds `image` int8 `[recording, 64, frames]`, `beat` int32 `[recording, slot, 8, 2]` (re, im), `label` uint8
+//! `[recording]` and, if asked for, `raw` int16 `[recording, slot, 1000, 2]` (I, Q), whose beats `beat` then are.
+
+mod manifest;
+mod part;
+mod sigmf;
+
+use crate::output::{Output, OutputError};
+use crate::scenario::{Class, Scenario};
+use manifest::FileRecord;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::ops::{Range, RangeInclusive};
+use std::str::FromStr;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+pub use manifest::TruthRecord;
+
+/// Legal recordings of each class: their parts are numbered with five digits.
+pub const PER_CLASS: RangeInclusive<i64> = 1..=2_000_000;
+
+const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));
+const SCENARIO: &str = "scenario.toml";
+const REQUEST: &str = "request.json";
+
+/// What a dataset is besides its scenario: `request.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Version of the program that began it.
+    pub version: String,
+    /// SHA-256 of `scenario.toml`.
+    pub scenario_sha256: String,
+    /// Memory of the room channel.
+    pub rho: f64,
+    /// Seed.
+    pub seed: u64,
+    /// Recordings of each class, within [`PER_CLASS`].
+    pub per_class: u32,
+    /// The classes, in the order of their labels; recordings take turns.
+    pub classes: Vec<Class>,
+    /// Whether the parts hold raw slots.
+    pub raw: bool,
+    /// Whether there are SigMF recordings.
+    pub sigmf: bool,
+}
+
+/// Which parts to make: those whose number leaves `index - 1` when divided by `count`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    index: u32,
+    count: u32,
+}
+
+impl Shard {
+    /// All parts.
+    pub const ALL: Shard = Shard { index: 1, count: 1 };
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((index, count)) if 1 <= index && index <= count => Ok(Shard { index, count }),
+            _ => Err(format!("{text} is not in 1/N..=N/N: the I-th of N shards, for example 2/3")),
+        }
+    }
+}
+
+/// A dataset to be made.
+#[derive(Debug)]
+pub struct Work<'a> {
+    scenario: &'a Scenario,
+    rho: f64,
+    request: Request,
+}
+
+impl<'a> Work<'a> {
+    /// `per_class` recordings of each of `classes`, with raw slots in the parts or as SigMF if asked for.
+    pub fn new(
+        scenario: &'a Scenario,
+        rho: f64,
+        seed: u64,
+        per_class: u32,
+        classes: Vec<Class>,
+        raw: bool,
+        sigmf: bool,
+    ) -> Work<'a> {
+        let request = Request {
+            version: env!("CARGO_PKG_VERSION").into(),
+            scenario_sha256: FileRecord::new(SCENARIO.into(), scenario.to_toml().as_bytes()).sha256,
+            rho,
+            seed,
+            per_class,
+            classes,
+            raw,
+            sigmf,
+        };
+        Work { scenario, rho, request }
+    }
+
+    fn recordings(&self) -> u32 {
+        self.request.per_class.saturating_mul(self.request.classes.len() as u32)
+    }
+
+    fn parts(&self) -> u32 {
+        self.recordings().div_ceil(part::RECORDINGS)
+    }
+
+    fn recordings_of(&self, part: u32) -> Range<u32> {
+        let first = part * part::RECORDINGS;
+        first..self.recordings().min(first + part::RECORDINGS)
+    }
+
+    fn slots(&self) -> u32 {
+        self.scenario.largest_sensing_slots()
+    }
+
+    /// Makes what is missing of the shard's parts, then the manifest if no part of any shard is missing.
+    ///
+    /// # Errors
+    ///
+    /// A folder that holds another dataset; files that cannot be written.
+    pub fn write(
+        &self,
+        shard: Shard,
+        output: &Output,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Result<Written, OutputError> {
+        self.refuse_another(output)?;
+        output.sweep(is_ours)?;
+        let request = format!("{}\n", crate::output::to_json(&self.request));
+        for (name, text) in [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)] {
+            if std::fs::read(output.path(name)).ok().is_none_or(|found| found != text.as_bytes()) {
+                output.write(name, text.as_bytes())?;
+            }
+        }
+        let mine: Vec<u32> = (0..self.parts()).filter(|part| part % shard.count == shard.index - 1).collect();
+        let total = mine.iter().map(|part| self.recordings_of(*part).len() as u64).sum();
+        let done = AtomicU64::new(0);
+        let more =
+            |recordings: u64| progress(done.fetch_add(recordings, Ordering::Relaxed) + recordings, total);
+        let missing: Vec<u32> = mine
+            .par_iter()
+            .copied()
+            .filter(|part| {
+                let whole = part::is_whole(self, *part, output, true);
+                if whole {
+                    more(self.recordings_of(*part).len() as u64);
+                }
+                !whole
+            })
+            .collect();
+        for part in &missing {
+            part::make(self, *part, output, &|| more(1))?;
+        }
+        let complete = (0..self.parts())
+            .into_par_iter()
+            .all(|part| part % shard.count == shard.index - 1 || part::is_whole(self, part, output, false));
+        if complete {
+            manifest::write(self, output)?;
+        }
+        Ok(Written {
+            recordings: self.recordings(),
+            parts: self.parts(),
+            made: missing.len() as u32,
+            kept: (mine.len() - missing.len()) as u32,
+            manifest: complete.then_some(manifest::NAME),
+        })
+    }
+
+    /// Refuses a folder whose scenario or request is another.
+    fn refuse_another(&self, output: &Output) -> Result<(), OutputError> {
+        let asked = toml::from_str(&self.scenario.to_toml()).unwrap_or_default();
+        compare(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
+        let asked = serde_json::to_value(&self.request).unwrap_or_default();
+        compare(output, REQUEST, &asked, |text| serde_json::from_str(text).map_err(|e| e.to_string()))
+    }
+}
+
+/// What was done.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct Written {
+    /// Recordings of the whole dataset.
+    pub recordings: u32,
+    /// Parts of the whole dataset.
+    pub parts: u32,
+    /// Parts made now.
+    pub made: u32,
+    /// Parts of this shard that were there.
+    pub kept: u32,
+    /// The manifest, if the dataset is complete.
+    pub manifest: Option<&'static str>,
+}
+
+/// Whether a dataset has a file of that name.
+fn is_ours(name: &str) -> bool {
+    let numbered = |prefix: &str, ends: &[&str]| {
+        let number = name.strip_prefix(prefix).and_then(|rest| rest.split_once('.'));
+        number.is_some_and(|(n, end)| {
+            n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()) && ends.contains(&end)
+        })
+    };
+    [SCENARIO, REQUEST, manifest::NAME].contains(&name)
+        || numbered("part-", &["npz", "json"])
+        || numbered("recording-", &["sigmf-data", "sigmf-meta"])
+}
+
+/// Refuses a file that is there and says something else.
+fn compare(
+    output: &Output,
+    name: &str,
+    asked: &Value,
+    parse: impl Fn(&str) -> Result<Value, String>,
+) -> Result<(), OutputError> {
+    const CURE: &str = "use another --out, or remove this folder";
+    if !output.path(name).exists() {
+        return Ok(());
+    }
+    let refuse = |reason: String| OutputError::Content { path: output.path(name), reason };
+    let text = output.read(name, CURE)?;
+    let found = parse(&String::from_utf8_lossy(&text)).map_err(|e| refuse(format!("{e}; {CURE}")))?;
+    match difference("", &found, asked) {
+        None => Ok(()),
+        Some((field, found, asked)) => Err(refuse(format!(
+            "{field} = {found}, but this command says {asked}: only the same options resume a dataset; {CURE}"
+        ))),
+    }
+}
+
+/// The first field that differs, with both values.
+fn difference(field: &str, found: &Value, asked: &Value) -> Option<(String, String, String)> {
+    match (found, asked) {
+        (Value::Object(found), Value::Object(asked)) => {
+            let keys: BTreeSet<&String> = found.keys().chain(asked.keys()).collect();
+            keys.into_iter().find_map(|key| {
+                let name = if field.is_empty() { key.clone() } else { format!("{field}.{key}") };
+                let value = |of: &serde_json::Map<String, Value>| of.get(key).cloned().unwrap_or_default();
+                difference(&name, &value(found), &value(asked))
+            })
+        }
+        _ if found == asked => None,
+        _ => Some((field.to_owned(), found.to_string(), asked.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,230 @@
+//! One part of a dataset: an NPZ of up to 100 recordings, their SigMF files, and the sidecar that says all of them are there.
+//!
+//! The sidecar is written last and holds the SHA-256 of the others. Whatever kills a run, a part with a sidecar that matches
+//! is whole, and one without is made again, with the same bytes.
+
+use super::manifest::{FileRecord, TruthRecord};
+use super::{Work, sigmf};
+use crate::output::{Output, OutputError};
+use crate::predictor::spectrograms::images_of_beats;
+use crate::simulator::body::motion::Truth;
+use crate::simulator::dataset::{Set, beats, recording};
+use npyz::zip::{CompressionMethod, DateTime, ZipWriter, write::FileOptions};
+use rayon::prelude::*;
+use sdp3_core::dechirp::dechirp;
+use sdp3_core::frame::{BEATS, ROWS, SLOT_SAMPLES, Slot};
+use serde::{Deserialize, Serialize};
+use std::io::{self, Seek, Write};
+use std::ops::Range;
+
+/// Recordings in a part; the last may have fewer.
+pub const RECORDINGS: u32 = 100;
+/// Raw bytes that are held before they are written: what bounds the memory.
+const RAW_HELD: usize = 128 << 20;
+/// What makes a sidecar.
+const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
+
+/// What a part's files are and what is true of its recordings: `part-00000.json`.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sidecar {
+    /// The part's files but this one.
+    pub files: Vec<FileRecord>,
+    /// Its recordings.
+    pub truth: Vec<TruthRecord>,
+}
+
+/// Name of a part's NPZ.
+pub fn npz_name(part: u32) -> String {
+    format!("part-{part:05}.npz")
+}
+
+/// Name of a part's sidecar.
+pub fn sidecar_name(part: u32) -> String {
+    format!("part-{part:05}.json")
+}
+
+/// One recording as it is stored.
+struct One {
+    slots: Vec<Slot>,
+    image: Vec<i8>,
+    beat: Vec<i32>,
+    label: u8,
+    truth: Truth,
+}
+
+/// Recording `index`: a function of (scenario, classes, rho, seed, index) alone. Raw slots are made where they are stored, and
+/// beats and image are then theirs; else the beats are made directly.
+fn one(work: &Work, index: u32) -> One {
+    let Work { scenario, rho, request, .. } = work;
+    let count = request.classes.len() as u32;
+    let (class, n) = (request.classes[(index % count) as usize], index / count);
+    let slots = work.slots();
+    let (slots, beats, truth) = if request.raw || request.sigmf {
+        let recording = recording(scenario, *rho, request.seed, Set::Train, class, n, slots);
+        let beats = recording.slots.iter().map(dechirp).collect();
+        (recording.slots, beats, recording.truth)
+    } else {
+        let (beats, truth) = beats(scenario, *rho, request.seed, Set::Train, class, n, slots);
+        (Vec::new(), beats, truth)
+    };
+    let image = images_of_beats(scenario, &beats).pop().unwrap_or_default();
+    let beat = beats.iter().flat_map(|beat| beat.map(|z| [z.re, z.im])).flatten().collect();
+    One { slots, image, beat, label: (index % count) as u8, truth }
+}
+
+/// Raw slots as bytes: I and Q in turn, 16 bits each, little-endian.
+fn raw_bytes(slots: &[Slot]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(slots.len() * SLOT_SAMPLES * 4);
+    slots.iter().flatten().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
+    bytes
+}
+
+/// Adds an array to the archive: its header, then what `rows` gives, which must be as many bytes as the shape says.
+///
+/// Entries are stored and carry no time, so that equal arrays are equal bytes.
+fn array<W: Write + Seek>(
+    archive: &mut ZipWriter<W>,
+    name: &str,
+    (descr, size): (&str, usize),
+    shape: &[usize],
+    rows: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    let options = FileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    archive.start_file(format!("{name}.npy"), options)?;
+    let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let axes = if shape.len() == 1 { axes.trim_end() } else { axes.trim_end_matches(", ") };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}), }}");
+    // magic, version 1.0 and length are 10 bytes; the data begins at a multiple of 64
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    archive.write_all(b"\x93NUMPY\x01\x00")?;
+    archive.write_all(&(length as u16).to_le_bytes())?;
+    archive.write_all(format!("{header:<width$}\n", width = length - 1).as_bytes())?;
+    let (mut written, expected) = (0, shape.iter().product::<usize>() * size);
+    rows(&mut |bytes| {
+        written += bytes.len();
+        archive.write_all(bytes)
+    })?;
+    match written == expected {
+        true => Ok(()),
+        false => {
+            Err(io::Error::other(format!("{name} has {written} bytes where {shape:?} needs {expected}")))
+        }
+    }
+}
+
+/// Makes a part: SigMF files, NPZ, sidecar. `tick` is called after each recording.
+///
+/// # Errors
+///
+/// Files that cannot be written or read back.
+pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -> Result<(), OutputError> {
+    let range = work.recordings_of(part);
+    let mut files = Vec::new();
+    let all =
+        output.fill(&npz_name(part), |file| write(work, range.clone(), output, file, &mut files, tick))?;
+    files.insert(0, FileRecord::of(output, &npz_name(part))?);
+    let record = |(index, one): (u32, One)| TruthRecord { index, label: one.label, truth: one.truth };
+    let sidecar = Sidecar { files, truth: range.zip(all).map(record).collect() };
+    output.write_json(&sidecar_name(part), &sidecar)?;
+    Ok(())
+}
+
+/// Writes the archive while the recordings are made; what they still hold comes back.
+fn write<W: Write + Seek>(
+    work: &Work,
+    range: Range<u32>,
+    output: &Output,
+    file: W,
+    files: &mut Vec<FileRecord>,
+    tick: &(dyn Fn() + Sync),
+) -> io::Result<Vec<One>> {
+    let made = |index: u32| {
+        let mut one = one(work, index);
+        let mut described = Vec::new();
+        if work.request.sigmf {
+            described = sigmf::write(work, index, &one.truth, &raw_bytes(&one.slots), output)
+                .map_err(io::Error::other)?;
+        }
+        if !work.request.raw {
+            one.slots = Vec::new();
+        }
+        tick();
+        Ok((one, described))
+    };
+    let (n, slots) = (range.len(), work.slots() as usize);
+    let mut archive = ZipWriter::new(file);
+    let mut all = Vec::with_capacity(n);
+    // the raw slots, if wanted, come first and go to the file as they are made
+    let step = match work.request.raw {
+        true => (RAW_HELD / (slots * size_of::<Slot>()).max(1)).clamp(1, n),
+        false => n,
+    };
+    let mut batch = |from: u32| -> io::Result<Vec<One>> {
+        let batch = from..range.end.min(from + step as u32);
+        let (ones, described): (Vec<_>, Vec<_>) =
+            batch.into_par_iter().map(made).collect::<io::Result<Vec<_>>>()?.into_iter().unzip();
+        files.extend(described.into_iter().flatten());
+        Ok(ones)
+    };
+    if work.request.raw {
+        array(&mut archive, "raw", ("<i2", 2), &[n, slots, SLOT_SAMPLES, 2], |put| {
+            for from in range.clone().step_by(step) {
+                let mut ones = batch(from)?;
+                for one in &mut ones {
+                    put(&raw_bytes(&std::mem::take(&mut one.slots)))?;
+                }
+                all.extend(ones);
+            }
+            Ok(())
+        })?;
+    } else {
+        all = batch(range.start)?;
+    }
+    let frames = work.scenario.spectrogram.preprocessing().frames(slots);
+    array(&mut archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
+        all.iter_mut().try_for_each(|one| {
+            put(&std::mem::take(&mut one.image).into_iter().map(i8::cast_unsigned).collect::<Vec<_>>())
+        })
+    })?;
+    array(&mut archive, "beat", ("<i4", 4), &[n, slots, BEATS, 2], |put| {
+        all.iter_mut().try_for_each(|one| {
+            put(&std::mem::take(&mut one.beat).into_iter().flat_map(i32::to_le_bytes).collect::<Vec<_>>())
+        })
+    })?;
+    array(&mut archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;
+    archive.finish()?;
+    Ok(all)
+}
+
+/// The sidecar of a part and its bytes.
+///
+/// # Errors
+///
+/// A sidecar that is missing or no JSON.
+pub fn sidecar(part: u32, output: &Output) -> Result<(Sidecar, Vec<u8>), OutputError> {
+    let name = sidecar_name(part);
+    let bytes = output.read(&name, REMAKE)?;
+    match serde_json::from_slice(&bytes) {
+        Ok(sidecar) => Ok((sidecar, bytes)),
+        Err(error) => {
+            Err(OutputError::Content { path: output.path(&name), reason: format!("{error}; {REMAKE}") })
+        }
+    }
+}
+
+/// Whether a part is there; `read` also hashes its files, otherwise their sizes must do.
+pub fn is_whole(work: &Work, part: u32, output: &Output, read: bool) -> bool {
+    let Ok((sidecar, _)) = sidecar(part, output) else { return false };
+    let range = work.recordings_of(part);
+    let mut names = vec![npz_name(part)];
+    if work.request.sigmf {
+        names.extend(range.clone().flat_map(sigmf::names));
+    }
+    sidecar.files.iter().map(|file| &file.name).eq(&names)
+        && sidecar.truth.iter().map(|record| record.index).eq(range)
+        && sidecar.files.iter().all(|file| file.is_there(output, read))
+}

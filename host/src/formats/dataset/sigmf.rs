@@ -1,0 +1,118 @@
+//! SigMF 1.2.6: a recording's raw slots as `recording-00000.sigmf-data`, described by `recording-00000.sigmf-meta`.
+//!
+//! <https://sigmf.org>. The data is 16-bit I and Q in turn, little-endian, one slot after the other.
+
+use super::manifest::{FileRecord, hex};
+use super::{PROGRAM, Work};
+use crate::output::{Output, OutputError, to_json};
+use crate::simulator::body::motion::Truth;
+use crate::simulator::radar::SAMPLE_RATE;
+use sdp3_core::frame::SLOT_SAMPLES;
+use serde::Serialize;
+use sha2::{Digest, Sha512};
+
+/// Version of the specification.
+const VERSION: &str = "1.2.6";
+
+/// Names of a recording's data and of their description.
+pub fn names(index: u32) -> [String; 2] {
+    ["data", "meta"].map(|kind| format!("recording-{index:05}.sigmf-{kind}"))
+}
+
+#[derive(Serialize)]
+struct Meta<'a> {
+    global: Global<'a>,
+    captures: [Capture; 1],
+    annotations: [Annotation<'a>; 1],
+}
+
+#[derive(Serialize)]
+struct Global<'a> {
+    #[serde(rename = "core:datatype")]
+    datatype: &'a str,
+    #[serde(rename = "core:sample_rate")]
+    sample_rate: f64,
+    #[serde(rename = "core:version")]
+    version: &'a str,
+    #[serde(rename = "core:num_channels")]
+    num_channels: u32,
+    #[serde(rename = "core:sha512")]
+    sha512: String,
+    #[serde(rename = "core:author")]
+    author: &'a str,
+    #[serde(rename = "core:recorder")]
+    recorder: &'a str,
+    #[serde(rename = "core:hw")]
+    hw: &'a str,
+    #[serde(rename = "core:description")]
+    description: String,
+}
+
+#[derive(Serialize)]
+struct Capture {
+    #[serde(rename = "core:sample_start")]
+    sample_start: u64,
+    #[serde(rename = "core:frequency")]
+    frequency: f64,
+}
+
+#[derive(Serialize)]
+struct Annotation<'a> {
+    #[serde(rename = "core:sample_start")]
+    sample_start: u64,
+    #[serde(rename = "core:sample_count")]
+    sample_count: u64,
+    #[serde(rename = "core:label")]
+    label: &'a str,
+    #[serde(rename = "core:comment")]
+    comment: String,
+}
+
+/// Writes a recording's two files and says what they are.
+///
+/// # Errors
+///
+/// Files that cannot be written.
+pub fn write(
+    work: &Work,
+    index: u32,
+    truth: &Truth,
+    raw: &[u8],
+    output: &Output,
+) -> Result<Vec<FileRecord>, OutputError> {
+    let Work { scenario, rho, request } = work;
+    let interval_s = scenario.interval_s();
+    let slots = work.slots();
+    let meta = Meta {
+        global: Global {
+            datatype: "ci16_le",
+            sample_rate: SAMPLE_RATE,
+            version: VERSION,
+            num_channels: 1,
+            sha512: hex(&Sha512::digest(raw)),
+            author: env!("CARGO_PKG_AUTHORS"),
+            recorder: PROGRAM,
+            hw: "simulated radar",
+            description: format!(
+                "Recording {index} of scenario {}, rho {rho}, seed {}: {slots} raw radar slots of {SLOT_SAMPLES} samples, one \
+                 after the other; a slot begins every {interval_s} s.",
+                scenario.name, request.seed
+            ),
+        },
+        captures: [Capture { sample_start: 0, frequency: scenario.radar.carrier_hz }],
+        annotations: [Annotation {
+            sample_start: 0,
+            sample_count: u64::from(slots) * SLOT_SAMPLES as u64,
+            label: truth.class.name(),
+            comment: format!(
+                "height {} m, speed {} m/s, heading {} deg",
+                truth.height_m, truth.speed_m_s, truth.heading_deg
+            ),
+        }],
+    };
+    let meta = format!("{}\n", to_json(&meta));
+    let [data_name, meta_name] = names(index);
+    output.write(&data_name, raw)?;
+    output.write(&meta_name, meta.as_bytes())?;
+    Ok(vec![FileRecord::new(data_name, raw), FileRecord::new(meta_name, meta.as_bytes())])
+}

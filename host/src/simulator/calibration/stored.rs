@@ -1,0 +1,139 @@
+//! The look-up table of rho by carrier, scenario and motion.
+//!
+//! Section III-C of the paper: "we can store the values of rho for typical scenarios in a look-up table". `sdp3 calibrate --table`
+//! writes it again: the paper's experiments and the measured recordings as they were found, and what the hybrid channel of one
+//! person needs to stand for a room with a second one.
+
+use super::{Bench, PEOPLE, STAND_INS, search};
+use crate::scenario::{Class, Scenario};
+use crate::simulator::dataset::Set;
+use serde::{Deserialize, Serialize};
+
+/// First lines of the table's file.
+pub const HEADER: &str = "\
+# Memory of the room channel, rho, by carrier, scenario and motion; per sensing slot of 1 ms (24 GHz measured: 0.5 ms).
+# `sdp3 calibrate --table FILE` writes it again: rows that rest on experiments stay, computed ones are computed.
+
+";
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stored {
+    /// Carrier in Hz.
+    pub carrier_hz: f64,
+    /// Whether a second person moves.
+    pub interferer: bool,
+    /// The motion: a class, or `any`.
+    pub motion: String,
+    /// Memory of the room channel.
+    pub rho: f64,
+    /// Divergence at this rho and at rho = 1, where a curve was computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kl: Option<[f64; 2]>,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// The table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Its rows.
+    pub entry: Vec<Stored>,
+}
+
+/// The table that is part of the program.
+pub fn table() -> Table {
+    toml::from_str(include_str!("rho_table.toml")).expect("the table is part of the program")
+}
+
+/// The stored rho of the nearest carrier with the same number of people, a row for any motion first; and where it comes from.
+pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
+    let table = table();
+    let distance = |s: &Stored| libm::log(s.carrier_hz / scenario.radar.carrier_hz).abs();
+    let rank = |s: &&Stored| (distance(s), u8::from(s.motion != "any"));
+    let matching = table.entry.iter().filter(|s| s.interferer == scenario.channel.interferer);
+    let nearest = matching.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
+    nearest.or(table.entry.first()).map_or((0.997, String::new()), |s| {
+        (s.rho, format!("stored table, {} at {:.3} GHz: {}", s.motion, s.carrier_hz / 1e9, s.source))
+    })
+}
+
+/// Motions of the computed rows.
+const MOTIONS: [Class; 3] = [Class::AdultWalking, Class::AdultPacing, Class::AdultStepping];
+
+/// The table anew: rows that rest on experiments are kept, computed ones are computed again.
+///
+/// A computed row says which rho makes the one-person channel of scenario 1 look most like recordings of `motion` in a room
+/// with memory 0.997, without (scenario 1) and with (scenario 2) a second person walking in it.
+pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
+    const COMPUTED: &str = "computed: ";
+    let mut entry: Vec<Stored> =
+        table().entry.into_iter().filter(|s| !s.source.starts_with(COMPUTED)).collect();
+    let carriers = [3.5e9, 24.125e9, 60e9];
+    let total = (carriers.len() * MOTIONS.len() * 2) as u64;
+    let mut done = 0;
+    for carrier_hz in carriers {
+        for class in MOTIONS {
+            for interferer in [false, true] {
+                let mut room = Scenario::default();
+                room.radar.carrier_hz = carrier_hz;
+                if carrier_hz > 30e9 {
+                    // at 60 GHz every slot senses
+                    room.frame.spacing_slots = 0;
+                }
+                let single = room.clone();
+                room.channel.interferer = interferer;
+                let stands = Bench::new(&room, seed, class, false, 1000);
+                let bench = Bench::new(&single, seed, class, false, 1000);
+                let measured = stands.counts(PAPER_RHO, Set::Stand, STAND_INS);
+                let (curve, _, best) =
+                    search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
+                let last = curve.len() - 1;
+                let round = |x: f64| (x * 1e4).round() / 1e4;
+                entry.push(Stored {
+                    carrier_hz,
+                    interferer,
+                    motion: class.name().into(),
+                    rho: curve[best].rho,
+                    kl: Some([round(curve[best].kl), round(curve[last].kl)]),
+                    source: format!(
+                        "{COMPUTED}{STAND_INS} simulated recordings with memory {PAPER_RHO}{}, fitted by the one-person \
+                         channel; `sdp3 calibrate --table rho_table.toml --seed {seed}`",
+                        if interferer { " and a second person walking" } else { "" }
+                    ),
+                });
+                done += 1;
+                progress(done, total);
+            }
+        }
+    }
+    Table { entry }
+}
+
+/// The paper's memory of a quiet room.
+const PAPER_RHO: f64 = 0.997;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_knows_the_papers_rooms() {
+        let mut scenario = Scenario::default();
+        assert_eq!(stored_rho(&scenario).0, 0.997);
+        scenario.radar.carrier_hz = 60e9;
+        scenario.channel.interferer = true;
+        assert_eq!(stored_rho(&scenario).0, 0.996);
+    }
+
+    #[test]
+    fn the_nearest_carrier_answers_and_says_so() {
+        let mut scenario = Scenario::default();
+        scenario.radar.carrier_hz = 24.0e9;
+        let (rho, source) = stored_rho(&scenario);
+        assert!(source.contains("24.125 GHz") && source.contains("sdp3 calibrate"), "{source}");
+        assert!((0.98..0.997).contains(&rho));
+        scenario.radar.carrier_hz = 77e9;
+        assert!(stored_rho(&scenario).1.contains("60.000 GHz"));
+    }
+}
