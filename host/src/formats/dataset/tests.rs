@@ -1,4 +1,5 @@
 use super::*;
+use crate::simulator::dataset::Set;
 use npyz::npz::NpzArchive;
 use sha2::{Digest, Sha512};
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ impl Case {
 
     fn make(&self, seed: u64, per_class: u32, shard: &str) -> Result<Written, OutputError> {
         let output = Output::create(self.path()).unwrap();
-        let work = Work::new(&self.scenario, 0.997, seed, per_class, self.raw, self.sigmf);
+        let work = Work::new(&self.scenario, 0.997, seed, per_class, Class::ALL.to_vec(), self.raw, self.sigmf);
         work.write(shard.parse().unwrap(), &output, &|_, _| ())
     }
 
@@ -200,15 +201,16 @@ fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     assert!(images.iter().any(|&pixel| pixel != images[0]));
     let raw: Vec<i16> = archive.by_name("raw").unwrap().unwrap().into_vec().unwrap();
     // recording 100, made alone
-    let direct = crate::predictor::spectrograms::item(
+    let direct = crate::simulator::dataset::recording(
         &case.scenario,
         0.997,
         3,
-        crate::simulator::dataset::Set::Train,
-        100,
+        Set::Train,
+        Class::ALL[0],
+        20,
         40,
     );
-    let slot: Vec<i16> = direct.0.slots[0].iter().flat_map(|s| [s.i, s.q]).collect();
+    let slot: Vec<i16> = direct.slots[0].iter().flat_map(|s| [s.i, s.q]).collect();
     assert_eq!(raw[..2000], slot[..]);
     let data = std::fs::read(case.path().join("recording-00104.sigmf-data")).unwrap();
     let samples: Vec<i16> = data.chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]])).collect();
