@@ -4,4 +4,3 @@ pub mod dataset;
 pub mod measured;
 pub mod model_file;
 pub mod points;
-pub mod wav;

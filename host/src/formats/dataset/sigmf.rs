@@ -46,6 +46,20 @@ struct Global<'a> {
     hw: &'a str,
     #[serde(rename = "core:description")]
     description: String,
+    #[serde(rename = "core:extensions")]
+    extensions: [Extension; 1],
+    #[serde(rename = "sdp3:slot_samples")]
+    slot_samples: usize,
+    #[serde(rename = "sdp3:slot_rate")]
+    slot_rate_hz: f64,
+}
+
+/// The namespace that says where slots begin.
+#[derive(Serialize)]
+struct Extension {
+    name: &'static str,
+    version: &'static str,
+    optional: bool,
 }
 
 #[derive(Serialize)]
@@ -98,6 +112,9 @@ pub fn write(
                  after the other; a slot begins every {interval_s} s.",
                 scenario.name, request.seed
             ),
+            extensions: [Extension { name: "sdp3", version: "1.0.0", optional: true }],
+            slot_samples: SLOT_SAMPLES,
+            slot_rate_hz: 1.0 / interval_s,
         },
         captures: [Capture { sample_start: 0, frequency: scenario.radar.carrier_hz }],
         annotations: [Annotation {

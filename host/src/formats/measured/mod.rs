@@ -1,47 +1,218 @@
-//! Measured signals.
+//! Measured signals to calibrate on: WAV, NPY, NPZ, SigMF and, with the feature `hdf5`, HDF5.
+//!
+//! What a file does not say about itself (carrier, rate) the user states; what both say, the user decides. Levels are relative:
+//! calibration compares spectrograms on their own mean power, so a gain only changes the power that is printed.
 
-use rustfft::num_complex::Complex;
+mod array;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod npy;
+mod sigmf;
+mod wav;
+
+use rustfft::num_complex::Complex64;
 use sdp3_core::frame::Slot;
+use std::path::{Path, PathBuf};
+
+/// Most numbers read from a file.
+const MOST: u64 = 1 << 28;
 
 /// A measured signal.
 #[derive(Debug, Clone)]
 pub struct Signal {
     /// The samples.
     pub samples: Samples,
-    /// Their rate in Hz.
+    /// Their rate in Hz; of slots, the slow-time rate.
     pub rate_hz: f64,
     /// Carrier in Hz.
     pub carrier_hz: f64,
-    /// What it is called.
+    /// Name of the file.
     pub title: String,
 }
 
 /// Samples.
 #[derive(Debug, Clone)]
 pub enum Samples {
-    /// Real.
+    /// One number a time: a CW Doppler sensor.
     Real(Vec<f64>),
-    /// Complex.
-    Complex(Vec<Complex<f64>>),
-    /// Raw slots.
+    /// Complex slow time of one range cell.
+    Complex(Vec<Complex64>),
+    /// Raw FMCW slots of the scenario's radar.
     Slots(Vec<Slot>),
 }
 
-/// What the user states.
+impl Samples {
+    /// How many moments they show.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(x) => x.len(),
+            Self::Complex(z) => z.len(),
+            Self::Slots(slots) => slots.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Mean power; of slots, of their samples against full scale.
+    fn power(&self) -> f64 {
+        let mean = |sum: f64, n: usize| sum / n.max(1) as f64;
+        match self {
+            Self::Real(x) => mean(x.iter().map(|x| x * x).sum(), x.len()),
+            Self::Complex(z) => mean(z.iter().map(|z| z.norm_sqr()).sum(), z.len()),
+            Self::Slots(slots) => {
+                let square = |v: i16| (f64::from(v) / 32768.0).powi(2);
+                let all = slots.iter().flatten();
+                mean(all.clone().map(|s| square(s.i) + square(s.q)).sum(), all.count())
+            }
+        }
+    }
+}
+
+/// What the user states about a file.
 #[derive(Debug, Clone, Default)]
 pub struct Stated {
     /// Carrier in Hz.
     pub carrier_hz: Option<f64>,
-    /// Rate in Hz.
+    /// Rate of the samples, or of the slots, in Hz.
     pub rate_hz: Option<f64>,
-    /// Gain in dB to take off.
+    /// Gain of the sensor in dB, taken off.
     pub gain_db: Option<f64>,
-    /// Array or dataset in the file.
+    /// Which array of an NPZ, which dataset of an HDF5 file.
     pub dataset: Option<String>,
 }
 
-/// Reads one.
-pub fn read(file: &std::path::Path, stated: &Stated) -> Result<Signal, crate::pipeline::Failure> {
-    let wav = super::wav::read(file)?;
-    Ok(Signal { samples: Samples::Real(wav.samples), rate_hz: wav.rate_hz, carrier_hz: stated.carrier_hz.unwrap_or(24e9), title: String::new() })
+/// What a file holds, before it is checked.
+struct Contents {
+    samples: Samples,
+    rate_hz: Option<f64>,
+    carrier_hz: Option<f64>,
 }
+
+/// Why a file is not a usable measurement.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasuredError {
+    /// It cannot be opened or is not what its name says.
+    #[error("{file}: not a readable {format} file: {reason}")]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What its name says.
+        format: &'static str,
+        /// What the reader says.
+        reason: String,
+    },
+    /// A value is outside what can be used.
+    #[error("{file}: {field} = {value} is outside its legal range: {legal}")]
+    Value {
+        /// The file.
+        file: PathBuf,
+        /// Field of the file or of the command line.
+        field: String,
+        /// The value.
+        value: String,
+        /// The legal range.
+        legal: String,
+    },
+    /// Neither the file nor the user says what must be known.
+    #[error("{file}: {field} is neither in the file nor on the command line; state it with {flag} ({legal})")]
+    Missing {
+        /// The file.
+        file: PathBuf,
+        /// What is missing.
+        field: &'static str,
+        /// The flag that states it.
+        flag: &'static str,
+        /// Its legal range.
+        legal: &'static str,
+    },
+}
+
+/// Names the file in errors.
+#[derive(Clone, Copy)]
+struct Source<'a>(&'a Path);
+
+impl Source<'_> {
+    fn unreadable(self, format: &'static str, reason: impl ToString) -> MeasuredError {
+        MeasuredError::Unreadable { file: self.0.to_owned(), format, reason: reason.to_string() }
+    }
+
+    fn value(self, field: impl Into<String>, value: impl ToString, legal: impl Into<String>) -> MeasuredError {
+        let (field, legal) = (field.into(), legal.into());
+        MeasuredError::Value { file: self.0.to_owned(), field, value: value.to_string(), legal }
+    }
+
+    /// What the user states or the file says, within its range.
+    fn known(
+        self,
+        (stated, said): (Option<f64>, Option<f64>),
+        (field, flag): (&'static str, &'static str),
+        (range, legal): (std::ops::RangeInclusive<f64>, &'static str),
+    ) -> Result<f64, MeasuredError> {
+        let known = stated.or(said);
+        let value = known.ok_or(MeasuredError::Missing { file: self.0.to_owned(), field, flag, legal })?;
+        if range.contains(&value) { Ok(value) } else { Err(self.value(field, value, legal)) }
+    }
+}
+
+/// Reads a measured signal: at least 1.5 s at 10 Hz to 400 kHz of a carrier between 0.5 and 100 GHz, finite and not silent.
+///
+/// The file's extension decides how it is read. See [`Stated`] for what the user may add.
+///
+/// # Errors
+///
+/// [`MeasuredError`] naming the file and what is wrong with it.
+pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
+    let source = Source(file);
+    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let contents = match extension.as_str() {
+        "wav" => wav::read(source)?,
+        "npy" => npy::read(source)?,
+        "npz" => npy::read_archive(source, stated.dataset.as_deref())?,
+        "sigmf-meta" | "sigmf-data" | "sigmf" => sigmf::read(source)?,
+        #[cfg(feature = "hdf5")]
+        "h5" | "hdf5" => hdf5::read(source, stated.dataset.as_deref())?,
+        #[cfg(not(feature = "hdf5"))]
+        "h5" | "hdf5" => {
+            let reason = "this program was built without HDF5; build it with --features hdf5";
+            return Err(source.unreadable("HDF5", reason));
+        }
+        _ => {
+            let legal = ".wav, .npy, .npz, .sigmf-meta, .h5";
+            return Err(source.value("extension", format!("{extension:?}"), legal));
+        }
+    };
+    let rate_hz = source.known(
+        (stated.rate_hz, contents.rate_hz),
+        ("rate (Hz)", "--rate"),
+        (10.0..=400e3, "10..=400000 Hz"),
+    )?;
+    let carrier_hz = source.known(
+        (stated.carrier_hz, contents.carrier_hz),
+        ("carrier (Hz)", "--carrier"),
+        (0.5e9..=100e9, "0.5e9..=100e9 Hz"),
+    )?;
+    let gain_db = stated.gain_db.unwrap_or(0.0);
+    if !(-200.0..=200.0).contains(&gain_db) {
+        return Err(source.value("--gain", gain_db, "-200..=200 dB"));
+    }
+    let power = contents.samples.power();
+    if !power.is_finite() {
+        return Err(source.value("sample", "NaN or infinite", "finite numbers"));
+    }
+    let seconds = contents.samples.len() as f64 / rate_hz;
+    if seconds < 1.5 {
+        return Err(source.value("length (s)", format!("{seconds:.3}"), "at least 1.5"));
+    }
+    if power == 0.0 {
+        return Err(source.value("mean power", 0, "above 0: nothing was recorded"));
+    }
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let title = format!("{name} ({:.1} dB full scale)", 10.0 * libm::log10(power) - gain_db);
+    Ok(Signal { samples: contents.samples, rate_hz, carrier_hz, title })
+}
+
+#[cfg(test)]
+mod tests;

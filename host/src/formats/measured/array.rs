@@ -1,0 +1,105 @@
+//! What an array of numbers may mean, by its shape.
+//!
+//! | numbers | shape | meaning |
+//! |---|---|---|
+//! | real | `[time]` | a CW sensor |
+//! | real | `[time, 2]` | I and Q of one range cell |
+//! | complex | `[time]` | one range cell |
+//! | complex | `[time, cell]` | range cells; the one in which most moves is taken |
+//! | complex | `[frame, sweep, cell]` | a pulsed radar; the sweeps of a frame are averaged |
+//! | int16 | `[slot, 1000, 2]` | raw FMCW slots, I and Q |
+
+use super::{Contents, MOST, MeasuredError, Samples, Source};
+use rustfft::num_complex::Complex64;
+use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+
+/// Legal shapes, for errors.
+const SHAPES: &str =
+    "real [time] or [time, 2], complex [time], [time, cell] or [frame, sweep, cell], int16 [slot, 1000, 2]";
+
+/// Numbers of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Numbers {
+    Int16(Vec<i16>),
+    Real(Vec<f64>),
+    Complex(Vec<Complex64>),
+}
+
+/// Numbers in row-major order.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Array {
+    pub shape: Vec<usize>,
+    pub numbers: Numbers,
+}
+
+/// The shape as sizes, none empty, with no more numbers than can be read.
+pub(super) fn checked_shape(source: Source, shape: &[u64]) -> Result<Vec<usize>, MeasuredError> {
+    let all = shape.iter().try_fold(1_u64, |all, &n| all.checked_mul(n)).filter(|all| (1..=MOST).contains(all));
+    if all.is_none() {
+        return Err(source.value("shape", format!("{shape:?}"), format!("1 to {MOST} numbers")));
+    }
+    Ok(shape.iter().map(|&n| n as usize).collect())
+}
+
+impl Array {
+    /// The array as samples.
+    pub(super) fn contents(self, source: Source) -> Result<Contents, MeasuredError> {
+        let all: usize = self.shape.iter().product();
+        let read = match &self.numbers {
+            Numbers::Int16(values) => values.len(),
+            Numbers::Real(values) => values.len(),
+            Numbers::Complex(values) => values.len(),
+        };
+        if read != all {
+            return Err(source.value("numbers", read, format!("{all}, as the shape says")));
+        }
+        let samples = match (self.numbers, self.shape.as_slice()) {
+            (Numbers::Int16(values), &[_, SLOT_SAMPLES, 2]) => Samples::Slots(slots(&values)),
+            (Numbers::Int16(values), shape @ (&[_] | &[_, 2])) => {
+                real(values.into_iter().map(f64::from).collect(), shape)
+            }
+            (Numbers::Real(values), shape @ (&[_] | &[_, 2])) => real(values, shape),
+            (Numbers::Complex(values), &[_]) => Samples::Complex(values),
+            (Numbers::Complex(values), &[_, cells]) => Samples::Complex(liveliest(&values, cells)),
+            (Numbers::Complex(values), &[_, sweeps, cells]) => {
+                Samples::Complex(liveliest(&mean_sweep(&values, sweeps, cells), cells))
+            }
+            (_, shape) => return Err(source.value("shape", format!("{shape:?}"), SHAPES)),
+        };
+        Ok(Contents { samples, rate_hz: None, carrier_hz: None })
+    }
+}
+
+fn real(values: Vec<f64>, shape: &[usize]) -> Samples {
+    match shape {
+        [_] => Samples::Real(values),
+        _ => Samples::Complex(values.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect()),
+    }
+}
+
+/// Raw slots of I and Q in turn.
+pub(super) fn slots(values: &[i16]) -> Vec<Slot> {
+    let slots = values.as_chunks::<{ 2 * SLOT_SAMPLES }>().0.iter();
+    slots.map(|slot| std::array::from_fn(|n| Iq { i: slot[2 * n], q: slot[2 * n + 1] })).collect()
+}
+
+/// Mean over the sweeps of each frame.
+fn mean_sweep(values: &[Complex64], sweeps: usize, cells: usize) -> Vec<Complex64> {
+    let frame = |frame: &[Complex64]| -> Vec<Complex64> {
+        let cell = |c: usize| frame.iter().skip(c).step_by(cells).sum::<Complex64>() / sweeps as f64;
+        (0..cells).map(cell).collect()
+    };
+    values.chunks_exact(sweeps * cells).flat_map(frame).collect()
+}
+
+/// The cell whose samples vary most about their mean.
+fn liveliest(values: &[Complex64], cells: usize) -> Vec<Complex64> {
+    let cell = |c: usize| values.iter().skip(c).step_by(cells).copied();
+    let variance = |c: usize| {
+        let n = (values.len() / cells) as f64;
+        let mean = cell(c).sum::<Complex64>() / n;
+        cell(c).map(|z| (z - mean).norm_sqr()).sum::<f64>() / n
+    };
+    let best = (0..cells).max_by(|&a, &b| variance(a).total_cmp(&variance(b))).unwrap_or(0);
+    cell(best).collect()
+}

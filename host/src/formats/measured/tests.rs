@@ -1,0 +1,225 @@
+use super::*;
+use npyz::WriterBuilder;
+use std::f64::consts::TAU;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().unwrap())
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn npy<T: npyz::AutoSerialize + Copy>(&self, name: &str, shape: &[u64], values: &[T]) -> PathBuf {
+        let file = self.file(name);
+        let mut bytes = Vec::new();
+        let mut writer =
+            npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd().unwrap();
+        writer.extend(values).unwrap();
+        writer.finish().unwrap();
+        std::fs::write(&file, bytes).unwrap();
+        file
+    }
+
+    fn wav(&self, channels: u16, frames: u32) -> PathBuf {
+        let file = self.file("sensor.wav");
+        let spec = hound::WavSpec {
+            channels,
+            sample_rate: 8000,
+            bits_per_sample: 16,
+            sample_format: hound::SampleFormat::Int,
+        };
+        let mut writer = hound::WavWriter::create(&file, spec).unwrap();
+        (0..frames * u32::from(channels)).for_each(|n| writer.write_sample((n % 100) as i16 * 256).unwrap());
+        writer.finalize().unwrap();
+        file
+    }
+
+    fn sigmf(&self, datatype: &str, extra: &str, data: &[u8]) -> PathBuf {
+        let meta = format!(
+            "{{\"global\": {{\"core:datatype\": \"{datatype}\", \"core:sample_rate\": 100.0{extra}}}, \
+             \"captures\": [{{\"core:sample_start\": 0, \"core:frequency\": 5.8e9}}], \"annotations\": []}}"
+        );
+        std::fs::write(self.file("walk.sigmf-meta"), meta).unwrap();
+        std::fs::write(self.file("walk.sigmf-data"), data).unwrap();
+        self.file("walk.sigmf-meta")
+    }
+}
+
+fn stated() -> Stated {
+    Stated { carrier_hz: Some(24e9), rate_hz: Some(200.0), gain_db: None, dataset: None }
+}
+
+fn refusal(file: &Path, stated: &Stated) -> String {
+    let error = read(file, stated).unwrap_err().to_string();
+    assert!(error.contains(&file.file_name().unwrap().to_string_lossy()[..]), "{error}");
+    error
+}
+
+fn turning(n: usize) -> Complex64 {
+    let (sin, cos) = (TAU * 0.01 * n as f64).sin_cos();
+    Complex64::new(cos, sin)
+}
+
+#[test]
+fn wav_is_real_with_one_channel_and_complex_with_two() {
+    let folder = Folder::new();
+    let carrier = Stated { carrier_hz: Some(24e9), ..Stated::default() };
+    let signal = read(&folder.wav(1, 16_000), &carrier).unwrap();
+    assert_eq!((signal.rate_hz, signal.samples.len()), (8000.0, 16_000));
+    assert!(matches!(&signal.samples, Samples::Real(x) if x[1] == 1.0 / 128.0));
+    let signal = read(&folder.wav(2, 16_000), &carrier).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z[1] == Complex64::new(2.0, 3.0) / 128.0));
+    let error = refusal(&folder.wav(3, 16_000), &carrier);
+    assert!(error.contains("channels = 3") && error.contains("1 (real) or 2"), "{error}");
+    let error = refusal(&folder.wav(1, 100), &carrier);
+    assert!(error.contains("length (s) = 0.013") && error.contains("at least 1.5"), "{error}");
+    let error = refusal(&folder.wav(1, 16_000), &Stated::default());
+    assert!(error.contains("carrier (Hz)") && error.contains("--carrier"), "{error}");
+    std::fs::write(folder.file("noise.wav"), b"not a wav at all").unwrap();
+    let error = refusal(&folder.file("noise.wav"), &carrier);
+    assert!(error.contains("not a readable WAV"), "{error}");
+}
+
+#[test]
+fn arrays_mean_what_their_shapes_say() {
+    let folder = Folder::new();
+    let time: Vec<Complex64> = (0..400).map(turning).collect();
+    let signal = read(&folder.npy("cell.npy", &[400], &time), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if *z == time));
+    // the second of three cells moves
+    let cells: Vec<Complex64> = time.iter().flat_map(|&z| [Complex64::ONE * 9.0, z, z * 0.1]).collect();
+    let signal = read(&folder.npy("cells.npy", &[400, 3], &cells), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if *z == time));
+    // two sweeps that differ by their sign of noise
+    let sweeps: Vec<Complex64> =
+        time.iter().flat_map(|&z| [Complex64::ZERO, z + 0.5, Complex64::ZERO, z - 0.5]).collect();
+    let signal = read(&folder.npy("sweeps.npy", &[400, 2, 2], &sweeps), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z.iter().zip(&time).all(|(a, b)| (a - b).norm() < 1e-12)));
+    let real: Vec<f32> = (0..800).map(|n| n as f32).collect();
+    let signal = read(&folder.npy("iq.npy", &[400, 2], &real), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z[3] == Complex64::new(6.0, 7.0)));
+    let signal = read(&folder.npy("real.npy", &[800], &real), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Real(x) if x[3] == 3.0));
+    let raw: Vec<i16> = (0..300 * 2000).map(|n| (n % 1000) as i16).collect();
+    let signal = read(&folder.npy("raw.npy", &[300, 1000, 2], &raw), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Slots(s) if s.len() == 300 && s[1][3].q == 7));
+}
+
+#[test]
+fn arrays_that_mean_nothing_are_refused() {
+    let folder = Folder::new();
+    let error = refusal(&folder.npy("cube.npy", &[4, 5, 5], &[1.0_f64; 100]), &stated());
+    assert!(error.contains("shape = [4, 5, 5]") && error.contains("[slot, 1000, 2]"), "{error}");
+    let mut values = [1.0_f64; 400];
+    values[77] = f64::NAN;
+    let error = refusal(&folder.npy("nan.npy", &[400], &values), &stated());
+    assert!(error.contains("NaN") && error.contains("finite"), "{error}");
+    let error = refusal(&folder.npy("silence.npy", &[400], &[0.0_f64; 400]), &stated());
+    assert!(error.contains("mean power = 0"), "{error}");
+    let file = folder.npy("rate.npy", &[400], &[1.0_f64; 400]);
+    let error = refusal(&file, &Stated { rate_hz: Some(-5.0), ..stated() });
+    assert!(error.contains("rate (Hz) = -5") && error.contains("10..=400000"), "{error}");
+    let error = refusal(&file, &Stated { rate_hz: Some(f64::NAN), ..stated() });
+    assert!(error.contains("rate (Hz) = NaN"), "{error}");
+    let error = refusal(&file, &Stated { gain_db: Some(1e9), ..stated() });
+    assert!(error.contains("--gain = 1000000000"), "{error}");
+    let whole = std::fs::read(&file).unwrap();
+    for cut in [0, 5, 40, 100, 1000, whole.len() - 1] {
+        std::fs::write(&file, &whole[..cut]).unwrap();
+        let error = refusal(&file, &stated());
+        assert!(error.contains("not a readable NPY"), "{cut}: {error}");
+    }
+    let error = refusal(&folder.file("absent.npy"), &stated());
+    assert!(error.contains("No such file"), "{error}");
+    let error = refusal(&folder.file("signal.xyz"), &stated());
+    assert!(error.contains("extension = \"xyz\"") && error.contains(".sigmf-meta"), "{error}");
+}
+
+#[test]
+fn an_archive_gives_the_array_that_is_named() {
+    let folder = Folder::new();
+    let file = folder.file("session.npz");
+    let mut archive = npyz::npz::NpzWriter::create(&file).unwrap();
+    for (name, value) in [("left", 1.0_f64), ("right", 2.0)] {
+        let array = archive.array(name, Default::default()).unwrap();
+        let mut writer = array.default_dtype().shape(&[400]).begin_nd().unwrap();
+        writer.extend(vec![value; 400]).unwrap();
+        writer.finish().unwrap();
+    }
+    drop(archive);
+    let error = refusal(&file, &stated());
+    assert!(error.contains("--dataset = not given") && error.contains("left, right"), "{error}");
+    let right = Stated { dataset: Some("right".into()), ..stated() };
+    assert!(matches!(read(&file, &right).unwrap().samples, Samples::Real(x) if x == vec![2.0; 400]));
+    let middle = Stated { dataset: Some("middle".into()), ..stated() };
+    assert!(refusal(&file, &middle).contains("--dataset = middle"));
+}
+
+#[test]
+fn sigmf_says_its_rate_and_carrier() {
+    let folder = Folder::new();
+    let bytes: Vec<u8> = (0..400_i16).flat_map(|n| [n, -n]).flat_map(i16::to_le_bytes).collect();
+    let signal = read(&folder.sigmf("ci16_le", "", &bytes), &Stated::default()).unwrap();
+    assert_eq!((signal.rate_hz, signal.carrier_hz), (100.0, 5.8e9));
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z[3] == Complex64::new(3.0, -3.0) / 32768.0));
+    let big: Vec<u8> = (0..400).flat_map(|n| (n as f32).to_be_bytes()).collect();
+    let signal = read(&folder.sigmf("rf32_be", "", &big), &Stated::default()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Real(x) if x[399] == 399.0));
+    let signal = read(&folder.sigmf("ci8", "", &[64; 800]), &Stated::default()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z[0] == Complex64::new(0.5, 0.5)));
+    for (datatype, extra, field) in [
+        ("ci16", "", "core:datatype"),
+        ("ri8_le", "", "core:datatype"),
+        ("cu16_le", "", "core:datatype"),
+        ("ci16_le", ", \"core:num_channels\": 2", "core:num_channels = 2"),
+        ("ci16_le", ", \"core:dataset\": \"../secret\"", "core:dataset"),
+        ("ci16_le", ", \"sdp3:slot_samples\": 1000", "sdp3:slot_samples"),
+        ("cf64_le", "", "size (bytes) = 1601"),
+    ] {
+        let mut bytes = bytes.clone();
+        bytes.resize(if datatype == "cf64_le" { 1601 } else { 1600 }, 0);
+        let error = refusal(&folder.sigmf(datatype, extra, &bytes), &Stated::default());
+        assert!(error.contains(field), "{datatype}{extra}: {error}");
+    }
+    std::fs::remove_file(folder.file("walk.sigmf-data")).unwrap();
+    let error = refusal(&folder.file("walk.sigmf-meta"), &Stated::default());
+    assert!(error.contains("walk.sigmf-data"), "{error}");
+    std::fs::write(folder.file("walk.sigmf-meta"), "{").unwrap();
+    assert!(refusal(&folder.file("walk.sigmf-meta"), &Stated::default()).contains("not a readable SigMF"));
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn hdf5_knows_complex_cells_and_attributes() {
+    use hdf5_pure::{AttrValue, FileBuilder};
+    let folder = Folder::new();
+    let file = folder.file("cells.h5");
+    let time: Vec<(f64, f64)> = (0..400).map(turning).map(|z| (z.re, z.im)).collect();
+    let mut builder = FileBuilder::new();
+    let dataset = builder.create_dataset("slow_time").with_complex64_data(&time).with_shape(&[400]);
+    dataset.set_attr("rate_hz", AttrValue::F64(50.0));
+    dataset.set_attr("carrier_hz", AttrValue::I64(60_000_000_000));
+    builder.write(&file).unwrap();
+    let signal = read(&file, &Stated::default()).unwrap();
+    assert_eq!((signal.rate_hz, signal.carrier_hz), (50.0, 60e9));
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z.iter().enumerate().all(|(n, &z)| z == turning(n))));
+    let other = Stated { dataset: Some("fast_time".into()), ..Stated::default() };
+    let error = refusal(&file, &other);
+    assert!(error.contains("\"fast_time\"") && error.contains("one of slow_time"), "{error}");
+    let whole = std::fs::read(&file).unwrap();
+    for cut in (0..whole.len()).step_by(97) {
+        std::fs::write(&file, &whole[..cut]).unwrap();
+        refusal(&file, &Stated::default());
+    }
+}
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn without_hdf5_the_way_to_it_is_named() {
+    let error = refusal(Path::new("cells.h5"), &stated());
+    assert!(error.contains("--features hdf5"), "{error}");
+}

@@ -1,0 +1,31 @@
+//! WAV recordings: mono of a CW Doppler sensor, or two channels, I and Q.
+//!
+//! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1..=1.
+
+use super::{Contents, MeasuredError, Samples, Source};
+use rustfft::num_complex::Complex64;
+
+/// Reads one.
+pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
+    let broken = |error| source.unreadable("WAV", error);
+    let mut reader = hound::WavReader::open(source.0).map_err(broken)?;
+    let spec = reader.spec();
+    if !(1..=2).contains(&spec.channels) {
+        return Err(source.value("channels", spec.channels, "1 (real) or 2 (I and Q)"));
+    }
+    let samples: Vec<f64> = match spec.sample_format {
+        hound::SampleFormat::Float => {
+            reader.samples::<f32>().map(|s| s.map(f64::from)).collect::<Result<_, _>>().map_err(broken)?
+        }
+        hound::SampleFormat::Int => {
+            let scale = libm::exp2(f64::from(spec.bits_per_sample) - 1.0);
+            let samples = reader.samples::<i32>().map(|s| s.map(|s| f64::from(s) / scale));
+            samples.collect::<Result<_, _>>().map_err(broken)?
+        }
+    };
+    let samples = match spec.channels {
+        1 => Samples::Real(samples),
+        _ => Samples::Complex(samples.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect()),
+    };
+    Ok(Contents { samples, rate_hz: Some(f64::from(spec.sample_rate)), carrier_hz: None })
+}
