@@ -210,7 +210,7 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
         return Err(source.value("mean power", 0, "above 0: nothing was recorded"));
     }
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let title = format!("{name} ({:.1} dB full scale)", 10.0 * libm::log10(power) - gain_db);
+    let title = format!("{name} (mean power {:.1} dB)", 10.0 * libm::log10(power) - gain_db);
     Ok(Signal { samples: contents.samples, rate_hz, carrier_hz, title })
 }
 
