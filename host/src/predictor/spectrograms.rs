@@ -95,10 +95,14 @@ fn images_on_the_way(
     images
 }
 
-/// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper, one second each.
+/// Length of a gallery's recordings in s, three steps of a walk, and the most slots the front end takes.
+const GALLERY_S: f64 = 2.0;
+const MOST_SLOTS: u32 = 4000;
+
+/// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper.
 pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> Vec<Exhibit> {
-    // spacing and rows that show the toes at each carrier
-    let carriers = [(3.5e9, 3, 1), (24e9, 1, 4), (60e9, 0, 4)];
+    // spacing and rows that show the toes at each carrier, and a hop of 4 to 8 ms
+    let carriers = [(3.5e9, 3, 1, 8), (24e9, 1, 4, 16), (60e9, 0, 4, 16)];
     let total = (Model::ALL.len() * carriers.len() * Class::ALL.len()) as u64;
     let wanted: Vec<_> = Model::ALL
         .into_iter()
@@ -107,13 +111,14 @@ pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sy
     let done = AtomicU64::new(0);
     wanted
         .into_par_iter()
-        .map(|(model, (carrier_hz, spacing, bins), class)| {
+        .map(|(model, (carrier_hz, spacing, bins, hop), class)| {
             let mut scenario = scenario.clone();
             scenario.channel.model = model;
             scenario.radar.carrier_hz = carrier_hz;
             scenario.frame.spacing_slots = spacing;
             scenario.spectrogram.bins_per_row = bins;
-            let slots = (1.0 / scenario.interval_s()).round() as u32;
+            scenario.spectrogram.hop = hop;
+            let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
             scenario.frame.sensing_slots = vec![slots];
             let rho = stored_rho(&scenario).0;
             let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);

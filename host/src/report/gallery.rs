@@ -26,7 +26,7 @@ pub fn page(exhibits: &[Exhibit]) -> String {
     let mut page = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width,initial-scale=1\"><title>sdp3: gallery</title><style>{STYLE}</style></head><body>\
-         <header><h1>Gallery</h1><p>One second of each class, clutter removed, through the radar module's own front end: \
+         <header><h1>Gallery</h1><p>One or two seconds of each class, clutter removed, through the radar module's own front end: \
          every channel model at 3.5, 24 and 60 GHz. Doppler on the left, radial speed on the right; towards the radar is up \
          (positive).</p></header><main>"
     );
