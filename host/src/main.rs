@@ -11,10 +11,10 @@ use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
 use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
 use sdp3::predictor::learning_curve::fit_all;
-use sdp3::progress::Progress;
-use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
 use sdp3::predictor::spectrograms::gallery;
+use sdp3::progress::Progress;
 use sdp3::report;
+use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
 use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;
 use sdp3::simulator::channel::properties;
@@ -232,7 +232,8 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
 fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
     let Some(file) = args.measured else { return Ok(None) };
     let motion = class(&args.motion, "--motion")?;
-    let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
+    let stated =
+        Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
     Ok(Some(Measured { file, stated, motion }))
 }
 

@@ -8,9 +8,13 @@ use std::fmt::Write;
 /// What to look for under a model.
 fn caption(model: &str) -> &'static str {
     match model {
-        "dahc" => "Limbs around the torso's line in the rhythm of the gait, over a floor of the room's uncertainty.",
+        "dahc" => {
+            "Limbs around the torso's line in the rhythm of the gait, over a floor of the room's uncertainty."
+        }
         "primitive" => "The same without uncertainty: a clean body on black.",
-        "ray-tracing" => "The body and its images in the walls: ghosts at other radial speeds, no uncertainty.",
+        "ray-tracing" => {
+            "The body and its images in the walls: ghosts at other radial speeds, no uncertainty."
+        }
         "statistical" => "A fresh draw at every place: noise at all Dopplers, no person to be recognised.",
         "80211ay" => "Static clusters: what clutter removal leaves is noise.",
         "80211ax" => "Slow fading of the taps and a bell around zero; it does not know the person's speed.",

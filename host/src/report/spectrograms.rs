@@ -57,7 +57,8 @@ pub fn figure(s: &Spectrogram) -> String {
     let seconds = s.frame_s * f64::from(s.frames);
     let title = escape(&s.title);
     // 2 v / lambda: an axis of radial speeds on the right
-    let speed = |hz: f64| number((hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz) * 10.0).round() / 10.0);
+    let speed =
+        |hz: f64| number((hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz) * 10.0).round() / 10.0);
     format!(
         "<figure class=\"spectrogram\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 320 250\" role=\"img\" \
          font-size=\"12\" fill=\"var(--ink,#222)\"><title>Spectrogram: {title}</title>\

@@ -108,7 +108,12 @@ impl Scenario {
         c.count("target.others (how many)", t.others.len() as u32, 0, 8)?;
         for (k, other) in t.others.iter().enumerate() {
             c.ground(&format!("target.others[{k}].start_m"), &other.start_m, &self.room.size_m)?;
-            c.within(&format!("target.others[{k}].heading_deg"), other.heading_deg.unwrap_or(0.0), -360.0, 360.0)?;
+            c.within(
+                &format!("target.others[{k}].heading_deg"),
+                other.heading_deg.unwrap_or(0.0),
+                -360.0,
+                360.0,
+            )?;
         }
         self.check_walks(&c)?;
         c.within("target.heading_spread_deg", self.target.heading_spread_deg, 0.0, 180.0)?;

@@ -59,8 +59,12 @@ impl Class {
     pub fn child(self) -> Option<bool> {
         match self {
             Class::Standing => None,
-            Class::ChildWalking | Class::ChildPacing | Class::ChildStepping | Class::ChildRunning => Some(true),
-            Class::AdultWalking | Class::AdultPacing | Class::AdultStepping | Class::AdultRunning => Some(false),
+            Class::ChildWalking | Class::ChildPacing | Class::ChildStepping | Class::ChildRunning => {
+                Some(true)
+            }
+            Class::AdultWalking | Class::AdultPacing | Class::AdultStepping | Class::AdultRunning => {
+                Some(false)
+            }
         }
     }
 

@@ -165,9 +165,8 @@ pub fn recording(
     let mut noise = stream(seed, set, 2, class, index);
     let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
     let converter = Converter::of(scenario);
-    let slots = (0..slots)
-        .map(|_| slot(&simulation.advance(), &converter, &mut impairments, &mut noise))
-        .collect();
+    let slots =
+        (0..slots).map(|_| slot(&simulation.advance(), &converter, &mut impairments, &mut noise)).collect();
     Recording { slots, truth: simulation.truth().clone() }
 }
 

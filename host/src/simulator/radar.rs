@@ -118,7 +118,11 @@ impl Impairments {
 
     /// The oscillator's phase in the next slot.
     fn turn(&mut self) -> Complex64 {
-        if self.phase_rad == 0.0 { Complex64::new(1.0, 0.0) } else { phasor(self.phase_rad * self.random.gaussian()) }
+        if self.phase_rad == 0.0 {
+            Complex64::new(1.0, 0.0)
+        } else {
+            phasor(self.phase_rad * self.random.gaussian())
+        }
     }
 }
 

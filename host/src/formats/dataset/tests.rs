@@ -29,7 +29,8 @@ impl Case {
 
     fn make(&self, seed: u64, per_class: u32, shard: &str) -> Result<Written, OutputError> {
         let output = Output::create(self.path()).unwrap();
-        let work = Work::new(&self.scenario, 0.997, seed, per_class, Class::ALL.to_vec(), self.raw, self.sigmf);
+        let work =
+            Work::new(&self.scenario, 0.997, seed, per_class, Class::ALL.to_vec(), self.raw, self.sigmf);
         work.write(shard.parse().unwrap(), &output, &|_, _| ())
     }
 
@@ -201,15 +202,8 @@ fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     assert!(images.iter().any(|&pixel| pixel != images[0]));
     let raw: Vec<i16> = archive.by_name("raw").unwrap().unwrap().into_vec().unwrap();
     // recording 100, made alone
-    let direct = crate::simulator::dataset::recording(
-        &case.scenario,
-        0.997,
-        3,
-        Set::Train,
-        Class::ALL[0],
-        20,
-        40,
-    );
+    let direct =
+        crate::simulator::dataset::recording(&case.scenario, 0.997, 3, Set::Train, Class::ALL[0], 20, 40);
     let slot: Vec<i16> = direct.slots[0].iter().flat_map(|s| [s.i, s.q]).collect();
     assert_eq!(raw[..2000], slot[..]);
     let data = std::fs::read(case.path().join("recording-00104.sigmf-data")).unwrap();

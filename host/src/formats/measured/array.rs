@@ -34,7 +34,8 @@ pub(super) struct Array {
 
 /// The shape as sizes, none empty, with no more numbers than can be read.
 pub(super) fn checked_shape(source: Source, shape: &[u64]) -> Result<Vec<usize>, MeasuredError> {
-    let all = shape.iter().try_fold(1_u64, |all, &n| all.checked_mul(n)).filter(|all| (1..=MOST).contains(all));
+    let all =
+        shape.iter().try_fold(1_u64, |all, &n| all.checked_mul(n)).filter(|all| (1..=MOST).contains(all));
     if all.is_none() {
         return Err(source.value("shape", format!("{shape:?}"), format!("1 to {MOST} numbers")));
     }

@@ -143,9 +143,9 @@ fn scalar(datatype: &Datatype) -> Option<Scalar> {
             byte_order: DatatypeByteOrder::LittleEndian,
             layout: FixedPointLayout { signed: true, .. },
         } => Some(Scalar::Int(size as usize)),
-        Datatype::FloatingPoint { size: size @ (4 | 8), byte_order: DatatypeByteOrder::LittleEndian, .. } => {
-            Some(Scalar::Float(size as usize))
-        }
+        Datatype::FloatingPoint {
+            size: size @ (4 | 8), byte_order: DatatypeByteOrder::LittleEndian, ..
+        } => Some(Scalar::Float(size as usize)),
         _ => None,
     }
 }

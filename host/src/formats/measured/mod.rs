@@ -139,7 +139,12 @@ impl Source<'_> {
         MeasuredError::Unreadable { file: self.0.to_owned(), format, reason: reason.to_string() }
     }
 
-    fn value(self, field: impl Into<String>, value: impl ToString, legal: impl Into<String>) -> MeasuredError {
+    fn value(
+        self,
+        field: impl Into<String>,
+        value: impl ToString,
+        legal: impl Into<String>,
+    ) -> MeasuredError {
         let (field, legal) = (field.into(), legal.into());
         MeasuredError::Value { file: self.0.to_owned(), field, value: value.to_string(), legal }
     }

@@ -99,9 +99,11 @@ impl Datatype {
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |reason: String| source.unreadable("SigMF", reason);
     let meta_file = source.0.with_extension("sigmf-meta");
-    let text = std::fs::read_to_string(&meta_file).map_err(|e| broken(format!("{}: {e}", meta_file.display())))?;
+    let text =
+        std::fs::read_to_string(&meta_file).map_err(|e| broken(format!("{}: {e}", meta_file.display())))?;
     let Meta { global, captures } = serde_json::from_str(&text).map_err(|e| broken(e.to_string()))?;
-    let legal = "ri8, ri16_le, ri32_le, rf32_le, rf64_le, ci8, ci16_le, ci32_le, cf32_le, cf64_le, or big-endian";
+    let legal =
+        "ri8, ri16_le, ri32_le, rf32_le, rf64_le, ci8, ci16_le, ci32_le, cf32_le, cf64_le, or big-endian";
     let datatype = Datatype::parse(&global.datatype)
         .ok_or_else(|| source.value("core:datatype", format!("{:?}", global.datatype), legal))?;
     if global.num_channels != 1 {
@@ -112,7 +114,11 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
             // a file beside the description, never elsewhere
             let plain = Path::new(name).file_name().is_some_and(|file| file == name.as_str());
             if !plain {
-                return Err(source.value("core:dataset", format!("{name:?}"), "the name of a file beside it"));
+                return Err(source.value(
+                    "core:dataset",
+                    format!("{name:?}"),
+                    "the name of a file beside it",
+                ));
             }
             (meta_file.with_file_name(name), captures.first().map_or(0, |c| c.header_bytes))
         }
@@ -139,7 +145,11 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
             return Err(source.value("sdp3:slot_samples", what, "whole slots of 1000 ci16_le"));
         }
         let values: Vec<i16> = bytes.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect();
-        return Ok(Contents { samples: Samples::Slots(slots(&values)), rate_hz: global.slot_rate_hz, carrier_hz });
+        return Ok(Contents {
+            samples: Samples::Slots(slots(&values)),
+            rate_hz: global.slot_rate_hz,
+            carrier_hz,
+        });
     }
     let numbers = bytes.chunks_exact(datatype.bytes).map(|bytes| datatype.number(bytes));
     let samples = if datatype.complex {

@@ -98,7 +98,9 @@ fn arrays_mean_what_their_shapes_say() {
     let sweeps: Vec<Complex64> =
         time.iter().flat_map(|&z| [Complex64::ZERO, z + 0.5, Complex64::ZERO, z - 0.5]).collect();
     let signal = read(&folder.npy("sweeps.npy", &[400, 2, 2], &sweeps), &stated()).unwrap();
-    assert!(matches!(&signal.samples, Samples::Complex(z) if z.iter().zip(&time).all(|(a, b)| (a - b).norm() < 1e-12)));
+    assert!(
+        matches!(&signal.samples, Samples::Complex(z) if z.iter().zip(&time).all(|(a, b)| (a - b).norm() < 1e-12))
+    );
     let real: Vec<f32> = (0..800).map(|n| n as f32).collect();
     let signal = read(&folder.npy("iq.npy", &[400, 2], &real), &stated()).unwrap();
     assert!(matches!(&signal.samples, Samples::Complex(z) if z[3] == Complex64::new(6.0, 7.0)));
@@ -206,7 +208,9 @@ fn hdf5_knows_complex_cells_and_attributes() {
     builder.write(&file).unwrap();
     let signal = read(&file, &Stated::default()).unwrap();
     assert_eq!((signal.rate_hz, signal.carrier_hz), (50.0, 60e9));
-    assert!(matches!(&signal.samples, Samples::Complex(z) if z.iter().enumerate().all(|(n, &z)| z == turning(n))));
+    assert!(
+        matches!(&signal.samples, Samples::Complex(z) if z.iter().enumerate().all(|(n, &z)| z == turning(n)))
+    );
     let other = Stated { dataset: Some("fast_time".into()), ..Stated::default() };
     let error = refusal(&file, &other);
     assert!(error.contains("\"fast_time\"") && error.contains("one of slow_time"), "{error}");

@@ -25,7 +25,9 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     };
     let samples = match spec.channels {
         1 => Samples::Real(samples),
-        _ => Samples::Complex(samples.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect()),
+        _ => {
+            Samples::Complex(samples.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect())
+        }
     };
     Ok(Contents { samples, rate_hz: Some(f64::from(spec.sample_rate)), carrier_hz: None })
 }

@@ -108,7 +108,8 @@ impl Person {
 
     /// A person of whom everything is known but the sway, in a room of this size.
     pub fn new(truth: Truth, room: Vec3, random: &mut Random) -> Self {
-        let stride = if truth.class.on_the_spot() { pace(truth.class) * truth.height_m } else { truth.speed_m_s };
+        let stride =
+            if truth.class.on_the_spot() { pace(truth.class) * truth.height_m } else { truth.speed_m_s };
         Self::striding(truth, stride, room, true, random)
     }
 

@@ -78,9 +78,8 @@ mod tests {
     #[test]
     fn what_stands_still_vanishes_and_a_torso_passes() {
         let gain = |hz: f64| {
-            let mut signal: Vec<_> = (0..4000)
-                .map(|n| Complex64::new(libm::cos(TAU * hz * f64::from(n) / 2000.0), 0.0))
-                .collect();
+            let mut signal: Vec<_> =
+                (0..4000).map(|n| Complex64::new(libm::cos(TAU * hz * f64::from(n) / 2000.0), 0.0)).collect();
             ac_couple(&mut signal, 2000.0);
             (2.0 * energy(&signal[2000..]) / 2000.0).sqrt()
         };

@@ -10,9 +10,8 @@ use crate::results::KlPoint;
 pub type Counts = [u64; LEVELS];
 
 /// First pass of the search, as 1 - rho: logarithmic, then no innovation at all.
-const GRID: [f64; 15] = [
-    0.08, 0.056, 0.04, 0.028, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0025, 0.0018, 0.0012, 0.0008, 0.0,
-];
+const GRID: [f64; 15] =
+    [0.08, 0.056, 0.04, 0.028, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0025, 0.0018, 0.0012, 0.0008, 0.0];
 /// Steps of the golden section: the bracket shrinks to 2 per cent of 1 - rho.
 const GOLDEN_STEPS: usize = 9;
 

@@ -44,7 +44,9 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// Too short for one window.
-    #[error("{title}: length = {samples} samples at {rate_hz} Hz is outside its legal range: at least {least}")]
+    #[error(
+        "{title}: length = {samples} samples at {rate_hz} Hz is outside its legal range: at least {least}"
+    )]
     Short {
         /// The recording.
         title: String,
@@ -148,7 +150,8 @@ fn slow_time(signal: &Signal) -> (Vec<Complex64>, f64, bool) {
             let beats: Vec<_> = slots
                 .iter()
                 .map(|slot| {
-                    sdp3_core::dechirp::dechirp(slot).map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
+                    sdp3_core::dechirp::dechirp(slot)
+                        .map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
                 })
                 .collect();
             (clutter_free(&beats), signal.rate_hz, false)
@@ -249,7 +252,8 @@ fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram {
     let decibels = bench.grey.decibels(signal, bench.real);
     let rows = decibels.first().map_or(0, Vec::len);
     let row_hz = 1.0 / (256.0 * bench.scenario.interval_s());
-    let grey = |row: usize| decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8);
+    let grey =
+        |row: usize| decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8);
     Spectrogram {
         title: title.to_owned(),
         rows: rows as u32,
@@ -275,7 +279,8 @@ mod tests {
         scenario.frame.spacing_slots = 0;
         let mut samples = Vec::new();
         for index in 0..6 {
-            let mut simulation = Simulation::new(&scenario, 0.993, 11, Set::Stand, Class::AdultWalking, index);
+            let mut simulation =
+                Simulation::new(&scenario, 0.993, 11, Set::Stand, Class::AdultWalking, index);
             samples.extend(simulation.advance_blocks(2000).iter().map(|b| b[BLOCKS / 2].re));
         }
         let samples = Samples::Real(resample(&samples, 2000.0, 8000.0));

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// First lines of the table's file.
 pub const HEADER: &str = "\
-# Memory of the room channel, rho, by carrier, scenario and motion; per sensing slot of 1 ms (24 GHz measured: 0.5 ms).
+# Memory of the room channel, rho, by carrier, slot interval, scenario and motion.
 # `sdp3 calibrate --table FILE` writes it again: rows that rest on experiments stay, computed ones are computed.
 
 ";
@@ -21,6 +21,8 @@ pub const HEADER: &str = "\
 pub struct Stored {
     /// Carrier in Hz.
     pub carrier_hz: f64,
+    /// Interval of the sensing slots in s; the memory is one of slots.
+    pub interval_s: f64,
     /// Whether a second person moves.
     pub interferer: bool,
     /// The motion: a class, or `any`.
@@ -46,18 +48,26 @@ pub fn table() -> Table {
     toml::from_str(include_str!("rho_table.toml")).expect("the table is part of the program")
 }
 
-/// The stored rho of the nearest carrier with the same number of people, a row for any motion first; and where it comes from.
+/// The stored rho of the nearest carrier (5 % count as equal) with the same number of people: rows that rest on experiments
+/// before computed ones, then the nearest slot interval, then rows for any motion. And where it comes from.
 pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
     let table = table();
-    let distance = |s: &Stored| libm::log(s.carrier_hz / scenario.radar.carrier_hz).abs();
-    let rank = |s: &&Stored| (distance(s), u8::from(s.motion != "any"));
+    let apart = |a: f64, b: f64| libm::log(a / b).abs();
+    let rank = |s: &&Stored| {
+        let carrier = (apart(s.carrier_hz, scenario.radar.carrier_hz) / 0.05).round();
+        let interval = apart(s.interval_s, scenario.interval_s());
+        (carrier, s.source.starts_with(COMPUTED), interval, s.motion != "any")
+    };
     let matching = table.entry.iter().filter(|s| s.interferer == scenario.channel.interferer);
     let nearest = matching.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
     nearest.or(table.entry.first()).map_or((0.997, String::new()), |s| {
-        (s.rho, format!("stored table, {} at {:.3} GHz: {}", s.motion, s.carrier_hz / 1e9, s.source))
+        let (ghz, ms) = (s.carrier_hz / 1e9, s.interval_s * 1e3);
+        (s.rho, format!("stored table, {} motion at {ghz:.3} GHz, {ms} ms: {}", s.motion, s.source))
     })
 }
 
+/// How a computed row's source begins.
+const COMPUTED: &str = "computed: ";
 /// Motions of the computed rows.
 const MOTIONS: [Class; 3] = [Class::AdultWalking, Class::AdultPacing, Class::AdultStepping];
 
@@ -66,7 +76,6 @@ const MOTIONS: [Class; 3] = [Class::AdultWalking, Class::AdultPacing, Class::Adu
 /// A computed row says which rho makes the one-person channel of scenario 1 look most like recordings of `motion` in a room
 /// with memory 0.997, without (scenario 1) and with (scenario 2) a second person walking in it.
 pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
-    const COMPUTED: &str = "computed: ";
     let mut entry: Vec<Stored> =
         table().entry.into_iter().filter(|s| !s.source.starts_with(COMPUTED)).collect();
     let carriers = [3.5e9, 24.125e9, 60e9];
@@ -86,12 +95,12 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 let stands = Bench::new(&room, seed, class, false, 1000);
                 let bench = Bench::new(&single, seed, class, false, 1000);
                 let measured = stands.counts(PAPER_RHO, Set::Stand, STAND_INS);
-                let (curve, _, best) =
-                    search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
+                let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;
                 entry.push(Stored {
                     carrier_hz,
+                    interval_s: room.interval_s(),
                     interferer,
                     motion: class.name().into(),
                     rho: curve[best].rho,
@@ -120,6 +129,9 @@ mod tests {
     #[test]
     fn the_table_knows_the_papers_rooms() {
         let mut scenario = Scenario::default();
+        assert_eq!(stored_rho(&scenario).0, 0.997);
+        scenario.frame.spacing_slots = 0;
+        scenario.radar.carrier_hz = 60.2e9;
         assert_eq!(stored_rho(&scenario).0, 0.997);
         scenario.radar.carrier_hz = 60e9;
         scenario.channel.interferer = true;

@@ -31,8 +31,7 @@ impl Field {
 
     /// Its value at a point.
     pub fn at(&self, p: Vec3) -> f64 {
-        let sum: f64 =
-            self.waves.iter().map(|(k, phase)| libm::cos(k[0] * p[0] + k[1] * p[1] + phase)).sum();
+        let sum: f64 = self.waves.iter().map(|(k, phase)| libm::cos(k[0] * p[0] + k[1] * p[1] + phase)).sum();
         sum * (2.0 / WAVES as f64).sqrt()
     }
 

@@ -159,7 +159,8 @@ impl ConferenceRoom {
     /// Draws the losses and the bundles once.
     pub fn new(scenario: &Scenario, (from, to): (Vec3, Vec3), random: &mut Random) -> Self {
         let room = conference_room(scenario.room.size_m, from, to);
-        let blockage = if scenario.channel.blockage { blockage_db(&room, random) } else { vec![0.0; room.len()] };
+        let blockage =
+            if scenario.channel.blockage { blockage_db(&room, random) } else { vec![0.0; room.len()] };
         let cluster = |(reflection, blocked): (&Reflection, &f64)| {
             let loss = libm::pow(10.0, (draw_loss_db(reflection.order, random) + blocked) / 20.0);
             let bundle = draw_rays(random);
@@ -249,8 +250,7 @@ mod tests {
             }
             let (mut s, mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
             for (bin, (power, n)) in bins.iter().enumerate() {
-                let (x, y, w) =
-                    ((bin as f64 + 0.5) * 0.5, libm::log(power / f64::from(*n)), f64::from(*n));
+                let (x, y, w) = ((bin as f64 + 0.5) * 0.5, libm::log(power / f64::from(*n)), f64::from(*n));
                 s += w;
                 sx += w * x;
                 sy += w * y;

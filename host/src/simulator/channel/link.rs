@@ -32,7 +32,8 @@ pub fn subcarrier_gains(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<f
 
 /// Adds `weight` |H|^2 at the multiples of `spacing_hz`.
 fn add_response(paths: &[Path], spacing_hz: f64, weight: f64, gains: &mut [f64]) {
-    let mut tones: Vec<_> = paths.iter().map(|p| (p.gain, phasor(-2.0 * PI * spacing_hz * p.delay_s))).collect();
+    let mut tones: Vec<_> =
+        paths.iter().map(|p| (p.gain, phasor(-2.0 * PI * spacing_hz * p.delay_s))).collect();
     for gain in gains {
         let h: super::Complex64 = tones.iter().map(|(value, _)| value).sum();
         *gain += weight * h.norm_sqr();

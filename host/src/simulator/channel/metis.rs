@@ -61,8 +61,7 @@ impl ChannelModel for MapBased {
         paths.extend(direct(scene, lambda));
         walls(self.size, lambda, scene, paths);
         for (way, rays) in traced(self.size, scene.from, scene.to, 1).iter().zip(&self.diffuse) {
-            let gain =
-                carrier_phase(way.length_m, lambda) * way.fresnel * free_space(way.length_m, lambda);
+            let gain = carrier_phase(way.length_m, lambda) * way.fresnel * free_space(way.length_m, lambda);
             for (offset, phase) in rays {
                 let delay_s = way.delay_s() + offset.delay_s;
                 if delay_s >= 0.0 {

@@ -91,11 +91,8 @@ pub trait ChannelModel: Send {
     fn beats(&mut self, scene: &Scene, interval_s: f64, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
-            let scene = Scene {
-                slot: scene.slot + n as u32,
-                time_s: scene.time_s + n as f64 * interval_s,
-                ..*scene
-            };
+            let scene =
+                Scene { slot: scene.slot + n as u32, time_s: scene.time_s + n as f64 * interval_s, ..*scene };
             paths.clear();
             self.paths(&scene, &mut paths);
             paths.iter().for_each(|path| add_blocks(beat, path.gain, path.delay_s));
@@ -104,7 +101,13 @@ pub trait ChannelModel: Send {
 }
 
 /// The model of `scenario` for a link between two points, with memory `rho` where it has one.
-pub fn model(scenario: &Scenario, from: Vec3, to: Vec3, rho: f64, mut random: Random) -> Box<dyn ChannelModel> {
+pub fn model(
+    scenario: &Scenario,
+    from: Vec3,
+    to: Vec3,
+    rho: f64,
+    mut random: Random,
+) -> Box<dyn ChannelModel> {
     let link = (from, to);
     match scenario.channel.model {
         Model::Dahc => Box::new(dahc::Dahc::new(scenario, link, rho, random)),

@@ -79,7 +79,11 @@ fn row(scenario: &Scenario, seed: u64) -> ModelRow {
     let name = scenario.channel.model;
     let (large, small) = consistency(scenario, seed);
     let found = [
-        (large, Limit::AtLeast(0.5), "correlation, over receivers, of the local mean power (dB) half a metre apart"),
+        (
+            large,
+            Limit::AtLeast(0.5),
+            "correlation, over receivers, of the local mean power (dB) half a metre apart",
+        ),
         (
             small,
             Limit::AtLeast(0.9),
@@ -113,7 +117,10 @@ fn row(scenario: &Scenario, seed: u64) -> ModelRow {
             let reason = if differs { reason(name, property).to_owned() } else { String::new() };
             let (threshold, relation) = limit.shown();
             let meaning = meaning.to_owned();
-            (property.to_string(), Property { verdict, statistic, threshold, relation, meaning, paper, reason })
+            (
+                property.to_string(),
+                Property { verdict, statistic, threshold, relation, meaning, paper, reason },
+            )
         })
         .collect();
     ModelRow { name: name.name().to_owned(), properties }
@@ -196,7 +203,10 @@ fn consistency(scenario: &Scenario, seed: u64) -> (f64, f64) {
             let looks: Vec<Look> = (0..600)
                 .map(|slot| {
                     let to = std::array::from_fn(|k| start[k] + 1e-3 * f64::from(slot) * way[k]);
-                    see(&mut *channel, &Scene { slot, time_s: f64::from(slot) * 1e-3, from: station, to, people: &[] })
+                    see(
+                        &mut *channel,
+                        &Scene { slot, time_s: f64::from(slot) * 1e-3, from: station, to, people: &[] },
+                    )
                 })
                 .collect();
             let (first, last) = (local(&looks[..100]), local(&looks[500..]));
@@ -211,7 +221,9 @@ fn consistency(scenario: &Scenario, seed: u64) -> (f64, f64) {
     let neighbours = |f: &dyn Fn(&Look) -> f64| -> f64 {
         let pairs: Vec<(f64, f64)> = walks
             .iter()
-            .flat_map(|(looks, ..)| looks.windows(2).map(|pair| (f(&pair[0]), f(&pair[1]))).collect::<Vec<_>>())
+            .flat_map(|(looks, ..)| {
+                looks.windows(2).map(|pair| (f(&pair[0]), f(&pair[1]))).collect::<Vec<_>>()
+            })
             .collect();
         correlation(&pairs)
     };

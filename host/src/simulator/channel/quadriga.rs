@@ -81,8 +81,11 @@ impl Drifting {
             let loss = self.office.parameters.path_loss_db(distance, self.carrier_hz);
             libm::pow(10.0, (drop.shadow_db - loss) / 10.0)
         };
-        let towards =
-            if scene.monostatic() { [1.0, 0.0, 0.0] } else { super::ieee80211ay::unit(sub(scene.from, scene.to)) };
+        let towards = if scene.monostatic() {
+            [1.0, 0.0, 0.0]
+        } else {
+            super::ieee80211ay::unit(sub(scene.from, scene.to))
+        };
         // a monostatic radar's first way is 2 m long
         let shortest = if scene.monostatic() { 2.0 } else { distance };
         let mut scatterers = Vec::with_capacity(drop.clusters.len() * RAYS);
@@ -168,8 +171,7 @@ mod tests {
     fn a_segments_delays_are_its_drops() {
         let scenario = Scenario::default();
         let model = Drifting::new(&scenario, Random::new(2, 0, 0, 0));
-        let scene =
-            Scene { slot: 0, time_s: 0.0, from: [1.5, 1.0, 1.0], to: [1.2, 3.4, 1.2], people: &[] };
+        let scene = Scene { slot: 0, time_s: 0.0, from: [1.5, 1.0, 1.0], to: [1.2, 3.4, 1.2], people: &[] };
         let segment = model.begin(&scene);
         let drop = model.office.at(scene.to);
         for (k, s) in segment.scatterers.iter().enumerate() {
@@ -187,8 +189,7 @@ mod tests {
         let mut last: Option<f64> = None;
         for slot in 0..1500 {
             let y = 2.0 + 1e-3 * f64::from(slot);
-            let scene =
-                Scene { slot, time_s: 0.0, from: [1.5, 1.0, 1.0], to: [1.2, y, 1.0], people: &[] };
+            let scene = Scene { slot, time_s: 0.0, from: [1.5, 1.0, 1.0], to: [1.2, y, 1.0], people: &[] };
             let mut paths = Vec::new();
             model.paths(&scene, &mut paths);
             let power: f64 = paths.iter().map(|p| p.gain.norm_sqr()).sum();

@@ -152,9 +152,8 @@ mod tests {
     #[test]
     fn path_lengths_of_the_papers_room() {
         let lengths: Vec<f64> = conference_room(SIZE, RADAR, RADAR).iter().map(|r| r.length_m).collect();
-        let golden = [
-            4.0, 3.0, 3.0, 2.0, 7.0, 5.0, 5.0, 4.472, 8.062, 3.606, 7.616, 3.606, 7.616, 6.0, 6.0, 9.0, 9.0,
-        ];
+        let golden =
+            [4.0, 3.0, 3.0, 2.0, 7.0, 5.0, 5.0, 4.472, 8.062, 3.606, 7.616, 3.606, 7.616, 6.0, 6.0, 9.0, 9.0];
         assert_eq!(lengths.len(), 17);
         for (found, expected) in lengths.iter().zip(golden) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");

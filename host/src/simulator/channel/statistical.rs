@@ -43,7 +43,9 @@ impl SalehValenzuela {
 /// A number that differs wherever a place differs by a tenth of a millimetre.
 fn place(points: impl Iterator<Item = Vec3>) -> u64 {
     let cells = points.flatten().map(|x| (x * 1e4).round() as i64 as u64);
-    cells.fold(0xcbf2_9ce4_8422_2325, |hash, cell| (hash ^ cell).wrapping_mul(0x0100_0000_01b3).rotate_left(23))
+    cells.fold(0xcbf2_9ce4_8422_2325, |hash, cell| {
+        (hash ^ cell).wrapping_mul(0x0100_0000_01b3).rotate_left(23)
+    })
 }
 
 fn complex_gaussian(random: &mut Random) -> Complex64 {

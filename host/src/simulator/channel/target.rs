@@ -36,7 +36,12 @@ pub fn mean_cross_section(height_m: f64, bistatic_angle: f64) -> f64 {
 impl Target {
     /// Initial phases are uniform.
     pub fn new(person: Person, random: &mut Random) -> Self {
-        Target { person, phases: std::array::from_fn(|_| 2.0 * PI * random.uniform()), gain: 1.0, rigid: None }
+        Target {
+            person,
+            phases: std::array::from_fn(|_| 2.0 * PI * random.uniform()),
+            gain: 1.0,
+            rigid: None,
+        }
     }
 
     /// Primitives at `t` seconds.

@@ -468,7 +468,11 @@ impl ChannelModel for IndoorOffice {
                 // the phase turns as the receiver moves along the ray
                 let turns = dot(arrival, scene.to) / lambda;
                 let phase = self.office.phase(n, ray) + TAU * (turns - turns.floor());
-                paths.push(Path { gain: phasor(phase) * amplitude, delay_s: first + cluster.delay_s, arrival });
+                paths.push(Path {
+                    gain: phasor(phase) * amplitude,
+                    delay_s: first + cluster.delay_s,
+                    arrival,
+                });
             }
         }
         for person in scene.people {

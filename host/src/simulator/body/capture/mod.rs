@@ -10,9 +10,9 @@ mod spline;
 use super::gait::{JOINTS, Segments, joint};
 use super::{Vec3, norm, sub};
 use spline::Spline;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
