@@ -49,8 +49,79 @@ fn a_file_that_is_no_wav() {
     let prepare = |folder: &Path| std::fs::write(folder.join("x.wav"), b"RIFF but no more").expect("a file");
     refused(&calibrate, prepare, &["x.wav", "not a readable WAV"]);
     refused(&calibrate, |_| (), &["x.wav"]);
-    let negative = ["calibrate", "--measured", "@/x.wav", "--carrier=-3", "--out", "@/out"];
-    refused(&negative, |_| (), &["--carrier", "-3", "5e8..=1e11"]);
+}
+
+#[test]
+fn measured_signals_that_cannot_be() {
+    let silence = |seconds: usize| {
+        move |folder: &Path| {
+            let (rate, size) = (8000_u32, 16_000 * seconds);
+            let mut wav = b"RIFF".to_vec();
+            wav.extend((36 + size as u32).to_le_bytes());
+            wav.extend(b"WAVEfmt \x10\0\0\0\x01\0\x01\0");
+            wav.extend([rate, 2 * rate].map(u32::to_le_bytes).concat());
+            wav.extend(b"\x02\0\x10\0data");
+            wav.extend((size as u32).to_le_bytes());
+            wav.resize(wav.len() + size, 0);
+            std::fs::write(folder.join("x.wav"), wav).expect("a file");
+        }
+    };
+    let calibrate = |extra: &'static str| ["calibrate", "--measured", "@/x.wav", extra, "--out", "@/out"];
+    refused(&calibrate("--carrier=24e9"), silence(2), &["x.wav", "mean power = 0"]);
+    refused(&calibrate("--carrier=24e9"), silence(1), &["x.wav", "length (s) = 1.000", "at least 1.5"]);
+    refused(&calibrate("--carrier=-3"), silence(2), &["x.wav", "carrier (Hz) = -3", "0.5e9..=100e9"]);
+    refused(&calibrate("--gain=3"), silence(2), &["x.wav", "carrier (Hz)", "state it with --carrier"]);
+    refused(&calibrate("--motion=flying"), silence(2), &["--motion = flying", "adult-walking"]);
+}
+
+/// A scenario whose people move as a file of joints says.
+fn captured(joints: &'static str) -> impl Fn(&Path) {
+    move |folder: &Path| {
+        let toml = format!("[target]\ncapture = {:?}\n", folder.join("joints.csv"));
+        std::fs::write(folder.join("s.toml"), toml).expect("a scenario");
+        std::fs::write(folder.join("joints.csv"), joints).expect("joints");
+    }
+}
+
+const SIMULATE: [&str; 7] = ["simulate", "--per-class", "1", "--scenario", "@/s.toml", "--out", "@/out"];
+
+#[test]
+fn joints_that_are_missing_or_not_numbers_or_go_back_in_time() {
+    let joints = "time,joint,x,y,z\n0,base,0,0,1\n0,neck,0,0,1.5\n0.1,base,0.1,0,1\n0.1,neck,0.1,0,1.5\n";
+    refused(&SIMULATE, captured(joints), &["joints.csv", "joint", "head"]);
+    let joints = "time,joint,x,y,z\n0,base,0,NaN,1\n";
+    refused(&SIMULATE, captured(joints), &["joints.csv", "line 2", "y", "NaN"]);
+    let joints = "time,joint,x,y,z\n0.1,base,0,0,1\n0.1,neck,0,0,1.5\n0,base,0,0,1\n";
+    refused(&SIMULATE, captured(joints), &["joints.csv", "line 4", "time"]);
+}
+
+#[test]
+fn rooms_that_cannot_be() {
+    let receiver = "[communication]\ncases = [[[1.5, 3.0, 1.0], [1.5, 40.0, 1.0]]]\n";
+    refused(
+        &SIMULATE,
+        scenario(receiver),
+        &["communication.cases[0][1]", "[1.5, 40.0, 1.0]", "inside the room"],
+    );
+    let bandwidth = "[radar]\nbandwidth_hz = -10e6\n";
+    refused(&SIMULATE, scenario(bandwidth), &["radar.bandwidth_hz", "-10000000", "10000000"]);
+    let outside = "[target]\nstart_m = [1.5, 50.0]\n";
+    refused(&SIMULATE, scenario(outside), &["target.start_m", "[1.5, 50.0]", "inside the room"]);
+    // inside at first, through a wall after some steps
+    let leaves = "[target]\nstart_m = [0.2, 4.0]\nheading_spread_deg = 180.0\nturns = false\n";
+    refused(&SIMULATE, scenario(leaves), &["target.turns", "leave it after", "s of"]);
+}
+
+#[test]
+fn limbs_that_alias_are_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(file("s.toml"), "[radar]\ncarrier_hz = 24e9\n[frame]\nsensing_slots = [200]\n")
+        .expect("a scenario");
+    let simulate = ["simulate", "--per-class", "1", "--scenario", &file("s.toml"), "--out", &file("out")];
+    let (code, _, stderr) = outcome(&call(&program(), &simulate));
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning") && stderr.contains("frame.spacing_slots = "), "{stderr}");
 }
 
 #[test]
@@ -106,6 +177,6 @@ fn datasets_that_cannot_be() {
     refused(
         &["simulate", "--per-class", "1", "--out", "@/out"],
         another,
-        &["request.json", "per_class", "--out"],
+        &["request.json", "classes", "--out"],
     );
 }
