@@ -1,6 +1,6 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
-//! Paper, section V. Only `network` and `training` need burn (the feature `train`).
+//! Paper, section V. Only `network`, `training` and `trunk` need burn (the feature `train`).
 pub mod accuracy;
 pub mod calibration;
 pub mod float_network;
@@ -18,3 +18,5 @@ pub mod spectrograms;
 mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;
+#[cfg(feature = "train")]
+pub mod trunk;

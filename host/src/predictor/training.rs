@@ -1,7 +1,7 @@
 //! Training: parameters from labelled spectrograms, the same bits whatever the number of threads.
 //!
 //! AdamW (Loshchilov and Hutter, 2019) under a one-cycle learning rate (Smith and Topin, 2019), cross entropy, images
-//! shuffled every epoch. A training runs on one thread of its own; several run side by side.
+//! shuffled every epoch. Trainings run side by side; one alone uses several threads.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,6 +14,7 @@ use thiserror::Error;
 use super::float_network::first_maximum;
 use super::network::Network;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
+use super::trunk::Workspace;
 use crate::results::Epoch;
 use crate::scenario::Learning;
 
@@ -76,6 +77,7 @@ pub fn train_all(
     // The longest first, so that no worker is left with it at the end.
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     order.sort_by_key(|&j| std::cmp::Reverse(jobs[j].images.pixels.len()));
+    let threads = (workers / jobs.len().max(1)).max(1);
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Trained, TrainingError>>>> =
         jobs.iter().map(|_| Mutex::new(None)).collect();
@@ -84,7 +86,7 @@ pub fn train_all(
             scope.spawn(|| {
                 while let Some(&j) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let report = |epoch: &Epoch| progress(j, epoch);
-                    let trained = train(jobs[j].images, settings, classes, jobs[j].seed, &report);
+                    let trained = train(jobs[j].images, settings, classes, jobs[j].seed, threads, &report);
                     *results[j].lock().unwrap_or_else(|e| e.into_inner()) = Some(trained);
                 }
             });
@@ -99,9 +101,9 @@ pub fn train_all(
         .collect()
 }
 
-/// Trains one network; `progress` is called after every epoch.
+/// Trains one network on `threads` threads; `progress` is called after every epoch.
 ///
-/// Runs on a thread pool of one, so that no sum is split: the result is a function of the arguments alone.
+/// The result does not depend on `threads`.
 ///
 /// # Errors
 /// Images whose size or labels do not fit; no thread.
@@ -110,10 +112,11 @@ pub fn train(
     settings: &Learning,
     classes: usize,
     seed: u64,
+    threads: usize,
     progress: &(dyn Fn(&Epoch) + Sync),
 ) -> Result<Trained, TrainingError> {
     check(images, settings, classes)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
     let pool = pool.map_err(|e| TrainingError::Thread(e.to_string()))?;
     Ok(pool.install(|| run(images, settings, classes, seed, progress)))
 }
@@ -153,14 +156,14 @@ fn run(
     let batches = batches(images.len(), settings.batch as usize);
     let steps = batches.len() * settings.epochs as usize;
     let mut epochs = Vec::with_capacity(settings.epochs as usize);
-    let mut step = 0;
+    let (mut step, workspace) = (0, Workspace::default());
     for e in 0..settings.epochs {
         let order = shuffled(images.len(), seed, u64::from(e));
         let (mut loss_sum, mut right) = (0.0, 0);
         for range in &batches {
             let batch = &order[range.clone()];
             let (input, truth) = tensors(images, batch, classes, &device);
-            let logits = network.forward(input);
+            let logits = network.forward_batch(input, &workspace);
             let answers: Vec<f32> = logits.to_data().iter::<f32>().collect();
             let labels = batch.iter().map(|&i| images.labels[i]);
             right +=
@@ -231,7 +234,7 @@ mod tests {
 
     #[test]
     fn it_learns_to_tell_stripes_it_never_saw() {
-        let trained = train(&stripes(24, 40, 1), &settings(12), 5, 7, &|_| {}).unwrap();
+        let trained = train(&stripes(24, 40, 1), &settings(12), 5, 7, 2, &|_| {}).unwrap();
         let answers = FloatNetwork::new(&trained.parameters).classify(&stripes(24, 20, 2));
         assert!(answers.accuracy() >= 0.95, "{}", answers.accuracy());
         assert!(trained.epochs[11].loss < 0.3 * trained.epochs[0].loss);
@@ -240,10 +243,9 @@ mod tests {
     #[test]
     fn neither_threads_nor_neighbours_change_a_bit() {
         let (images, others) = (stripes(24, 8, 1), stripes(30, 8, 2));
-        let alone = train(&images, &settings(2), 5, 7, &|_| {}).unwrap();
-        for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let inside = pool.install(|| train(&images, &settings(2), 5, 7, &|_| {}).unwrap());
+        let alone = train(&images, &settings(2), 5, 7, 1, &|_| {}).unwrap();
+        for threads in [1, 2, 3] {
+            let inside = train(&images, &settings(2), 5, 7, threads, &|_| {}).unwrap();
             assert_eq!(bits(&inside), bits(&alone));
             assert_eq!(inside.parameters, alone.parameters);
         }
@@ -252,7 +254,7 @@ mod tests {
             let both = train_all(&jobs, &settings(2), 5, workers, &|_, _| {}).unwrap();
             assert_eq!(both[1], alone);
         }
-        assert_ne!(train(&images, &settings(2), 5, 9, &|_| {}).unwrap().parameters, alone.parameters);
+        assert_ne!(train(&images, &settings(2), 5, 9, 1, &|_| {}).unwrap().parameters, alone.parameters);
     }
 
     #[test]
@@ -280,7 +282,7 @@ mod tests {
     fn unfit_images_are_refused_by_name() {
         let mut images = stripes(24, 1, 1);
         let refuse =
-            |i: &Images, classes| train(i, &settings(1), classes, 1, &|_| {}).unwrap_err().to_string();
+            |i: &Images, classes| train(i, &settings(1), classes, 1, 1, &|_| {}).unwrap_err().to_string();
         assert_eq!(refuse(&images, 4), "training images: largest label is 4, must be below 4");
         images.pixels.pop();
         assert!(refuse(&images, 5).starts_with("training images: pixels is 7679, must be 7680"));
