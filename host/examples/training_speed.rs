@@ -2,21 +2,24 @@
 //!
 //!     cargo run --release --example training_speed -- BATCH THREADS STEM_STRIDE [CHANNELS] [EPOCHS]
 //!
-//! Prints one JSON object: the least and the median time of a step, each averaged over an epoch of five.
+//! Prints one JSON object: the least and the median time of a step, each averaged over an epoch of about 500 images.
 
 use sdp3::predictor::parameters::Images;
-use sdp3::predictor::training::train;
+use sdp3::predictor::training::{Job, train};
 use sdp3::scenario::Learning;
 use std::sync::Mutex;
 use std::time::Instant;
 
-const STEPS: usize = 5;
+/// Images of an epoch, about.
+const IMAGES: usize = 500;
 
 fn main() {
     let mut numbers = std::env::args().skip(1).map(|text| text.parse::<usize>().expect("a number"));
     let mut number = |default: usize| numbers.next().unwrap_or(default);
-    let (batch, threads, stride, channels, epochs) = (number(100), number(1), number(1), number(16), number(10));
-    let count = STEPS * batch;
+    let (batch, threads, stride, channels, epochs) =
+        (number(100), number(1), number(1), number(16), number(10));
+    let in_epoch = (IMAGES / batch).max(1);
+    let count = in_epoch * batch;
     let mut state = 1u32;
     let mut random = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -37,10 +40,14 @@ fn main() {
     };
     let ends = Mutex::new(vec![Instant::now()]);
     let end = || ends.lock().expect("not poisoned").push(Instant::now());
-    train(&images, &settings, 5, 1, threads, &|_| end()).expect("images that fit");
+    let watch = |_: &dyn Fn() -> _, _: &[_]| {
+        end();
+        Ok(())
+    };
+    train(&images, &settings, 5, &Job::default(), threads, &watch).expect("images that fit");
     let ends = ends.into_inner().expect("not poisoned");
     let mut steps: Vec<f64> =
-        ends[1..].windows(2).map(|w| (w[1] - w[0]).as_secs_f64() * 1e3 / STEPS as f64).collect();
+        ends[1..].windows(2).map(|w| (w[1] - w[0]).as_secs_f64() * 1e3 / in_epoch as f64).collect();
     steps.sort_by(f64::total_cmp);
     let found = serde_json::json!({
         "least_ms": steps[0],

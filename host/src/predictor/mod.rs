@@ -3,6 +3,8 @@
 //! Paper, section V. Only `network`, `training` and `trunk` need burn (the feature `train`).
 pub mod accuracy;
 pub mod calibration;
+#[cfg(feature = "train")]
+pub mod checkpoint;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
@@ -13,6 +15,8 @@ pub mod learning_curve;
 pub mod network;
 pub mod parameters;
 pub mod quantization;
+#[cfg(feature = "train")]
+pub mod recipe;
 pub mod spectrograms;
 #[cfg(test)]
 mod synthetic;

@@ -3,7 +3,7 @@
 //! Paper, section V and figure of the DSN: convolution and pooling, blocks BN-ReLU-Conv-BN-ReLU-Conv with an identity
 //! skip, mean over the image, fully connected classifier. Images are `[batch, 1, rows, frames]`.
 
-use burn::module::{Module, Param, RunningState};
+use burn::module::{Module, Param, ParamId, RunningState};
 use burn::nn::{BatchNorm, BatchNormConfig};
 use burn::tensor::activation::relu;
 use burn::tensor::module::{conv2d, max_pool2d};
@@ -36,24 +36,36 @@ pub struct Network {
     stride: usize,
 }
 
-fn parameter<const D: usize>(values: &[f32], shape: [usize; D], device: &Device) -> Param<Tensor<D>> {
-    Param::from_data(TensorData::new(values.to_vec(), shape), device)
+/// Parameters by number, so that an optimiser's state finds its own again.
+struct Maker<'a> {
+    device: &'a Device,
+    made: u64,
+}
+
+impl Maker<'_> {
+    fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
+        self.made += 1;
+        let mut parameter = Param::from_data(TensorData::new(values.to_vec(), shape), self.device);
+        parameter.id = ParamId::from(self.made);
+        parameter
+    }
+
+    fn norm(&mut self, norm: &Norm) -> BatchNorm {
+        let c = norm.gamma.len();
+        let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(self.device);
+        layer.gamma = self.parameter(&norm.gamma, [c]);
+        layer.beta = self.parameter(&norm.beta, [c]);
+        let state = |values: &[f32]| {
+            RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), self.device))
+        };
+        layer.running_mean = state(&norm.mean);
+        layer.running_var = state(&norm.variance);
+        layer
+    }
 }
 
 fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor.into_data().iter::<f32>().collect()
-}
-
-fn norm(norm: &Norm, device: &Device) -> BatchNorm {
-    let c = norm.gamma.len();
-    let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(device);
-    layer.gamma = parameter(&norm.gamma, [c], device);
-    layer.beta = parameter(&norm.beta, [c], device);
-    let state =
-        |values: &[f32]| RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), device));
-    layer.running_mean = state(&norm.mean);
-    layer.running_var = state(&norm.variance);
-    layer
 }
 
 fn norm_values(layer: &BatchNorm) -> Norm {
@@ -88,19 +100,20 @@ impl Network {
     /// The network with these parameters on this device; it trains where the device has autodiff.
     pub fn new(p: &Parameters, device: &Device) -> Network {
         let Architecture { channels: c, stem_stride, classes, .. } = p.architecture;
-        let blocks = p.blocks.iter().map(|b| ResidualBlock {
-            norm1: norm(&b.norm1, device),
-            conv1: parameter(&b.conv1, [c, c, 3, 3], device),
-            norm2: norm(&b.norm2, device),
-            conv2: parameter(&b.conv2.weights, [c, c, 3, 3], device),
-            bias2: parameter(&b.conv2.biases, [c], device),
-        });
+        let mut make = Maker { device, made: 0 };
+        let mut block = |b: &BlockParameters| ResidualBlock {
+            norm1: make.norm(&b.norm1),
+            conv1: make.parameter(&b.conv1, [c, c, 3, 3]),
+            norm2: make.norm(&b.norm2),
+            conv2: make.parameter(&b.conv2.weights, [c, c, 3, 3]),
+            bias2: make.parameter(&b.conv2.biases, [c]),
+        };
         Network {
-            stem: parameter(&p.stem.weights, [c, 1, 3, 3], device),
-            stem_bias: parameter(&p.stem.biases, [c], device),
-            blocks: blocks.collect(),
-            head: parameter(&p.head.weights, [classes, c], device),
-            head_bias: parameter(&p.head.biases, [classes], device),
+            blocks: p.blocks.iter().map(&mut block).collect(),
+            stem: make.parameter(&p.stem.weights, [c, 1, 3, 3]),
+            stem_bias: make.parameter(&p.stem.biases, [c]),
+            head: make.parameter(&p.head.weights, [classes, c]),
+            head_bias: make.parameter(&p.head.biases, [classes]),
             stride: stem_stride,
         }
     }
