@@ -21,6 +21,7 @@ const EXAMPLES: &str = "Examples:
   sdp3 run --measured walk.wav --carrier 24.125e9
   sdp3 simulate --channel ray-tracing --per-class 100
   sdp3 channels --json
+  sdp3 train --recipe paper-adam --resume
   sdp3 predict --points points.csv --json
   sdp3 optimize --accuracy 0.9
 Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error.";
@@ -81,6 +82,42 @@ pub struct MeasuredArgs {
     /// How the person in it moves: a class, such as adult-walking or standing.
     #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking")]
     pub motion: String,
+}
+
+/// How to train.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct TrainArgs {
+    /// Optimiser, learning rate and batch in one; absent: the scenario's.
+    #[arg(long, value_enum)]
+    pub recipe: Option<Recipe>,
+    /// Go on from the checkpoints in --out, with the same result as without the interruption.
+    #[arg(long)]
+    pub resume: bool,
+    /// Where to train: the processor, or a GPU in a build with that feature.
+    #[arg(long, value_enum, default_value_t = Backend::Flex)]
+    pub backend: Backend,
+}
+
+/// A way to train.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Recipe {
+    /// AdamW, peak 5e-3, one cycle, batch 50.
+    AdamwOneCycle,
+    /// The paper's: Adam, 0.01, batch 500.
+    PaperAdam,
+    /// The paper's: momentum 0.9, 0.06, batch 300.
+    PaperMomentum,
+}
+
+/// Where to train.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// The processor.
+    Flex,
+    /// A GPU through Vulkan, Metal, DirectX 12 or WebGPU; needs the feature `wgpu`.
+    Wgpu,
+    /// An NVIDIA GPU; needs the feature `cuda`.
+    Cuda,
 }
 
 /// Targets of the proof.
@@ -158,11 +195,13 @@ pub enum Command {
     Channels,
     /// Draw a page of spectrograms: class by carrier by channel model.
     Gallery,
-    /// Train the networks and save their float parameters.
+    /// Train the networks and save their float parameters and the history of their losses.
     Train {
         /// Size of the job.
         #[arg(long, value_enum, default_value_t = Preset::Quick)]
         preset: Preset,
+        #[command(flatten)]
+        how: TrainArgs,
     },
     /// Turn trained networks into int8 model files.
     Quantize,

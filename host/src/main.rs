@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::Parser;
-use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs};
+use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, TrainArgs};
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
 use sdp3::formats::points;
@@ -84,7 +84,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         return Ok(true);
     }
     let mut job = Job { scenario, seed: common.seed, progress, output: Output::create(&common.out)? };
-    if let Command::Run { preset, .. } | Command::Train { preset } = &command {
+    if let Command::Run { preset, .. } | Command::Train { preset, .. } = &command {
         apply(*preset, &mut job, common.scenario.is_some());
     }
     match command {
@@ -131,7 +131,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             }
             Ok(true)
         }
-        Command::Train { .. } => train(&job, common.threads, json),
+        Command::Train { how, .. } => train(job, how, common.threads, json),
         Command::Quantize => quantize(&job, json),
         Command::Verify { proof } => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
@@ -434,12 +434,37 @@ fn simulate(
 }
 
 #[cfg(feature = "train")]
-fn train(job: &Job, threads: usize, json: bool) -> Result<bool, Failure> {
+fn train(mut job: Job, args: TrainArgs, threads: usize, json: bool) -> Result<bool, Failure> {
+    use sdp3::predictor::learn::{How, history};
+    use sdp3::predictor::recipe::Recipe;
+    use sdp3::predictor::training::Backend;
     use sdp3::simulator::dataset::Set;
+    let backend = match args.backend {
+        cli::Backend::Flex => Backend::Flex,
+        #[cfg(feature = "wgpu")]
+        cli::Backend::Wgpu => Backend::Wgpu,
+        #[cfg(feature = "cuda")]
+        cli::Backend::Cuda => Backend::Cuda,
+        #[cfg(not(all(feature = "wgpu", feature = "cuda")))]
+        other => {
+            let name = format!("{other:?}").to_lowercase();
+            return Err(format!("--backend {name}: build it with the feature `{name}`").into());
+        }
+    };
+    if let Some(recipe) = args.recipe {
+        let recipe = match recipe {
+            cli::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,
+            cli::Recipe::PaperAdam => Recipe::PaperAdam,
+            cli::Recipe::PaperMomentum => Recipe::PaperMomentum,
+        };
+        recipe.apply(&mut job.scenario.learning);
+    }
     job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
     let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
     let images = job.collect(rho, Set::Train, "training recordings");
-    let trained = job.train(&images, workers(threads))?;
+    let how = How { backend, checkpoints: true, resume: args.resume };
+    let trained = job.train(&images, workers(threads), how)?;
+    job.output.write("training.csv", history(&trained.training).as_bytes())?;
     for (parameters, n) in trained.parameters.iter().zip(&job.scenario.frame.sensing_slots) {
         job.output.write_json(&format!("models/dsn-{n}.json"), parameters)?;
     }
@@ -474,7 +499,7 @@ fn quantize(job: &Job, json: bool) -> Result<bool, Failure> {
 }
 
 #[cfg(not(feature = "train"))]
-fn train(_: &Job, _: usize, _: bool) -> Result<bool, Failure> {
+fn train(_: Job, _: TrainArgs, _: usize, _: bool) -> Result<bool, Failure> {
     Err("this build cannot train: build it with the feature `train`".into())
 }
 

@@ -64,6 +64,11 @@ impl Stage {
         self.bar.inc(1);
     }
 
+    /// What is being done right now.
+    pub fn say(&self, text: &str) {
+        self.bar.set_message(text.to_owned());
+    }
+
     /// Ends the stage with one line that says what came out.
     pub fn finish(self, outcome: &str) {
         self.bar.finish_and_clear();

@@ -315,6 +315,12 @@ pub struct Epoch {
     pub loss: f64,
     /// Share of the training set answered right during the epoch.
     pub accuracy: f64,
+    /// Mean cross entropy on the validation set after the epoch, in nats, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub validation_loss: Option<f64>,
+    /// Share of the validation set answered right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub validation_accuracy: Option<f64>,
 }
 
 /// How one network was trained.

@@ -3,14 +3,15 @@
 //! Section IV of the paper; one network for each N_s of the scenario.
 
 use super::accuracy::{share_right, through_core};
+use super::checkpoint::Checkpoint;
 use super::float_network::FloatNetwork;
 use super::parameters::Parameters;
 use super::quantization::quantize;
 use super::spectrograms::{Collected, collect};
-use super::training::{self, train_all};
+use super::training::{self, Backend, TrainingError, train_all};
 use crate::formats::model_file::Preprocessing;
 use crate::pipeline::{Failure, Job, Learned};
-use crate::results::{Accuracy, Confusion, Training};
+use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 
@@ -20,6 +21,30 @@ pub struct Trained {
     pub parameters: Vec<Parameters>,
     /// Histories; the loss on the test set is filled in by [`Job::learn`].
     pub training: Vec<Training>,
+}
+
+/// How networks are trained, beside the scenario's settings.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct How {
+    /// Where.
+    pub backend: Backend,
+    /// Whether a checkpoint is written after every epoch.
+    pub checkpoints: bool,
+    /// Whether to go on from the checkpoints that are there.
+    pub resume: bool,
+}
+
+/// Histories as CSV: one row per network and epoch; the validation's columns stay empty without one.
+pub fn history(training: &[Training]) -> String {
+    let mut text = String::from("sensing_slots,epoch,loss,accuracy,validation_loss,validation_accuracy\n");
+    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
+    for t in training {
+        for (k, e) in t.epochs.iter().enumerate() {
+            let validation = [number(e.validation_loss), number(e.validation_accuracy)].join(",");
+            text += &format!("{},{},{},{},{validation}\n", t.sensing_slots, k + 1, e.loss, e.accuracy);
+        }
+    }
+    text
 }
 
 impl Job {
@@ -37,17 +62,49 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// Images that do not fit the settings.
-    pub fn train(&self, train: &Collected, workers: usize) -> Result<Trained, Failure> {
+    /// Images that do not fit the settings; checkpoints of other trainings, or that cannot be written or read.
+    pub fn train(&self, train: &Collected, workers: usize, how: How) -> Result<Trained, Failure> {
         let s = &self.scenario;
-        let seeds = s.frame.sensing_slots.iter().map(|&n| self.seed ^ (u64::from(n) << 32));
-        let jobs: Vec<_> =
-            train.images.iter().zip(seeds).map(|(images, seed)| training::Job { images, seed }).collect();
+        let slots = &s.frame.sensing_slots;
+        let name = |n: u32| format!("models/dsn-{n}.checkpoint.json");
+        let mut jobs = Vec::new();
+        for &n in slots {
+            let resume = match how.resume && self.output.path(&name(n)).exists() {
+                true => {
+                    Some(self.output.read_json::<Checkpoint>(&name(n), "train without --resume makes it")?)
+                }
+                false => None,
+            };
+            jobs.push(training::Job { seed: self.seed ^ (u64::from(n) << 32), backend: how.backend, resume });
+        }
         let stage = self.progress.stage("learn", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
-        let trained = train_all(&jobs, &s.learning, Class::ALL.len(), workers, &|_, _| stage.step(total))?;
-        let last = trained.last().and_then(|t| t.epochs.last()).map_or(f64::NAN, |e| e.loss);
-        stage.finish(&format!("{} networks, last loss {last:.3}", trained.len()));
+        let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();
+        stage.at(done, total);
+        let watch = |job: usize, state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| {
+            if how.checkpoints {
+                self.output.write_json(&name(slots[job]), &state()).map_err(|e| e.to_string())?;
+            }
+            if let Some(e) = epochs.last() {
+                let validation = e.validation_loss.zip(e.validation_accuracy);
+                let validation = validation.map(|(l, a)| format!(", validation {l:.3} {a:.3}"));
+                let (n, k, words) = (slots[job], epochs.len(), validation.unwrap_or_default());
+                stage
+                    .say(&format!("N_s {n} epoch {k}: loss {:.3} accuracy {:.3}{words}", e.loss, e.accuracy));
+            }
+            stage.step(total);
+            Ok(())
+        };
+        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), workers, &watch)
+            .map_err(|e| match e {
+                TrainingError::Checkpoint(_) => {
+                    format!("{}: {e}", self.output.folder().join("models").display()).into()
+                }
+                other => Failure::from(other),
+            })?;
+        let last = trained.last().and_then(|t| t.epochs.last());
+        let (loss, accuracy) = last.map_or((f64::NAN, f64::NAN), |e| (e.loss, e.accuracy));
+        stage.finish(&format!("{} networks, last loss {loss:.3}, accuracy {accuracy:.3}", trained.len()));
         let training = trained
             .iter()
             .zip(&s.frame.sensing_slots)
@@ -88,7 +145,7 @@ impl Job {
     /// Any of the steps'.
     pub fn learn(&self, rho: f64, workers: usize) -> Result<(Learned, Trained), Failure> {
         let train = self.collect(rho, Set::Train, "training recordings");
-        let mut trained = self.train(&train, workers)?;
+        let mut trained = self.train(&train, workers, How::default())?;
         let models = self.quantize(&trained.parameters, &train)?;
         let test = self.collect(rho, Set::Test, "test recordings");
         let stage = self.progress.stage("run", "raw I/Q through the core");

@@ -1,8 +1,10 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
-//! Paper, section V. Only `network` and `training` need burn (the feature `train`).
+//! Paper, section V. Only `network`, `training` and `trunk` need burn (the feature `train`).
 pub mod accuracy;
 pub mod calibration;
+#[cfg(feature = "train")]
+pub mod checkpoint;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
@@ -13,8 +15,12 @@ pub mod learning_curve;
 pub mod network;
 pub mod parameters;
 pub mod quantization;
+#[cfg(feature = "train")]
+pub mod recipe;
 pub mod spectrograms;
 #[cfg(test)]
 mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;
+#[cfg(feature = "train")]
+pub mod trunk;

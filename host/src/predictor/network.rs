@@ -3,7 +3,7 @@
 //! Paper, section V and figure of the DSN: convolution and pooling, blocks BN-ReLU-Conv-BN-ReLU-Conv with an identity
 //! skip, mean over the image, fully connected classifier. Images are `[batch, 1, rows, frames]`.
 
-use burn::module::{Module, Param, RunningState};
+use burn::module::{Module, Param, ParamId, RunningState};
 use burn::nn::{BatchNorm, BatchNormConfig};
 use burn::tensor::activation::relu;
 use burn::tensor::module::{conv2d, max_pool2d};
@@ -12,6 +12,8 @@ use burn::tensor::{Device, Tensor, TensorData};
 
 use super::float_network::same_padding;
 use super::parameters::{Architecture, BATCH_NORM_EPSILON, BlockParameters, Norm, Parameters, Weights};
+use super::trunk::operation::trunk;
+use super::trunk::{Shape, Workspace};
 
 /// A residual block of the network.
 #[derive(Module, Debug)]
@@ -34,24 +36,36 @@ pub struct Network {
     stride: usize,
 }
 
-fn parameter<const D: usize>(values: &[f32], shape: [usize; D], device: &Device) -> Param<Tensor<D>> {
-    Param::from_data(TensorData::new(values.to_vec(), shape), device)
+/// Parameters by number, so that an optimiser's state finds its own again.
+struct Maker<'a> {
+    device: &'a Device,
+    made: u64,
+}
+
+impl Maker<'_> {
+    fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
+        self.made += 1;
+        let mut parameter = Param::from_data(TensorData::new(values.to_vec(), shape), self.device);
+        parameter.id = ParamId::from(self.made);
+        parameter
+    }
+
+    fn norm(&mut self, norm: &Norm) -> BatchNorm {
+        let c = norm.gamma.len();
+        let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(self.device);
+        layer.gamma = self.parameter(&norm.gamma, [c]);
+        layer.beta = self.parameter(&norm.beta, [c]);
+        let state = |values: &[f32]| {
+            RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), self.device))
+        };
+        layer.running_mean = state(&norm.mean);
+        layer.running_var = state(&norm.variance);
+        layer
+    }
 }
 
 fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor.into_data().iter::<f32>().collect()
-}
-
-fn norm(norm: &Norm, device: &Device) -> BatchNorm {
-    let c = norm.gamma.len();
-    let mut layer = BatchNormConfig::new(c).with_epsilon(BATCH_NORM_EPSILON).init(device);
-    layer.gamma = parameter(&norm.gamma, [c], device);
-    layer.beta = parameter(&norm.beta, [c], device);
-    let state =
-        |values: &[f32]| RunningState::new(Tensor::from_data(TensorData::new(values.to_vec(), [c]), device));
-    layer.running_mean = state(&norm.mean);
-    layer.running_var = state(&norm.variance);
-    layer
 }
 
 fn norm_values(layer: &BatchNorm) -> Norm {
@@ -86,19 +100,20 @@ impl Network {
     /// The network with these parameters on this device; it trains where the device has autodiff.
     pub fn new(p: &Parameters, device: &Device) -> Network {
         let Architecture { channels: c, stem_stride, classes, .. } = p.architecture;
-        let blocks = p.blocks.iter().map(|b| ResidualBlock {
-            norm1: norm(&b.norm1, device),
-            conv1: parameter(&b.conv1, [c, c, 3, 3], device),
-            norm2: norm(&b.norm2, device),
-            conv2: parameter(&b.conv2.weights, [c, c, 3, 3], device),
-            bias2: parameter(&b.conv2.biases, [c], device),
-        });
+        let mut make = Maker { device, made: 0 };
+        let mut block = |b: &BlockParameters| ResidualBlock {
+            norm1: make.norm(&b.norm1),
+            conv1: make.parameter(&b.conv1, [c, c, 3, 3]),
+            norm2: make.norm(&b.norm2),
+            conv2: make.parameter(&b.conv2.weights, [c, c, 3, 3]),
+            bias2: make.parameter(&b.conv2.biases, [c]),
+        };
         Network {
-            stem: parameter(&p.stem.weights, [c, 1, 3, 3], device),
-            stem_bias: parameter(&p.stem.biases, [c], device),
-            blocks: blocks.collect(),
-            head: parameter(&p.head.weights, [classes, c], device),
-            head_bias: parameter(&p.head.biases, [classes], device),
+            blocks: p.blocks.iter().map(&mut block).collect(),
+            stem: make.parameter(&p.stem.weights, [c, 1, 3, 3]),
+            stem_bias: make.parameter(&p.stem.biases, [c]),
+            head: make.parameter(&p.head.weights, [classes, c]),
+            head_bias: make.parameter(&p.head.biases, [classes]),
             stride: stem_stride,
         }
     }
@@ -111,8 +126,37 @@ impl Network {
             x = block.forward(x);
         }
         let [batch, channels, height, width] = x.dims();
-        let mean = x.reshape([batch, channels, height * width]).mean_dim(2).reshape([batch, channels]);
-        mean.matmul(self.head.val().transpose()) + self.head_bias.val().unsqueeze()
+        self.classify(x.reshape([batch, channels, height * width]).mean_dim(2).reshape([batch, channels]))
+    }
+
+    /// As [`Network::forward`] in training, through the trunk's own passes; images lie on the CPU.
+    ///
+    /// Normalises by the batch and moves the running statistics towards it.
+    pub fn forward_batch(&self, images: Tensor<4>, workspace: &Workspace) -> Tensor<2> {
+        let [batch, _, rows, frames] = images.dims();
+        let [channels, ..] = self.stem.val().dims();
+        let (blocks, stem_stride) = (self.blocks.len(), self.stride);
+        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride };
+        let mut parameters = vec![self.stem.val().flatten(0, 3), self.stem_bias.val()];
+        for b in &self.blocks {
+            parameters.extend([b.norm1.gamma.val(), b.norm1.beta.val(), b.conv1.val().flatten(0, 3)]);
+            parameters.extend([b.norm2.gamma.val(), b.norm2.beta.val(), b.conv2.val().flatten(0, 3)]);
+            parameters.push(b.bias2.val());
+        }
+        let (features, statistics) = trunk(images, Tensor::cat(parameters, 0), shape, workspace);
+        let norms = self.blocks.iter().flat_map(|b| [&b.norm1, &b.norm2]);
+        for (norm, batch) in norms.zip(statistics.split(2 * channels, 0)) {
+            let [mean, variance] = [0, channels].map(|start| batch.clone().narrow(0, start, channels));
+            for (running, found) in [(&norm.running_mean, mean), (&norm.running_var, variance)] {
+                let kept = running.value_sync().mul_scalar(1.0 - norm.momentum);
+                running.update((kept + found.mul_scalar(norm.momentum)).detach());
+            }
+        }
+        self.classify(features)
+    }
+
+    fn classify(&self, features: Tensor<2>) -> Tensor<2> {
+        features.matmul(self.head.val().transpose()) + self.head_bias.val().unsqueeze()
     }
 
     /// The parameters as plain numbers.
@@ -206,6 +250,56 @@ mod tests {
                 let largest = gradient.iter().fold(0.0f32, |m, g| m.max(g.abs()));
                 let error = (quotient - f64::from(gradient[tap])).abs();
                 assert!(error < 0.03 * f64::from(largest), "{tap}: {quotient} {}", gradient[tap]);
+            }
+        }
+    }
+
+    /// Logits, parameters with their running statistics, and gradients after a pass in training.
+    fn pass(
+        parameters: &Parameters,
+        images: &Images,
+        forward: impl Fn(&Network, Tensor<4>) -> Tensor<2>,
+    ) -> (Vec<f32>, Parameters, Vec<Vec<f32>>) {
+        let device = Device::flex().autodiff();
+        let network = Network::new(parameters, &device);
+        let logits = forward(&network, input(images, &device));
+        let pull: Vec<f32> = (0..logits.shape().num_elements()).map(|i| (i as f32 * 0.7).sin()).collect();
+        let pull = Tensor::<2>::from_data(TensorData::new(pull, logits.dims()), &device);
+        let gradients = (logits.clone() * pull).sum().backward();
+        let four = |p: &Param<Tensor<4>>| values(p.val().grad(&gradients).unwrap());
+        let one = |p: &Param<Tensor<1>>| values(p.val().grad(&gradients).unwrap());
+        let mut all = vec![four(&network.stem), one(&network.stem_bias), one(&network.head_bias)];
+        for b in &network.blocks {
+            all.extend([one(&b.norm1.gamma), one(&b.norm1.beta), four(&b.conv1)]);
+            all.extend([one(&b.norm2.gamma), one(&b.norm2.beta), four(&b.conv2), one(&b.bias2)]);
+        }
+        (values(logits), network.parameters(), all)
+    }
+
+    #[test]
+    fn the_trunks_passes_are_burns() {
+        for (channels, stem_stride, frames) in [(4, 1, 10), (8, 2, 35), (16, 1, 7), (12, 2, 24)] {
+            let architecture = Architecture { channels, blocks: 3, stem_stride, classes: 5 };
+            let parameters = trained_looking(architecture, 11);
+            let images = stripes(frames, 6, 5);
+            let burns = pass(&parameters, &images, |n, x| n.forward(x));
+            let ours = pass(&parameters, &images, |n, x| n.forward_batch(x, &Workspace::default()));
+            let near = |a: &[f32], b: &[f32], what: &str| {
+                let largest = b.iter().fold(1e-3f32, |m, v| m.max(v.abs()));
+                assert_eq!(a.len(), b.len());
+                for (a, b) in a.iter().zip(b) {
+                    assert!((a - b).abs() < 2e-4 * largest, "{architecture:?} {what}: {a} {b}");
+                }
+            };
+            near(&ours.0, &burns.0, "logits");
+            for (ours, burns) in ours.1.blocks.iter().zip(&burns.1.blocks) {
+                for (ours, burns) in [(&ours.norm1, &burns.norm1), (&ours.norm2, &burns.norm2)] {
+                    near(&ours.mean, &burns.mean, "means");
+                    near(&ours.variance, &burns.variance, "variances");
+                }
+            }
+            for (i, (ours, burns)) in ours.2.iter().zip(&burns.2).enumerate() {
+                near(ours, burns, &format!("gradient {i}"));
             }
         }
     }

@@ -431,7 +431,9 @@ mod tests {
         use crate::scenario::Learning;
         let settings = Learning { epochs: 12, batch: 20, channels: 8, stem_stride: 2, ..Learning::default() };
         let training = stripes(24, 40, 1);
-        let trained = crate::predictor::training::train(&training, &settings, 5, 7, &|_| {}).unwrap();
+        let job = crate::predictor::training::Job { seed: 7, ..Default::default() };
+        let trained =
+            crate::predictor::training::train(&training, &settings, 5, &job, 2, &|_, _| Ok(())).unwrap();
         let (network, _) = quantize(&trained.parameters, preprocessing(24), &names(), &training).unwrap();
         assert_eq!(network.to_bytes().unwrap().len() % 4, 0);
         let held_out = stripes(24, 60, 2);

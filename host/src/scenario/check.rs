@@ -197,6 +197,9 @@ impl Scenario {
         c.count("learning.batch", l.batch, 2, 10_000)?;
         c.within("learning.learning_rate", l.learning_rate, 1e-7, 1.0)?;
         c.within("learning.weight_decay", l.weight_decay, 0.0, 1.0)?;
+        c.within("learning.validation", l.validation, 0.0, 0.5)?;
+        let patient = l.patience == 0 || l.validation > 0.0;
+        c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0")?;
         let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
         c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4..=32")?;
         c.count("learning.blocks", u32::from(l.blocks), 1, 8)?;

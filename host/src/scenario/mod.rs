@@ -352,6 +352,28 @@ pub struct SpectrogramSettings {
     pub range_db: f64,
 }
 
+/// How a training takes its steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Optimizer {
+    /// Adam with decoupled weight decay (Loshchilov and Hutter, 2019).
+    Adamw,
+    /// Adam (Kingma and Ba, 2015); no weight decay.
+    Adam,
+    /// Gradient descent with momentum 0.9, without dampening or weight decay.
+    Momentum,
+}
+
+/// How a training's learning rate goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// Up to the peak and down to nothing (Smith and Topin, 2019).
+    OneCycle,
+    /// The same for every step.
+    Constant,
+}
+
 /// Training and testing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -364,10 +386,18 @@ pub struct Learning {
     pub epochs: u32,
     /// Recordings per step.
     pub batch: u32,
-    /// Peak learning rate of the one-cycle schedule.
+    /// How steps are taken.
+    pub optimizer: Optimizer,
+    /// How the learning rate goes.
+    pub schedule: Schedule,
+    /// Learning rate: the peak of the one-cycle schedule, or the constant.
     pub learning_rate: f64,
     /// AdamW's weight decay.
     pub weight_decay: f64,
+    /// Share of the training recordings kept for validation, 0..=0.5; the best epoch on them is kept.
+    pub validation: f64,
+    /// Epochs without a better loss on the validation recordings before training stops; 0: never.
+    pub patience: u32,
     /// Channels of every convolution: a multiple of 4, 4..=32.
     pub channels: u8,
     /// Residual blocks.
@@ -512,8 +542,12 @@ impl Default for Learning {
             test_per_class: 100,
             epochs: 30,
             batch: 50,
+            optimizer: Optimizer::Adamw,
+            schedule: Schedule::OneCycle,
             learning_rate: 5e-3,
             weight_decay: 1e-2,
+            validation: 0.0,
+            patience: 0,
             channels: 8,
             blocks: 5,
             stem_stride: 1,

@@ -1,0 +1,177 @@
+//! The network's trunk, from the image to the mean of every channel, with its gradient: what training spends its time on.
+//!
+//! Forward and backward passes are written out for this one topology (paper, section V; He et al., 2016, for the
+//! pre-activation block) on the CPU, because burn 0.22's CPU backend derives a convolution's gradients from transposed
+//! and swapped convolutions. Nothing between the convolutions is stored that can be computed again from two tensors
+//! per block. Images are shared among threads in chunks whose number depends on the batch alone, and sums of chunks are
+//! added in their order: the bits do not depend on the number of threads.
+
+mod backward;
+mod elementwise;
+mod forward;
+pub mod operation;
+mod planes;
+mod products;
+mod stem;
+
+pub use backward::backward;
+pub use forward::{Forward, forward};
+
+use super::float_network::same_padding;
+use super::parameters::BATCH_NORM_EPSILON;
+use elementwise::Sums;
+use planes::Geometry;
+use std::sync::{Arc, Mutex};
+
+/// Most chunks that a batch is cut into.
+const CHUNKS: usize = 24;
+
+/// Sizes of a trunk and of its batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    /// Images.
+    pub batch: usize,
+    /// Rows of an image.
+    pub rows: usize,
+    /// Columns of an image.
+    pub frames: usize,
+    /// Channels C, a multiple of 4.
+    pub channels: usize,
+    /// Residual blocks.
+    pub blocks: usize,
+    /// Stride of the input convolution.
+    pub stem_stride: usize,
+}
+
+impl Shape {
+    /// Number of parameters: weights `[C][9]` and biases `[C]` of the input convolution, then for every block gamma,
+    /// beta `[C]` and weights `[C][C][9]` of the first half, gamma, beta, weights and biases `[C]` of the second.
+    pub fn parameters(&self) -> usize {
+        10 * self.channels + self.blocks * self.block_parameters()
+    }
+
+    /// Number of statistics: for every block mean, variance, mean, variance, each `[C]`.
+    pub fn statistics(&self) -> usize {
+        4 * self.channels * self.blocks
+    }
+
+    fn block_parameters(&self) -> usize {
+        18 * self.channels * self.channels + 5 * self.channels
+    }
+
+    fn geometry(&self) -> Geometry {
+        let pooled = |size| same_padding(size, self.stem_stride).0 / 2;
+        Geometry { channels: self.channels, height: pooled(self.rows), width: pooled(self.frames) }
+    }
+
+    /// Images of a chunk.
+    fn chunk(&self) -> usize {
+        self.batch.div_ceil(CHUNKS).max(1)
+    }
+
+    /// Cuts parameters, or their gradient, into the input convolution's and the blocks'.
+    fn split<'a>(&self, parameters: &'a [f32]) -> ([&'a [f32]; 2], Vec<Block<'a>>) {
+        let c = self.channels;
+        let (stem, blocks) = parameters.split_at(10 * c);
+        let (weights, bias) = stem.split_at(9 * c);
+        let lengths = [c, c, 9 * c * c, c, c, 9 * c * c, c];
+        let block = |mut rest: &'a [f32]| {
+            let [gamma1, beta1, conv1, gamma2, beta2, conv2, bias2] = lengths.map(|length| {
+                let (part, behind) = rest.split_at(length);
+                rest = behind;
+                part
+            });
+            Block {
+                halves: [
+                    Half { gamma: gamma1, beta: beta1, conv: conv1 },
+                    Half { gamma: gamma2, beta: beta2, conv: conv2 },
+                ],
+                bias: bias2,
+            }
+        };
+        ([weights, bias], blocks.chunks_exact(self.block_parameters()).map(block).collect())
+    }
+}
+
+/// Parameters of a residual block.
+struct Block<'a> {
+    halves: [Half<'a>; 2],
+    bias: &'a [f32],
+}
+
+/// Batch normalisation and the convolution after it.
+struct Half<'a> {
+    gamma: &'a [f32],
+    beta: &'a [f32],
+    conv: &'a [f32],
+}
+
+/// Statistics of a batch in one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Statistics {
+    mean: f64,
+    /// Mean square about the mean.
+    variance: f64,
+}
+
+impl Statistics {
+    /// From the sums of the values and of their squares over `count` values.
+    fn new(sums: &[Sums], count: f64) -> Vec<Statistics> {
+        let one = |s: &Sums| {
+            let mean = s.0 / count;
+            Statistics { mean, variance: (s.1 / count - mean * mean).max(0.0) }
+        };
+        sums.iter().map(one).collect()
+    }
+
+    /// One over the standard deviation.
+    fn scale(&self) -> f64 {
+        1.0 / (self.variance + BATCH_NORM_EPSILON).sqrt()
+    }
+
+    /// Factor and offset that normalise.
+    fn affine(&self, gamma: f32, beta: f32) -> (f32, f32) {
+        let factor = f64::from(gamma) * self.scale();
+        (factor as f32, (f64::from(beta) - self.mean * factor) as f32)
+    }
+}
+
+/// Memory that one training step leaves to the next.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace(Arc<Mutex<Vec<Vec<f32>>>>);
+
+impl Workspace {
+    /// `length` values, whatever they are.
+    fn take(&self, length: usize) -> Buffer {
+        let mut free = self.0.lock().unwrap_or_else(|e| e.into_inner());
+        let values = match free.iter().position(|b| b.len() == length) {
+            Some(index) => free.swap_remove(index),
+            None => vec![0.0; length],
+        };
+        Buffer { values, home: self.clone() }
+    }
+}
+
+/// A piece of a [`Workspace`], given back when dropped.
+#[derive(Debug)]
+struct Buffer {
+    values: Vec<f32>,
+    home: Workspace,
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        let mut free = self.home.0.lock().unwrap_or_else(|e| e.into_inner());
+        free.push(std::mem::take(&mut self.values));
+    }
+}
+
+/// Adds the chunks' sums in their order.
+fn total(chunks: impl IntoIterator<Item = Vec<Sums>>) -> Vec<Sums> {
+    let mut chunks = chunks.into_iter();
+    let mut total = chunks.next().unwrap_or_default();
+    for chunk in chunks {
+        total.iter_mut().zip(chunk).for_each(|(t, c)| *t += c);
+    }
+    total
+}
