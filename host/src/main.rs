@@ -10,11 +10,12 @@ use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
 use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::predictor::interchange::{self, Exchange};
 use sdp3::predictor::learning_curve::fit_all;
-use sdp3::progress::Progress;
-use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
 use sdp3::predictor::spectrograms::gallery;
+use sdp3::progress::Progress;
 use sdp3::report;
+use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
 use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;
 use sdp3::simulator::channel::properties;
@@ -83,6 +84,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         print_prediction(&prediction, json);
         return Ok(true);
     }
+    match &command {
+        // need no output folder
+        Command::Export { from, to } => {
+            let done = interchange::export(from, to)?;
+            print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        Command::Import { from, to, slots } => {
+            let exchange =
+                Exchange { scenario: &scenario, seed: common.seed, sensing_slots: *slots, progress };
+            let done = exchange.import(from, to)?;
+            print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        _ => (),
+    }
     let mut job = Job { scenario, seed: common.seed, progress, output: Output::create(&common.out)? };
     if let Command::Run { preset, .. } | Command::Train { preset } = &command {
         apply(*preset, &mut job, common.scenario.is_some());
@@ -145,6 +162,8 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             }
             Ok(verify.mismatches == 0)
         }
+        // answered above
+        Command::Export { .. } | Command::Import { .. } => Ok(true),
         Command::Predict { .. } => {
             let prediction = fit_all(&stored_points(&job)?)?;
             print_prediction(&prediction, json);
@@ -232,7 +251,8 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
 fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
     let Some(file) = args.measured else { return Ok(None) };
     let motion = class(&args.motion, "--motion")?;
-    let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
+    let stated =
+        Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
     Ok(Some(Measured { file, stated, motion }))
 }
 

@@ -4,4 +4,5 @@ pub mod dataset;
 pub mod measured;
 pub mod model_file;
 pub mod points;
+pub mod tflite;
 pub mod wav;

@@ -7,7 +7,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 mod check;
+mod read;
+pub mod rescale;
 pub use check::ModelFileError;
+pub(in crate::formats) use read::header_and_names;
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;
