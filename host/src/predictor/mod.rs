@@ -17,6 +17,6 @@ pub mod quantization;
 pub mod safetensors;
 pub mod spectrograms;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;

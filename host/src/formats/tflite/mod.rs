@@ -61,3 +61,6 @@ impl TfliteError {
 fn require(good: bool, field: &str, value: impl ToString, legal: &str) -> Result<(), TfliteError> {
     if good { Ok(()) } else { Err(TfliteError::value(field, value, legal)) }
 }
+
+#[cfg(test)]
+mod tests;
