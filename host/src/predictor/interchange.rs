@@ -154,6 +154,7 @@ impl Exchange<'_> {
         };
         let mut scenario = self.scenario.clone();
         scenario.frame.sensing_slots = vec![n.into()];
+        scenario.check("command line: --slots")?;
         let rho = scenario.channel.rho.unwrap_or_else(|| stored_rho(&scenario).0);
         let stage = self.progress.stage("simulate", "calibration recordings");
         let per_class = CALIBRATION_PER_CLASS;
