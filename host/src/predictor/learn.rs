@@ -71,8 +71,10 @@ impl Job {
         let stage = self.progress.stage("quantize", "int8 models");
         let mut models = Vec::new();
         for (index, network) in networks.iter().enumerate() {
-            let header = header(&self.scenario, self.scenario.frame.sensing_slots[index]);
-            let (quantized, _) = quantize(network, header, &names, &train.images[index])?;
+            let slots = self.scenario.frame.sensing_slots[index];
+            let header = header(&self.scenario, slots);
+            let (quantized, report) = quantize(network, header, &names, &train.images[index])?;
+            self.output.write_json(&format!("models/dsn-{slots}-quantization.json"), &report)?;
             models.push(quantized.to_bytes()?);
             stage.step(networks.len() as u64);
         }

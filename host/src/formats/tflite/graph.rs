@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 
 use super::reader::Table;
-use super::schema::{self, Kind, slot};
+use super::schema::{self, Kind, OptionSlots, slot};
 use super::writer::{Field, Node, finish};
 use super::{TfliteError, require};
 
@@ -165,26 +165,26 @@ impl<'a> Graph<'a> {
             Node::Table(vec![(slot::METADATA_NAME, name), (slot::METADATA_BUFFER, index)])
         });
         let metadata = Node::Nodes(metadata.collect());
-        let codes = Kind::ALL.map(|kind| {
+        let mut used = Kind::ALL.to_vec();
+        used.retain(|kind| self.operators.iter().any(|o| o.kind == *kind));
+        let codes = used.iter().map(|kind| {
             Node::Table(vec![
                 (slot::CODE_SMALL, Field::U8(kind.code() as u8)),
                 (slot::CODE_VERSION, Field::I32(kind.version())),
                 (slot::CODE, Field::I32(kind.code())),
             ])
         });
+        let operators = self.operators.iter().map(|o| o.node(&used)).collect();
         let graph = Node::Table(vec![
             (slot::GRAPH_TENSORS, Field::Ref(Node::Nodes(tensors))),
             (slot::GRAPH_INPUTS, Field::Ref(Node::I32s(self.inputs.clone()))),
             (slot::GRAPH_OUTPUTS, Field::Ref(Node::I32s(self.outputs.clone()))),
-            (
-                slot::GRAPH_OPERATORS,
-                Field::Ref(Node::Nodes(self.operators.iter().map(Operator::node).collect())),
-            ),
+            (slot::GRAPH_OPERATORS, Field::Ref(Node::Nodes(operators))),
             (slot::GRAPH_NAME, Field::Ref(Node::Text("main".into()))),
         ]);
         let model = vec![
             (slot::MODEL_VERSION, Field::I32(schema::SCHEMA_VERSION)),
-            (slot::MODEL_CODES, Field::Ref(Node::Nodes(codes.into()))),
+            (slot::MODEL_CODES, Field::Ref(Node::Nodes(codes.collect()))),
             (slot::MODEL_SUBGRAPHS, Field::Ref(Node::Nodes(vec![graph]))),
             (slot::MODEL_DESCRIPTION, Field::Ref(Node::Text(self.description.clone()))),
             (slot::MODEL_BUFFERS, Field::Ref(Node::Nodes(buffers))),
@@ -195,25 +195,60 @@ impl<'a> Graph<'a> {
 }
 
 impl Operator {
-    fn node(&self) -> Node {
-        let (slots, o) = (self.kind.option_slots(), &self.options);
-        let mut options = vec![(slots.activation, Field::U8(o.activation))];
-        let pairs = [(slots.stride, o.stride), (slots.filter, o.filter), (slots.dilation, o.dilation)];
-        for (at, pair) in pairs.into_iter().filter_map(|(slots, pair)| Some((slots?, pair))) {
-            options.extend([(at[0], Field::I32(pair[0])), (at[1], Field::I32(pair[1]))]);
-        }
-        if slots.stride.is_some() {
-            options.push((0, Field::U8(o.padding)));
-        }
-        options.extend(slots.depth_multiplier.map(|at| (at, Field::I32(o.depth_multiplier))));
-        let code = Kind::ALL.iter().position(|kind| *kind == self.kind).unwrap_or(0) as i32;
-        Node::Table(vec![
+    /// Its table; the code is its place among those used.
+    fn node(&self, used: &[Kind]) -> Node {
+        let code = used.iter().position(|kind| *kind == self.kind).unwrap_or(0) as i32;
+        let mut fields = vec![
             (slot::OPERATOR_CODE, Field::I32(code)),
             (slot::OPERATOR_INPUTS, Field::Ref(Node::I32s(self.inputs.clone()))),
             (slot::OPERATOR_OUTPUTS, Field::Ref(Node::I32s(self.outputs.clone()))),
-            (slot::OPERATOR_OPTIONS_TYPE, Field::U8(self.kind.options_type())),
-            (slot::OPERATOR_OPTIONS, Field::Ref(Node::Table(options))),
-        ])
+        ];
+        if let Some(slots) = self.kind.option_slots() {
+            fields.push((slot::OPERATOR_OPTIONS_TYPE, Field::U8(self.kind.options_type())));
+            fields.push((slot::OPERATOR_OPTIONS, Field::Ref(Node::Table(self.options.fields(&slots)))));
+        }
+        Node::Table(fields)
+    }
+}
+
+impl Options {
+    /// Those the operator has.
+    fn fields(&self, slots: &OptionSlots) -> Vec<(usize, Field)> {
+        let mut fields = vec![(slots.activation, Field::U8(self.activation))];
+        let pairs =
+            [(slots.stride, self.stride), (slots.filter, self.filter), (slots.dilation, self.dilation)];
+        for (at, pair) in pairs.into_iter().filter_map(|(slots, pair)| Some((slots?, pair))) {
+            fields.extend([(at[0], Field::I32(pair[0])), (at[1], Field::I32(pair[1]))]);
+        }
+        if slots.stride.is_some() {
+            fields.push((0, Field::U8(self.padding)));
+        }
+        fields.extend(slots.depth_multiplier.map(|at| (at, Field::I32(self.depth_multiplier))));
+        fields
+    }
+
+    /// Reads those the operator has.
+    fn parse(
+        stated: &Table<'_>,
+        slots: &OptionSlots,
+        field: &dyn Fn(&str) -> String,
+    ) -> Result<Options, TfliteError> {
+        let pair = |slots: Option<[usize; 2]>, default: i32, what: &str| match slots {
+            Some([w, h]) => {
+                Ok([stated.i32(w, default, &field(what))?, stated.i32(h, default, &field(what))?])
+            }
+            None => Ok::<_, TfliteError>([1; 2]),
+        };
+        let byte = |slot: Option<usize>, what: &str| slot.map_or(Ok(0), |at| stated.u8(at, 0, &field(what)));
+        let multiplier = |at| stated.i32(at, 0, &field("depth multiplier"));
+        Ok(Options {
+            padding: byte(slots.stride.map(|_| 0), "padding")?,
+            stride: pair(slots.stride, 0, "stride")?,
+            filter: pair(slots.filter, 0, "filter")?,
+            activation: byte(Some(slots.activation), "activation")?,
+            dilation: pair(slots.dilation, 1, "dilation")?,
+            depth_multiplier: slots.depth_multiplier.map_or(Ok(1), multiplier)?,
+        })
     }
 }
 
@@ -279,32 +314,13 @@ fn operator(index: usize, table: &Table<'_>, codes: &[i32]) -> Result<Operator, 
         )
     })?;
     let mut options = Options::NEUTRAL;
-    let kind_of_options = table.u8(slot::OPERATOR_OPTIONS_TYPE, 0, &field("options' type"))?;
-    let stated = table.table(slot::OPERATOR_OPTIONS, &field("options"))?;
-    require(
-        kind_of_options == kind.options_type() && stated.is_some(),
-        &field("options' type"),
-        kind_of_options,
-        &format!("{}, with options, for {}", kind.options_type(), kind.name()),
-    )?;
-    if let Some(stated) = stated {
-        let slots = kind.option_slots();
-        let pair = |slots: Option<[usize; 2]>, default: i32, absent: [i32; 2], what: &str| match slots {
-            Some([w, h]) => {
-                Ok([stated.i32(w, default, &field(what))?, stated.i32(h, default, &field(what))?])
-            }
-            None => Ok::<_, TfliteError>(absent),
-        };
-        options.activation = stated.u8(slots.activation, 0, &field("activation"))?;
-        options.stride = pair(slots.stride, 0, [1; 2], "stride")?;
-        options.filter = pair(slots.filter, 0, [1; 2], "filter")?;
-        options.dilation = pair(slots.dilation, 1, [1; 2], "dilation")?;
-        if slots.stride.is_some() {
-            options.padding = stated.u8(0, 0, &field("padding"))?;
-        }
-        if let Some(at) = slots.depth_multiplier {
-            options.depth_multiplier = stated.i32(at, 0, &field("depth multiplier"))?;
-        }
+    if let Some(slots) = kind.option_slots() {
+        let found = table.u8(slot::OPERATOR_OPTIONS_TYPE, 0, &field("options' type"))?;
+        let legal = format!("{} for {}", kind.options_type(), kind.name());
+        require(found == kind.options_type(), &field("options' type"), found, &legal)?;
+        let stated = table.table(slot::OPERATOR_OPTIONS, &field("options"))?;
+        let stated = stated.ok_or_else(|| TfliteError::value(field("options"), "missing", "there"))?;
+        options = Options::parse(&stated, &slots, &field)?;
     }
     Ok(Operator {
         kind,

@@ -69,9 +69,18 @@ pub fn import(file: &[u8], surroundings: &Surroundings) -> Result<QuantizedNetwo
     }
     walk.pool("mean", Kind::AveragePool)?;
     let (head, _) = walk.conv("logits", Kind::Conv, 1)?;
+    // the radar module has its own softmax, and other axes change nothing
+    while let Some(Kind::Reshape | Kind::Softmax) = walk.upcoming() {
+        walk.pass("behind the logits")?;
+    }
     let rest = graph.operators.len() - walk.next;
     require(rest == 0, "number of operators behind the logits", rest, "0")?;
-    require(graph.outputs == [walk.x], "subgraph outputs", format!("{:?}", graph.outputs), "the logits")?;
+    require(
+        graph.outputs == [walk.x],
+        "subgraph outputs",
+        format!("{:?}", graph.outputs),
+        "the last tensor",
+    )?;
     let sizes = [c, blocks.len(), head.biases.len()];
     let stated = stated(&graph, frames, sizes)?;
     let (preprocessing, classes) = stated.map_or_else(|| assumed(surroundings, frames, sizes[2]), Ok)?;
@@ -194,6 +203,24 @@ impl<'g, 'a> Walk<'g, 'a> {
         let grid = grid(self.tensor(output, &field)?)?;
         (self.next, self.x) = (self.next + 1, output);
         Ok((operator, grid))
+    }
+
+    /// An operator that changes no answer.
+    fn pass(&mut self, name: &str) -> Result<(), TfliteError> {
+        let operator = &self.graph.operators[self.next];
+        let field = format!("operator {} ({name})", self.next);
+        let first = operator.inputs.first().copied().unwrap_or(-1);
+        let legal = format!("{}, the tensor before", self.x);
+        require(first == self.x, &format!("{field}: input"), first, &legal)?;
+        let [output] = operator.outputs[..] else {
+            return Err(TfliteError::value(
+                format!("{field}: number of outputs"),
+                operator.outputs.len(),
+                "1",
+            ));
+        };
+        (self.next, self.x) = (self.next + 1, output);
+        Ok(())
     }
 
     /// A layer with weights `[O][k][k][I]`, or `[1][1][1][O]` of a depthwise one; also its stride.

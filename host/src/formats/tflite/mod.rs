@@ -9,7 +9,7 @@
 //! -> AVERAGE_POOL_2D over the image -> CONV_2D 1x1 -> logits [1, 1, 1, classes]
 //! ```
 //!
-//! Weights are int8, per output channel, zero point 0; biases int32; activations int8 with one grid per tensor.
+//! A RESHAPE or SOFTMAX behind the logits is passed over when read. Weights are int8, per output channel, zero point 0; biases int32; activations int8 with one grid per tensor.
 
 mod export;
 mod graph;

@@ -108,9 +108,14 @@ pub enum Kind {
     DepthwiseConv,
     /// Maximum over windows.
     MaxPool,
+    /// Other axes; passed over behind the logits.
+    Reshape,
+    /// Probabilities; passed over behind the logits.
+    Softmax,
 }
 
 /// Field numbers of an operator's options; `None` where they have no such field.
+#[derive(Clone, Copy)]
 pub struct OptionSlots {
     /// Fused activation.
     pub activation: usize,
@@ -126,7 +131,15 @@ pub struct OptionSlots {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 5] = [Kind::Add, Kind::AveragePool, Kind::Conv, Kind::DepthwiseConv, Kind::MaxPool];
+    pub const ALL: [Kind; 7] = [
+        Kind::Add,
+        Kind::AveragePool,
+        Kind::Conv,
+        Kind::DepthwiseConv,
+        Kind::MaxPool,
+        Kind::Reshape,
+        Kind::Softmax,
+    ];
 
     /// `BuiltinOperator`.
     pub fn code(self) -> i32 {
@@ -136,6 +149,8 @@ impl Kind {
             Kind::Conv => 3,
             Kind::DepthwiseConv => 4,
             Kind::MaxPool => 17,
+            Kind::Reshape => 22,
+            Kind::Softmax => 25,
         }
     }
 
@@ -147,6 +162,8 @@ impl Kind {
             Kind::Conv => "CONV_2D",
             Kind::DepthwiseConv => "DEPTHWISE_CONV_2D",
             Kind::MaxPool => "MAX_POOL_2D",
+            Kind::Reshape => "RESHAPE",
+            Kind::Softmax => "SOFTMAX",
         }
     }
 
@@ -154,7 +171,8 @@ impl Kind {
     pub fn version(self) -> i32 {
         match self {
             Kind::Conv | Kind::DepthwiseConv => 3,
-            Kind::Add | Kind::AveragePool | Kind::MaxPool => 2,
+            Kind::Add | Kind::AveragePool | Kind::MaxPool | Kind::Softmax => 2,
+            Kind::Reshape => 1,
         }
     }
 
@@ -165,16 +183,18 @@ impl Kind {
             Kind::DepthwiseConv => 2,
             Kind::AveragePool | Kind::MaxPool => 5,
             Kind::Add => 11,
+            Kind::Reshape => 17,
+            Kind::Softmax => 9,
         }
     }
 
-    /// Where its options are.
-    pub fn option_slots(self) -> OptionSlots {
+    /// Where its options are; `None` for operators whose options say nothing of interest.
+    pub fn option_slots(self) -> Option<OptionSlots> {
         let none =
             OptionSlots { activation: 0, stride: None, filter: None, depth_multiplier: None, dilation: None };
         let strided = OptionSlots { stride: Some([1, 2]), ..none };
-        match self {
-            Kind::Add => OptionSlots { activation: 0, stride: None, ..strided },
+        Some(match self {
+            Kind::Add => none,
             Kind::AveragePool | Kind::MaxPool => {
                 OptionSlots { activation: 5, filter: Some([3, 4]), ..strided }
             }
@@ -182,7 +202,8 @@ impl Kind {
             Kind::DepthwiseConv => {
                 OptionSlots { activation: 4, depth_multiplier: Some(3), dilation: Some([5, 6]), ..strided }
             }
-        }
+            Kind::Reshape | Kind::Softmax => return None,
+        })
     }
 }
 
@@ -196,8 +217,6 @@ pub fn operator_name(code: i32) -> String {
         (18, "MUL"),
         (19, "RELU"),
         (21, "RELU6"),
-        (22, "RESHAPE"),
-        (25, "SOFTMAX"),
         (32, "CUSTOM"),
         (34, "PAD"),
         (39, "TRANSPOSE"),

@@ -81,6 +81,26 @@ fn a_file_without_metadata_takes_its_surroundings() {
 }
 
 #[test]
+fn a_softmax_behind_the_logits_is_passed_over() {
+    use super::graph::Options;
+    let file = export(&network(2)).unwrap();
+    let mut graph = Graph::parse(&file).unwrap();
+    for (kind, shape) in [(Kind::Reshape, vec![1, 5]), (Kind::Softmax, vec![1, 5])] {
+        let last = graph.outputs[0];
+        let mut tensor = graph.tensors[last as usize].clone();
+        tensor.shape = shape;
+        graph.tensors.push(tensor);
+        graph.outputs = vec![graph.tensors.len() as i32 - 1];
+        let (inputs, outputs) = (vec![last], graph.outputs.clone());
+        graph.operators.push(Operator { kind, inputs, outputs, options: Options::NEUTRAL });
+    }
+    assert_eq!(import(&graph.to_bytes(), &surroundings()).unwrap(), network(2));
+    // anywhere else it is not one of the network's operators
+    let error = refusal(|g| g.operators[1].kind = Kind::Softmax);
+    assert_eq!(error, "operator 1 (pool) is SOFTMAX, must be MAX_POOL_2D");
+}
+
+#[test]
 fn fused_activations_become_ranges() {
     use super::import::activation_range;
     assert_eq!(activation_range(0, 0.1, 5), Some((-128, 127)));
@@ -203,14 +223,14 @@ fn another_graph_is_refused() {
 #[test]
 fn an_operator_the_network_does_not_have_is_named() {
     let file = export(&network(1)).unwrap();
-    // the operator codes are written in the order of Kind::ALL: ADD is 0 in both fields, MAX_POOL_2D 17 becomes SOFTMAX
+    // the operator codes are written in the order of Kind::ALL: ADD is 0 in both fields, MAX_POOL_2D 17 becomes MEAN
     let mut foreign = file.clone();
     let places: Vec<usize> = (0..file.len() - 4)
         .filter(|&i| file[i..i + 4] == [17, 0, 0, 0] && file[i - 4..i] == [2, 0, 0, 0])
         .collect();
     for i in places {
-        foreign[i] = 25;
+        foreign[i] = 40;
     }
     let error = import(&foreign, &surroundings()).unwrap_err().to_string();
-    assert!(error.contains("operator 1 is SOFTMAX, must be one of ADD, AVERAGE_POOL_2D, CONV_2D"), "{error}");
+    assert!(error.contains("operator 1 is MEAN, must be one of ADD, AVERAGE_POOL_2D, CONV_2D"), "{error}");
 }
