@@ -11,7 +11,7 @@ use sdp3_tests::networks::{images, layers, quantized};
 use std::path::Path;
 
 /// Channels, blocks, stride of the stem, classes, frames.
-const SHAPES: [[usize; 5]; 10] = [
+const SHAPES: [[usize; 5]; 11] = [
     [8, 5, 1, 5, 35],
     [8, 5, 2, 5, 110],
     [16, 5, 1, 5, 35],
@@ -22,6 +22,7 @@ const SHAPES: [[usize; 5]; 10] = [
     [4, 1, 1, 2, 17],
     [12, 8, 2, 16, 48],
     [32, 2, 2, 5, 60],
+    [16, 1, 1, 5, 8],
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
