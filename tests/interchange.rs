@@ -118,7 +118,7 @@ fn mutate(file: &[u8], random: &mut Random) -> Vec<u8> {
             (aligned as u32).wrapping_neg(),
         ];
         match random.below(6) {
-            0 | 1 => file[at] = random.next() as u8,
+            0 | 1 => file[at] = random.bits() as u8,
             2 => file[at] ^= 1 << random.below(8),
             3 => file[aligned..aligned + 4].copy_from_slice(&telling[random.below(8)].to_le_bytes()),
             4 => {

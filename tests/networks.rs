@@ -17,25 +17,25 @@ impl Random {
     pub fn new(seed: u64) -> Self {
         let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66);
         (0..4).for_each(|_| {
-            random.next();
+            random.bits();
         });
         random
     }
 
     /// The next 32 bits.
-    pub fn next(&mut self) -> u32 {
+    pub fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 32) as u32
     }
 
     /// Below `n`.
     pub fn below(&mut self, n: usize) -> usize {
-        (u64::from(self.next()) * n as u64 >> 32) as usize
+        ((u64::from(self.bits()) * n as u64) >> 32) as usize
     }
 
     /// Between two numbers.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.next() >> 8) as f32 / (1u32 << 24) as f32
+        low + (high - low) * (self.bits() >> 8) as f32 / (1u32 << 24) as f32
     }
 }
 
@@ -68,7 +68,7 @@ pub fn images(frames: usize, count: usize, classes: usize, seed: u64) -> Images 
         let (slope, offset) = (random.between(-2.0, 2.0), random.between(0.0, 16.0));
         for (row, frame) in (0..64).flat_map(|r| (0..frames).map(move |f| (r, f))) {
             let distance = (row as f32 - offset - slope * frame as f32).rem_euclid(16.0) - 8.0;
-            let noise = random.next() >> 24;
+            let noise = random.bits() >> 24;
             let pixel = match i % 16 {
                 15 => {
                     if noise < 128 {

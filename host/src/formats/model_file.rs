@@ -50,7 +50,7 @@ impl Preprocessing {
     /// STFT frames of a recording: `(N_s - window) / hop + 1`, or 0 where the window does not fit.
     pub fn frames(&self) -> u16 {
         match self.sensing_slots.checked_sub(self.window_len) {
-            Some(rest) if self.hop > 0 => rest / self.hop + 1,
+            Some(rest) if self.hop > 0 => (rest / self.hop).saturating_add(1),
             _ => 0,
         }
     }

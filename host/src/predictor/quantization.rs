@@ -3,12 +3,13 @@
 //! TensorFlow Lite's 8-bit specification: weights symmetric per output channel, activations on one grid per tensor,
 //! biases in steps of the accumulator, scale ratios as Q31 multipliers with a shift (Jacob et al., 2018).
 
-use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use thiserror::Error;
 
-use super::calibration::{Grid, Grids, Rule, calibrate, position};
-use super::float_network::{Activation, FloatNetwork, FoldedBlock, FoldedLayer};
+mod report;
+pub use report::{LayerReport, QuantizationReport};
+
+use super::calibration::{Grid, Grids, Rule, calibrate};
+use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Images, Parameters, shuffled};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
 use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedNetwork, Weighted};
@@ -46,61 +47,6 @@ pub enum QuantizationError {
     NoImages,
 }
 
-/// What int8 did to one activation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LayerReport {
-    /// The activation, in words.
-    pub name: String,
-    /// Smallest number its grid holds.
-    pub low: f64,
-    /// Largest number its grid holds.
-    pub high: f64,
-    /// Its grid.
-    pub grid: Grid,
-    /// Power of the float activation over the power of its error, all earlier layers in int8 too, in dB.
-    pub sqnr_db: f64,
-    /// Share of its values beyond the grid's ends, 0..=1.
-    pub clipped: f64,
-}
-
-/// What quantisation did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct QuantizationReport {
-    /// Images the ranges come from.
-    pub images: usize,
-    /// The rule that was kept.
-    pub rule: Rule,
-    /// Cross entropy of the float network on them, in nats.
-    pub float_loss: f64,
-    /// Cross entropy of the rehearsed int8 network under each rule, in nats.
-    pub int8_loss: Vec<(Rule, f64)>,
-    /// Every activation under the rule that was kept.
-    pub layers: Vec<LayerReport>,
-}
-
-impl QuantizationReport {
-    /// The report as a table: range, step, error and clipped share of every activation.
-    pub fn table(&self) -> String {
-        let mut text = format!(
-            "{:<16}{:>11}{:>11}{:>12}{:>9}{:>10}",
-            "activation", "low", "high", "step", "SQNR dB", "clipped"
-        );
-        for l in &self.layers {
-            let _ = write!(
-                text,
-                "\n{:<16}{:>11.4}{:>11.4}{:>12.3e}{:>9.1}{:>9.3}%",
-                l.name,
-                l.low,
-                l.high,
-                l.grid.scale,
-                l.sqnr_db,
-                100.0 * l.clipped
-            );
-        }
-        text
-    }
-}
-
 /// Turns a trained network into int8; ranges are measured on `images`, of which at most
 /// [`CALIBRATION_IMAGES`] are used.
 ///
@@ -133,7 +79,7 @@ pub fn quantize(
         rule,
         float_loss: float.classify(&images).loss,
         int8_loss,
-        layers: compare(&float, &converted.rehearsal, &grids, &images),
+        layers: report::compare(&float, &converted.rehearsal, &grids, &images),
     };
     let network = QuantizedNetwork {
         preprocessing,
@@ -278,70 +224,6 @@ fn convert_add(name: &str, a: Grid, b: Grid, sum: Grid) -> Result<Add, Quantizat
         multipliers: pairs.map(|p| p.0),
         shifts: pairs.map(|p| p.1),
     })
-}
-
-/// Float and rehearsed activations side by side.
-fn compare(
-    float: &FloatNetwork,
-    rehearsal: &FloatNetwork,
-    grids: &Grids,
-    images: &Images,
-) -> Vec<LayerReport> {
-    let blocks = float.architecture.blocks;
-    let count = position(Activation::Logits, blocks) + 1;
-    let mut power = vec![(0.0f64, 0.0f64); count];
-    let mut beyond = vec![(0u64, 0u64); count];
-    let mut order = Vec::with_capacity(count);
-    for i in 0..images.len() {
-        let mut exact: Vec<Vec<f32>> = Vec::with_capacity(count);
-        order.clear();
-        float.forward(images.image(i), images.rows, &mut |activation, values| {
-            order.push(activation);
-            exact.push(values.to_vec());
-        });
-        rehearsal.forward(images.image(i), images.rows, &mut |activation, values| {
-            let at = position(activation, blocks);
-            let grid = grids.of(activation);
-            let (low, high) = grid.range();
-            let half = 0.5 * grid.scale;
-            beyond[at].0 += values.iter().filter(|&&v| v < low - half || v > high + half).count() as u64;
-            beyond[at].1 += values.len() as u64;
-            round_all(grid, values);
-            for (&e, &v) in exact[at].iter().zip(values.iter()) {
-                power[at].0 += f64::from(e).powi(2);
-                power[at].1 += f64::from(e - v).powi(2);
-            }
-        });
-    }
-    let report =
-        |((&activation, (signal, error)), (clipped, all)): ((&Activation, (f64, f64)), (u64, u64))| {
-            let grid = grids.of(activation);
-            let (low, high) = grid.range();
-            // An activation without error counts as one with the error of a double's last bit.
-            let floor = signal.max(f64::MIN_POSITIVE) * f64::EPSILON * f64::EPSILON;
-            LayerReport {
-                name: in_words(activation),
-                low: f64::from(low),
-                high: f64::from(high),
-                grid,
-                sqnr_db: 10.0 * libm::log10(signal.max(f64::MIN_POSITIVE) / error.max(floor)),
-                clipped: clipped as f64 / all.max(1) as f64,
-            }
-        };
-    order.iter().zip(power).zip(beyond).map(report).collect()
-}
-
-fn in_words(activation: Activation) -> String {
-    match activation {
-        Activation::Input => "input".into(),
-        Activation::Stem => "stem".into(),
-        Activation::Affine(b) => format!("block {b} affine"),
-        Activation::Conv1(b) => format!("block {b} conv1"),
-        Activation::Conv2(b) => format!("block {b} conv2"),
-        Activation::Add(b) => format!("block {b} add"),
-        Activation::Mean => "mean".into(),
-        Activation::Logits => "logits".into(),
-    }
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@
 use std::borrow::Cow;
 
 use super::graph::{Graph, Operator, Options, Tensor};
-use super::import::activation_range;
 use super::schema::{ACTIVATIONS, INT8, INT32, Kind, VALID};
+use super::walk::activation_range;
 use super::{TfliteError, require};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, weight_scale};
 use crate::formats::model_file::{Add, HEADER_BYTES, NAME_BYTES, QuantizedNetwork, ROWS, Weighted};

@@ -16,6 +16,7 @@ mod graph;
 mod import;
 mod reader;
 mod schema;
+mod walk;
 mod writer;
 
 pub use export::export;

@@ -102,7 +102,7 @@ fn a_softmax_behind_the_logits_is_passed_over() {
 
 #[test]
 fn fused_activations_become_ranges() {
-    use super::import::activation_range;
+    use super::walk::activation_range;
     assert_eq!(activation_range(0, 0.1, 5), Some((-128, 127)));
     assert_eq!(activation_range(1, 0.1, 5), Some((5, 127)));
     assert_eq!(activation_range(2, 0.1, 5), Some((-5, 15)));
