@@ -8,6 +8,7 @@ pub mod checkpoint;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
+pub mod interchange;
 #[cfg(feature = "train")]
 pub mod learn;
 pub mod learning_curve;
@@ -17,9 +18,10 @@ pub mod parameters;
 pub mod quantization;
 #[cfg(feature = "train")]
 pub mod recipe;
+pub mod safetensors;
 pub mod spectrograms;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;
 #[cfg(feature = "train")]
