@@ -110,6 +110,15 @@ pub enum Recipe {
     PaperMomentum,
 }
 
+/// A study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Study {
+    /// Accuracy over the number of sensing slots, and the curves of Table III.
+    LearningCurve,
+    /// Accuracy under other headings, rho, power, d, people and carriers.
+    Robustness,
+}
+
 /// Where to train.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
@@ -203,6 +212,15 @@ pub enum Command {
         preset: Preset,
         #[command(flatten)]
         how: TrainArgs,
+    },
+    /// Answer a question that takes many trainings; the same command goes on where it was interrupted.
+    Study {
+        /// Which question.
+        #[arg(value_enum)]
+        name: Study,
+        /// Seeds, from --seed upwards.
+        #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+        seeds: u32,
     },
     /// Turn trained networks into int8 model files.
     Quantize,

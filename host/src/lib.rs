@@ -10,3 +10,5 @@ pub mod report;
 pub mod results;
 pub mod scenario;
 pub mod simulator;
+#[cfg(feature = "train")]
+pub mod studies;

@@ -149,6 +149,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             Ok(true)
         }
         Command::Train { how, .. } => train(job, how, common.threads, json),
+        Command::Study { name, seeds } => study(&job, name, seeds, common.threads, json),
         Command::Quantize => quantize(&job, json),
         Command::Verify { proof } => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
@@ -412,6 +413,32 @@ fn run(
         println!("report: {page}");
     }
     Ok(result.verify.mismatches == 0)
+}
+
+#[cfg(feature = "train")]
+fn study(job: &Job, name: Study, seeds: u32, threads: usize, json: bool) -> Result<bool, Failure> {
+    use sdp3::studies::{Request, Workshop, cells::Cells, learning_curve, robustness};
+    let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
+    let study = name_of(name).unwrap_or_default();
+    let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
+    let cells = Cells::open(&job.output, &request)?;
+    let workshop = Workshop { progress: job.progress, workers: workers(threads) };
+    match name {
+        Study::LearningCurve => {
+            let found = learning_curve::study(&request, &cells, workshop)?;
+            print(json, &found, || learning_curve::table(&request, &found));
+        }
+        Study::Robustness => {
+            let found = robustness::study(&request, &cells, workshop)?;
+            print(json, &found, || robustness::table(&request, &found));
+        }
+    }
+    Ok(true)
+}
+
+#[cfg(not(feature = "train"))]
+fn study(_: &Job, _: Study, _: u32, _: usize, _: bool) -> Result<bool, Failure> {
+    Err("this build cannot train: build it with the feature `train`".into())
 }
 
 #[cfg(not(feature = "train"))]

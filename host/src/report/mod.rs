@@ -6,6 +6,8 @@ pub mod figures;
 pub mod gallery;
 pub mod plot;
 pub mod spectrograms;
+#[cfg(feature = "train")]
+pub mod studies;
 pub mod tables;
 
 use crate::results::{Figures, Run};

@@ -1,0 +1,97 @@
+//! Networks trained in one room and tested in others.
+
+use super::Workshop;
+use crate::pipeline::Failure;
+use crate::predictor::float_network::FloatNetwork;
+use crate::predictor::interchange::header;
+use crate::predictor::parameters::{Images, Parameters};
+use crate::predictor::quantization::quantize;
+use crate::predictor::spectrograms::{Collected, collect};
+use crate::predictor::training::{self, train_all};
+use crate::results::Accuracy;
+use crate::scenario::{Class, Scenario};
+use crate::simulator::dataset::Set;
+use sdp3_core::dsn::{Model, Network, scratch_bytes};
+
+/// Networks for every N_s of a scenario.
+pub struct Trained {
+    /// Their float parameters.
+    pub parameters: Vec<Parameters>,
+    /// Their int8 model files.
+    pub models: Vec<Vec<u8>>,
+}
+
+/// Images of a set, with a line of progress.
+pub fn images(scenario: &Scenario, rho: f64, seed: u64, set: Set, workshop: Workshop) -> Collected {
+    let learning = &scenario.learning;
+    let count = if set == Set::Test { learning.test_per_class } else { learning.train_per_class };
+    let stage = workshop.progress.stage("simulate", &format!("{set:?}, seed {seed}"));
+    let found = collect(scenario, rho, seed, set, count, &|done, all| stage.at(done, all));
+    stage.finish(&format!("{count} of each class, seed {seed}, rho {rho}"));
+    found
+}
+
+/// Trains and quantises a network for every N_s.
+///
+/// # Errors
+///
+/// Images that do not fit the scenario's settings; weights that leave the format's range.
+pub fn train(
+    scenario: &Scenario,
+    seed: u64,
+    images: &Collected,
+    workshop: Workshop,
+) -> Result<Trained, Failure> {
+    let learning = &scenario.learning;
+    let slots = &scenario.frame.sensing_slots;
+    let jobs: Vec<_> = slots
+        .iter()
+        .map(|&n| training::Job { seed: seed ^ (u64::from(n) << 32), ..Default::default() })
+        .collect();
+    let stage = workshop.progress.stage("learn", &format!("{} networks, seed {seed}", jobs.len()));
+    let total = jobs.len() as u64 * u64::from(learning.epochs);
+    let watch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
+        stage.step(total);
+        Ok(())
+    };
+    let trained = train_all(&images.images, &jobs, learning, Class::ALL.len(), workshop.workers, &watch)?;
+    stage.finish(&format!("{} networks, seed {seed}", trained.len()));
+    let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
+    let mut models = Vec::new();
+    for ((network, images), &n) in trained.iter().zip(&images.images).zip(slots) {
+        let (quantized, _) = quantize(&network.parameters, header(scenario, n), &names, images)?;
+        models.push(quantized.to_bytes()?);
+    }
+    Ok(Trained { parameters: trained.into_iter().map(|t| t.parameters).collect(), models })
+}
+
+impl Trained {
+    /// Shares recognised of test images, in float and by the core's int8 network.
+    ///
+    /// # Errors
+    ///
+    /// A model that the core refuses.
+    pub fn test(&self, scenario: &Scenario, test: &Collected) -> Result<Vec<Accuracy>, Failure> {
+        let networks = self.parameters.iter().zip(&self.models).zip(&test.images);
+        let rows = networks.zip(&scenario.frame.sensing_slots).map(|(((parameters, model), images), &n)| {
+            Ok(Accuracy {
+                sensing_slots: n,
+                float: FloatNetwork::new(parameters).classify(images).accuracy(),
+                int8: int8(model, images)?,
+                tested: images.len() as u32,
+            })
+        });
+        rows.collect()
+    }
+}
+
+/// Share of images that the core's network recognises.
+fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
+    let model = Model::parse(bytes).map_err(|e| e.to_string())?;
+    let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
+    let mut network = Network::new(model, &mut scratch).ok_or("the model needs more scratch memory")?;
+    let right = (0..images.len())
+        .filter(|&n| network.infer(images.image(n), &mut ()).class == images.labels[n])
+        .count();
+    Ok(right as f64 / images.len().max(1) as f64)
+}
