@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::Parser;
-use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, TrainArgs};
+use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, Study, TrainArgs};
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
 use sdp3::formats::points;

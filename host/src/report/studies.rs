@@ -30,7 +30,13 @@ pub fn learning_curve(found: &LearningCurve) -> String {
             plot.dot(n, seed, 1.5, COLOURS[6], &format!("N_s = {n}: {seed:.3}"));
         }
         plot.error_bar(n, row.int8.mean - row.int8.deviation, row.int8.mean + row.int8.deviation, COLOURS[1]);
-        plot.dot(n, row.int8.mean, 4.5, COLOURS[1], &format!("N_s = {n}: int8 {}, float {}", row.int8, row.float));
+        plot.dot(
+            n,
+            row.int8.mean,
+            4.5,
+            COLOURS[1],
+            &format!("N_s = {n}: int8 {}, float {}", row.int8, row.float),
+        );
     }
     for (n, accuracy) in PAPER.iter().filter(|(n, _)| f64::from(*n) <= most) {
         plot.dot(f64::from(*n), *accuracy, 3.5, COLOURS[2], &format!("the paper: {accuracy} at N_s = {n}"));
@@ -63,11 +69,17 @@ pub fn robustness(found: &Robustness) -> String {
             height - 22.0
         );
     }
-    let _ = write!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">accuracy (int8)</text>", at(0.5), height - 6.0);
+    let _ = write!(
+        svg,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">accuracy (int8)</text>",
+        at(0.5),
+        height - 6.0
+    );
     for (k, row) in found.rows.iter().enumerate() {
         let y = 24.0 + STEP * k as f64;
         let label = escape(&format!("{}: {}", row.factor, row.value));
-        let _ = write!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{label}</text>", LEFT - 8.0, y + 12.0);
+        let _ =
+            write!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{label}</text>", LEFT - 8.0, y + 12.0);
         let bars = [(Some(row.transfer), COLOURS[0]), (row.matched, COLOURS[4])];
         for (bar, (spread, colour)) in bars.into_iter().enumerate() {
             let Some(s) = spread else { continue };

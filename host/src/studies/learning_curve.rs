@@ -6,7 +6,7 @@ use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, Spread, Workshop};
 use crate::pipeline::Failure;
-use crate::predictor::learning_curve::{Model, fit_all};
+use crate::predictor::learning_curve::fit_all;
 use crate::results::{Accuracy, CurvePoint, Prediction};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;
@@ -61,7 +61,13 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Lea
         let each = |of: fn(&Accuracy) -> f64| seeds.iter().map(|rows| of(&rows[k])).collect::<Vec<_>>();
         let int8 = each(|a| a.int8);
         let tested = seeds.first().map_or(0, |rows| rows[k].tested);
-        Row { sensing_slots, float: Spread::of(&each(|a| a.float)), int8: Spread::of(&int8), each: int8, tested }
+        Row {
+            sensing_slots,
+            float: Spread::of(&each(|a| a.float)),
+            int8: Spread::of(&int8),
+            each: int8,
+            tested,
+        }
     };
     let rows: Vec<Row> = s.frame.sensing_slots.iter().enumerate().map(row).collect();
     let points: Vec<CurvePoint> = rows
@@ -106,10 +112,9 @@ pub fn table(request: &Request, found: &LearningCurve) -> String {
     if let Some(prediction) = &found.prediction {
         text += "\n| curve | sum of squared errors | AICc | leave-one-out |\n|---|---|---|---|\n";
         for m in &prediction.models {
-            let name = Model::by_name(&m.name).map_or(m.name.as_str(), Model::name);
             let aicc = m.aicc.map_or_else(|| "–".into(), |a| format!("{a:.1}"));
             let loo = m.loo.map_or_else(|| "–".into(), |l| format!("{l:.4}"));
-            text += &format!("| {name} | {:.3e} | {aicc} | {loo} |\n", m.sse);
+            text += &format!("| {} | {:.3e} | {aicc} | {loo} |\n", m.name, m.sse);
         }
     }
     text

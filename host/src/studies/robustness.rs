@@ -48,9 +48,10 @@ pub fn conditions() -> Vec<Condition> {
         let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
         add("first component kept, d", format!("{first}"), true, Box::new(change));
     }
-    for (value, child, adult) in
-        [("children 1.2..1.4 m, adults 1.5..1.6 m", [1.2, 1.4], [1.5, 1.6]), ("children 0.8..0.9 m, adults 1.9..2.1 m", [0.8, 0.9], [1.9, 2.1])]
-    {
+    for (value, child, adult) in [
+        ("children 1.2..1.4 m, adults 1.5..1.6 m", [1.2, 1.4], [1.5, 1.6]),
+        ("children 0.8..0.9 m, adults 1.9..2.1 m", [0.8, 0.9], [1.9, 2.1]),
+    ] {
         let change = move |s: &mut Scenario| {
             s.target.child_height_m = child;
             s.target.adult_height_m = adult;
@@ -111,9 +112,8 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
     let sensing_slots = usual.largest_sensing_slots();
     usual.frame.sensing_slots = vec![sensing_slots];
     let rho = |s: &Scenario| s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
-    let learn = |s: &Scenario, seed: u64| {
-        train(s, seed, &images(s, rho(s), seed, Set::Train, workshop), workshop)
-    };
+    let learn =
+        |s: &Scenario, seed: u64| train(s, seed, &images(s, rho(s), seed, Set::Train, workshop), workshop);
     let conditions = conditions();
     let mut found: Vec<Vec<Cell>> = vec![Vec::new(); conditions.len()];
     for seed in request.each_seed() {
