@@ -40,7 +40,7 @@ pub enum TrainingError {
         legal: String,
     },
     /// A checkpoint that cannot be resumed from.
-    #[error(transparent)]
+    #[error("checkpoint: {0}")]
     Checkpoint(#[from] CheckpointError),
     /// What the caller found wrong after an epoch.
     #[error("training: {0}")]
@@ -105,6 +105,29 @@ pub struct Job {
     pub backend: Backend,
     /// Where to go on, instead of at the beginning.
     pub resume: Option<Checkpoint>,
+}
+
+impl Job {
+    fn identity(&self, images: &Images, settings: &Learning, classes: usize) -> Identity {
+        let architecture = Architecture {
+            channels: usize::from(settings.channels),
+            blocks: usize::from(settings.blocks),
+            stem_stride: usize::from(settings.stem_stride),
+            classes,
+        };
+        Identity::new(architecture, settings, self.seed, images, self.backend.name())
+    }
+
+    /// Whether the checkpoint, if there is one, is of this training.
+    ///
+    /// # Errors
+    /// What differs, the architecture first.
+    pub fn check(&self, images: &Images, settings: &Learning, classes: usize) -> Result<(), CheckpointError> {
+        match &self.resume {
+            Some(checkpoint) => checkpoint.check(&self.identity(images, settings, classes)),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Sees the state after every epoch, from any thread; an error ends the training.
@@ -210,13 +233,8 @@ impl<'a> Learner<'a> {
         classes: usize,
         job: &Job,
     ) -> Result<Learner<'a>, TrainingError> {
-        let architecture = Architecture {
-            channels: usize::from(settings.channels),
-            blocks: usize::from(settings.blocks),
-            stem_stride: usize::from(settings.stem_stride),
-            classes,
-        };
-        let identity = Identity::new(architecture, settings, job.seed, images, job.backend.name());
+        let identity = job.identity(images, settings, classes);
+        let architecture = identity.architecture;
         let mut parameters = Parameters::initial(architecture, job.seed);
         let mut optimizer = optimizer(settings);
         let (mut epochs, mut best) = (Vec::new(), None);
