@@ -133,6 +133,9 @@ impl Job {
 /// Sees the state after every epoch, from any thread; an error ends the training.
 pub type Watch<'a> = dyn Fn(&dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
 
+/// As [`Watch`], with the job's number first.
+pub type WatchAll<'a> = dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
+
 /// Trains one network per job and images, `workers` at a time, and returns them in order.
 ///
 /// `watch(job, checkpoint, epochs)` is called after every epoch, from any thread; an error of its ends the training.
@@ -146,7 +149,7 @@ pub fn train_all(
     settings: &Learning,
     classes: usize,
     workers: usize,
-    watch: &(dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync),
+    watch: &WatchAll,
 ) -> Result<Vec<Trained>, TrainingError> {
     // The longest first, so that no worker is left with it at the end.
     let mut order: Vec<usize> = (0..jobs.len().min(images.len())).collect();
