@@ -79,7 +79,7 @@ pub struct Checkpoint {
 #[derive(Debug, Error, PartialEq)]
 pub enum CheckpointError {
     /// It is of another training.
-    #[error("checkpoint: {field} is {value}, must be {legal}; train without --resume to begin anew")]
+    #[error("{field} is {value}, must be {legal}; train without --resume to begin anew")]
     Other {
         /// What differs.
         field: &'static str,
@@ -89,7 +89,7 @@ pub enum CheckpointError {
         legal: String,
     },
     /// Its contents are damaged.
-    #[error("checkpoint: {0} cannot be decoded")]
+    #[error("{0} cannot be decoded")]
     Damaged(&'static str),
 }
 
@@ -206,9 +206,9 @@ mod tests {
         let refusal = |wanted: &Identity| checkpoint.check(wanted).unwrap_err().to_string();
         let architecture = Architecture { channels: 8, ..SMALL };
         let wider = refusal(&Identity { architecture, seed: 8, ..identity.clone() });
-        assert!(wider.starts_with("checkpoint: architecture is {\"channels\":4,"), "{wider}");
+        assert!(wider.starts_with("architecture is {\"channels\":4,"), "{wider}");
         assert!(wider.contains("must be {\"channels\":8,"), "{wider}");
         let reseeded = refusal(&Identity { seed: 8, ..identity.clone() });
-        assert!(reseeded.starts_with("checkpoint: seed is 7, must be 8"), "{reseeded}");
+        assert!(reseeded.starts_with("seed is 7, must be 8"), "{reseeded}");
     }
 }

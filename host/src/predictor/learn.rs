@@ -9,7 +9,7 @@ use super::interchange::header;
 use super::parameters::Parameters;
 use super::quantization::quantize;
 use super::spectrograms::{Collected, collect};
-use super::training::{self, Backend, TrainingError, train_all};
+use super::training::{self, Backend, train_all};
 use crate::pipeline::{Failure, Job, Learned};
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
@@ -68,14 +68,18 @@ impl Job {
         let slots = &s.frame.sensing_slots;
         let name = |n: u32| format!("models/dsn-{n}.checkpoint.json");
         let mut jobs = Vec::new();
-        for &n in slots {
+        for (&n, images) in slots.iter().zip(&train.images) {
             let resume = match how.resume && self.output.path(&name(n)).exists() {
                 true => {
                     Some(self.output.read_json::<Checkpoint>(&name(n), "train without --resume makes it")?)
                 }
                 false => None,
             };
-            jobs.push(training::Job { seed: self.seed ^ (u64::from(n) << 32), backend: how.backend, resume });
+            let seed = self.seed ^ (u64::from(n) << 32);
+            let job = training::Job { seed, backend: how.backend, resume };
+            let checked = job.check(images, &s.learning, Class::ALL.len());
+            checked.map_err(|e| format!("{}: {e}", self.output.path(&name(n)).display()))?;
+            jobs.push(job);
         }
         let stage = self.progress.stage("learn", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
@@ -95,13 +99,7 @@ impl Job {
             stage.step(total);
             Ok(())
         };
-        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), workers, &watch)
-            .map_err(|e| match e {
-                TrainingError::Checkpoint(_) => {
-                    format!("{}: {e}", self.output.folder().join("models").display()).into()
-                }
-                other => Failure::from(other),
-            })?;
+        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), workers, &watch)?;
         let last = trained.last().and_then(|t| t.epochs.last());
         let (loss, accuracy) = last.map_or((f64::NAN, f64::NAN), |e| (e.loss, e.accuracy));
         stage.finish(&format!("{} networks, last loss {loss:.3}, accuracy {accuracy:.3}", trained.len()));

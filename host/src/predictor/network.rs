@@ -303,4 +303,49 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_trunks_gradient_is_the_difference_quotient() {
+        let images = stripes(20, 2, 3);
+        let device = Device::flex().autodiff();
+        for stem_stride in [1, 2] {
+            let architecture = Architecture { channels: 4, blocks: 2, stem_stride, classes: 5 };
+            let parameters = trained_looking(architecture, 4);
+            let loss = |p: &Parameters| {
+                let network = Network::new(p, &device);
+                let logits = network.forward_batch(input(&images, &device), &Workspace::default());
+                (logits.powi_scalar(2).sum(), network)
+            };
+            let (value, network) = loss(&parameters);
+            let gradients = value.backward();
+            type Pick = fn(&mut Parameters) -> &mut Vec<f32>;
+            let checks: [(Vec<f32>, Pick); 5] = [
+                (values(network.stem.val().grad(&gradients).unwrap()), |p| &mut p.stem.weights),
+                (values(network.blocks[0].conv1.val().grad(&gradients).unwrap()), |p| &mut p.blocks[0].conv1),
+                (values(network.blocks[0].norm1.gamma.val().grad(&gradients).unwrap()), |p| {
+                    &mut p.blocks[0].norm1.gamma
+                }),
+                (values(network.blocks[1].norm2.beta.val().grad(&gradients).unwrap()), |p| {
+                    &mut p.blocks[1].norm2.beta
+                }),
+                (values(network.blocks[1].conv2.val().grad(&gradients).unwrap()), |p| {
+                    &mut p.blocks[1].conv2.weights
+                }),
+            ];
+            for (which, (gradient, pick)) in checks.iter().enumerate() {
+                let largest = gradient.iter().fold(0.0f32, |m, g| m.max(g.abs()));
+                for k in (0..gradient.len()).step_by(gradient.len().div_ceil(12)) {
+                    let step = 1e-3;
+                    let at = |sign: f32| {
+                        let mut p = parameters.clone();
+                        pick(&mut p)[k] += sign * step;
+                        f64::from(values(loss(&p).0)[0])
+                    };
+                    let quotient = (at(1.0) - at(-1.0)) / (2.0 * f64::from(step));
+                    let error = (quotient - f64::from(gradient[k])).abs();
+                    assert!(error < 0.03 * f64::from(largest), "{which} {k}: {quotient} {}", gradient[k]);
+                }
+            }
+        }
+    }
 }

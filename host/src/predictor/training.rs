@@ -40,7 +40,7 @@ pub enum TrainingError {
         legal: String,
     },
     /// A checkpoint that cannot be resumed from.
-    #[error(transparent)]
+    #[error("checkpoint: {0}")]
     Checkpoint(#[from] CheckpointError),
     /// What the caller found wrong after an epoch.
     #[error("training: {0}")]
@@ -107,8 +107,34 @@ pub struct Job {
     pub resume: Option<Checkpoint>,
 }
 
+impl Job {
+    fn identity(&self, images: &Images, settings: &Learning, classes: usize) -> Identity {
+        let architecture = Architecture {
+            channels: usize::from(settings.channels),
+            blocks: usize::from(settings.blocks),
+            stem_stride: usize::from(settings.stem_stride),
+            classes,
+        };
+        Identity::new(architecture, settings, self.seed, images, self.backend.name())
+    }
+
+    /// Whether the checkpoint, if there is one, is of this training.
+    ///
+    /// # Errors
+    /// What differs, the architecture first.
+    pub fn check(&self, images: &Images, settings: &Learning, classes: usize) -> Result<(), CheckpointError> {
+        match &self.resume {
+            Some(checkpoint) => checkpoint.check(&self.identity(images, settings, classes)),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Sees the state after every epoch, from any thread; an error ends the training.
 pub type Watch<'a> = dyn Fn(&dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
+
+/// As [`Watch`], with the job's number first.
+pub type WatchAll<'a> = dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
 
 /// Trains one network per job and images, `workers` at a time, and returns them in order.
 ///
@@ -123,7 +149,7 @@ pub fn train_all(
     settings: &Learning,
     classes: usize,
     workers: usize,
-    watch: &(dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync),
+    watch: &WatchAll,
 ) -> Result<Vec<Trained>, TrainingError> {
     // The longest first, so that no worker is left with it at the end.
     let mut order: Vec<usize> = (0..jobs.len().min(images.len())).collect();
@@ -210,13 +236,8 @@ impl<'a> Learner<'a> {
         classes: usize,
         job: &Job,
     ) -> Result<Learner<'a>, TrainingError> {
-        let architecture = Architecture {
-            channels: usize::from(settings.channels),
-            blocks: usize::from(settings.blocks),
-            stem_stride: usize::from(settings.stem_stride),
-            classes,
-        };
-        let identity = Identity::new(architecture, settings, job.seed, images, job.backend.name());
+        let identity = job.identity(images, settings, classes);
+        let architecture = identity.architecture;
         let mut parameters = Parameters::initial(architecture, job.seed);
         let mut optimizer = optimizer(settings);
         let (mut epochs, mut best) = (Vec::new(), None);

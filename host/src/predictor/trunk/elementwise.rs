@@ -16,22 +16,35 @@ impl std::ops::AddAssign for Sums {
     }
 }
 
-/// Vectors summed side by side: every lane of [`LANES`] on its own, as few vectors as hold them.
+/// Sums two values over vectors of pixels, `at(0)` to `at(count - 1)`, every lane of [`LANES`] on its own.
 #[inline(always)]
-fn summed<S: Simd>(simd: S, count: usize, mut at: impl FnMut(usize) -> (S::f32s, S::f32s)) -> Sums {
-    // Sixteen registers at most; as many are used as hold the lanes.
-    let mut sums = [[simd.splat_f32s(0.0); LANES]; 2];
-    let used = LANES / S::F32_LANES;
-    for p in 0..count / used {
-        for u in 0..used {
-            let (a, b) = at(p * used + u);
+fn summed<S: Simd>(simd: S, count: usize, at: impl FnMut(usize) -> (S::f32s, S::f32s)) -> Sums {
+    match S::F32_LANES {
+        16 => lanes::<S, 1>(simd, count, at),
+        8 => lanes::<S, 2>(simd, count, at),
+        4 => lanes::<S, 4>(simd, count, at),
+        _ => lanes::<S, LANES>(simd, count, at),
+    }
+}
+
+/// U vectors to sixteen lanes.
+#[inline(always)]
+fn lanes<S: Simd, const U: usize>(
+    simd: S,
+    count: usize,
+    mut at: impl FnMut(usize) -> (S::f32s, S::f32s),
+) -> Sums {
+    let mut sums = [[simd.splat_f32s(0.0); U]; 2];
+    for p in 0..count / U {
+        for u in 0..U {
+            let (a, b) = at(p * U + u);
             sums[0][u] = simd.add_f32s(sums[0][u], a);
             sums[1][u] = simd.add_f32s(sums[1][u], b);
         }
     }
     let mut lanes = [[0.0f32; LANES]; 2];
     for (lanes, sums) in lanes.iter_mut().zip(&sums) {
-        S::as_mut_simd_f32s(lanes).0.copy_from_slice(&sums[..used]);
+        S::as_mut_simd_f32s(lanes).0.copy_from_slice(sums);
     }
     let total = |lanes: &[f32; LANES]| lanes.iter().map(|&v| f64::from(v)).sum();
     Sums(total(&lanes[0]), total(&lanes[1]))
