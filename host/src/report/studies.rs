@@ -14,15 +14,14 @@ pub fn learning_curve(found: &LearningCurve) -> String {
     let y = Axis { low: (lowest - 0.05).max(0.0), high: 1.0, name: "accuracy".into(), log: false };
     let floor = y.low;
     let mut plot = Plot::new("Accuracy over sensing slots, several seeds", x, y);
-    if let Some(best) = found.prediction.as_ref().and_then(|p| p.models.first()) {
-        if let Some(model) = Model::by_name(&best.name) {
-            let points: Vec<_> = (0..=120)
-                .map(|k| 128.0 + (most - 128.0) * f64::from(k) / 120.0)
-                .map(|n| (n, model.at(&best.parameters, n)))
-                .filter(|(_, a)| (floor..=1.0).contains(a))
-                .collect();
-            plot.line(&points, COLOURS[0], 2.0, &format!("{} (best fit)", best.name));
-        }
+    let best = found.prediction.as_ref().and_then(|p| p.models.first());
+    if let Some((best, model)) = best.and_then(|best| Some((best, Model::by_name(&best.name)?))) {
+        let points: Vec<_> = (0..=120)
+            .map(|k| 128.0 + (most - 128.0) * f64::from(k) / 120.0)
+            .map(|n| (n, model.at(&best.parameters, n)))
+            .filter(|(_, a)| (floor..=1.0).contains(a))
+            .collect();
+        plot.line(&points, COLOURS[0], 2.0, &format!("{} (best fit)", best.name));
     }
     for row in &found.rows {
         let n = f64::from(row.sensing_slots);
