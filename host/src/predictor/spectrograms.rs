@@ -26,8 +26,8 @@ pub fn item(item: u32) -> (Class, u32) {
     (Class::ALL[(item % classes) as usize], item / classes)
 }
 
-/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`]. Test recordings go the whole
-/// way through raw slots; the others start at the beats.
+/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`], or `[recording][window]` of
+/// training recordings. Test recordings go the whole way through raw slots; the others start at the beats.
 pub fn collect(
     scenario: &Scenario,
     rho: f64,
@@ -37,18 +37,24 @@ pub fn collect(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Collected {
     let count = per_class * Class::ALL.len() as u32;
+    let slots = scenario.largest_sensing_slots();
     let done = AtomicU64::new(0);
     let each: Vec<(Vec<Vec<i8>>, u8)> = (0..count)
         .into_par_iter()
-        .map(|index| {
+        .flat_map_iter(|index| {
             let (class, n) = item(index);
-            let slots = scenario.largest_sensing_slots();
-            let images = match set {
-                Set::Test => images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots),
-                _ => images_of_beats(scenario, &beats(scenario, rho, seed, set, class, n, slots).0),
+            let windows = match set {
+                Set::Test => {
+                    vec![images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots)]
+                }
+                Set::Train => {
+                    let slots = scenario.learning.training_slots(slots);
+                    windows_of(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)
+                }
+                _ => vec![images_of_beats(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)],
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-            (images, class as u8)
+            windows.into_iter().map(move |images| (images, class as u8))
         })
         .collect();
     let settings = scenario.spectrogram.preprocessing();
@@ -65,6 +71,25 @@ pub fn collect(
         })
         .collect();
     Collected { images }
+}
+
+/// Images at every N_s of each window of a training recording: the first at its beginning, the last at its end.
+fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
+    let windows = scenario.learning.windows as usize;
+    if windows == 1 {
+        return vec![images_of_beats(scenario, beats)];
+    }
+    let mut short = scenario.clone();
+    let mut window = |w: usize| {
+        let mut images = Vec::new();
+        for &slots in &scenario.frame.sensing_slots {
+            let first = (beats.len() - slots as usize) * w / (windows - 1);
+            short.frame.sensing_slots = vec![slots];
+            images.extend(images_of_beats(&short, &beats[first..first + slots as usize]));
+        }
+        images
+    };
+    (0..windows).map(&mut window).collect()
 }
 
 /// Images at every N_s of the scenario of a recording's raw slots.

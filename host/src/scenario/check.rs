@@ -130,7 +130,8 @@ impl Scenario {
         if t.turns || t.waypoints_m.len() > 1 || t.capture.is_some() {
             return Ok(());
         }
-        let duration = self.interval_s() * f64::from(self.largest_sensing_slots());
+        let slots = self.learning.training_slots(self.largest_sensing_slots());
+        let duration = self.interval_s() * f64::from(slots);
         let speed = 0.5 * t.adult_height_m[1] * (1.0 + 3.0 * t.speed_jitter);
         let [x, y] = t.start_m;
         let radar = self.radar.position_m;
@@ -192,6 +193,7 @@ impl Scenario {
     fn check_learning(&self, c: &Check) -> Result<(), ScenarioError> {
         let l = &self.learning;
         c.count("learning.train_per_class", l.train_per_class, 2, 100_000)?;
+        c.count("learning.windows", l.windows, 1, 100)?;
         c.count("learning.test_per_class", l.test_per_class, 1, 100_000)?;
         c.count("learning.epochs", l.epochs, 1, 10_000)?;
         c.count("learning.batch", l.batch, 2, 10_000)?;

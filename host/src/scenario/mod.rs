@@ -380,6 +380,9 @@ pub enum Schedule {
 pub struct Learning {
     /// Training recordings per class.
     pub train_per_class: u32,
+    /// Windows of every training recording, from its beginning to its end: with more than one, training recordings last twice
+    /// the largest N_s, and every window is an image of its own.
+    pub windows: u32,
     /// Test recordings per class, never trained on.
     pub test_per_class: u32,
     /// Passes over the training set.
@@ -535,10 +538,18 @@ impl Default for SpectrogramSettings {
     }
 }
 
+impl Learning {
+    /// Sensing slots of a training recording in which the longest window has `slots`.
+    pub fn training_slots(&self, slots: u32) -> u32 {
+        if self.windows > 1 { 2 * slots } else { slots }
+    }
+}
+
 impl Default for Learning {
     fn default() -> Self {
         Learning {
             train_per_class: 200,
+            windows: 1,
             test_per_class: 100,
             epochs: 30,
             batch: 50,

@@ -11,7 +11,11 @@ use crate::predictor::training::{self, train_all};
 use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
+use rayon::prelude::*;
 use sdp3_core::dsn::{Model, Network, scratch_bytes};
+
+/// Images that one thread takes at a time.
+const PART: usize = 50;
 
 /// Networks for every N_s of a scenario.
 pub struct Trained {
@@ -88,10 +92,14 @@ impl Trained {
 /// Share of images that the core's network recognises.
 fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
     let model = Model::parse(bytes).map_err(|e| e.to_string())?;
-    let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
-    let mut network = Network::new(model, &mut scratch).ok_or("the model needs more scratch memory")?;
-    let right = (0..images.len())
-        .filter(|&n| network.infer(images.image(n), &mut ()).class == images.labels[n])
-        .count();
-    Ok(right as f64 / images.len().max(1) as f64)
+    let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+    let part = |part: &[usize]| {
+        let mut scratch = vec![0; scratch];
+        let mut network = Network::new(model.clone(), &mut scratch)?;
+        let right = |&&n: &&usize| network.infer(images.image(n), &mut ()).class == images.labels[n];
+        Some(part.iter().filter(right).count())
+    };
+    let all: Vec<usize> = (0..images.len()).collect();
+    let right: Option<usize> = all.par_chunks(PART).map(part).sum();
+    Ok(right.ok_or("the model needs more scratch memory")? as f64 / images.len().max(1) as f64)
 }
