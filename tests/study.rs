@@ -1,0 +1,50 @@
+//! Studies: what they write, that they go on where they were, and that a folder belongs to one of them.
+
+use sdp3_tests::{SMALL, call, outcome, program};
+use serde_json::Value;
+use std::path::Path;
+
+fn study(folder: &Path, options: &[&str]) -> (i32, String, String) {
+    let scenario = folder.join("s.toml");
+    std::fs::write(&scenario, SMALL).expect("a scenario");
+    let (scenario, out) = (scenario.to_string_lossy(), folder.join("out"));
+    let out = out.to_string_lossy();
+    let mut arguments = vec!["study", "learning-curve", "--scenario", &scenario, "--out", &out, "--json", "-q"];
+    arguments.extend(options);
+    outcome(&call(&program(), &arguments))
+}
+
+#[test]
+fn a_learning_curve_is_kept_cell_by_cell() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (code, first, stderr) = study(folder.path(), &["--seeds", "2", "--threads", "1"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
+    let rows = found["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2);
+    for row in rows {
+        let each = row["each"].as_array().expect("seeds");
+        assert_eq!(each.len(), 2);
+        let mean = each.iter().filter_map(Value::as_f64).sum::<f64>() / 2.0;
+        assert!((row["int8"]["mean"].as_f64().expect("a mean") - mean).abs() < 1e-12);
+        assert_eq!(row["tested"], 20);
+    }
+    let out = folder.path().join("out");
+    for name in ["study.json", "scenario.toml", "learning-curve.json", "learning-curve.md", "learning-curve.svg"] {
+        assert!(out.join(name).is_file(), "{name} is missing");
+    }
+    // one cell lost: made again, with other threads, the same
+    let cell = out.join("cells/seed-2.json");
+    let before = std::fs::read(&cell).expect("a cell");
+    std::fs::remove_file(&cell).expect("removed");
+    let kept = out.join("cells/seed-1.json");
+    let time = std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time");
+    let (code, second, stderr) = study(folder.path(), &["--seeds", "2", "--threads", "2"]);
+    assert_eq!((code, &second), (0, &first), "{stderr}");
+    assert_eq!(std::fs::read(&cell).expect("a cell"), before);
+    assert_eq!(std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time"), time, "made twice");
+    // another study does not touch the folder
+    let (code, _, stderr) = study(folder.path(), &["--seeds", "3"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("study.json") && stderr.contains("--out"), "{stderr}");
+}
