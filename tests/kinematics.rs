@@ -1,6 +1,6 @@
 //! The walk and its cross sections against scipy's: a program of its own, written from the published model.
 //!
-//! The vectors and the Python program that made them lie in `tests/oracle`. The last test compares with NIST's reference gait,
+//! The vectors and the Python program that made them lie in `tests/oracles`. The last test compares with NIST's reference gait,
 //! whose folder `tests/measured` names.
 
 use sdp3::simulator::body::gait::{Gait, JOINTS};
@@ -9,7 +9,7 @@ use sdp3::simulator::body::{Vec3, norm, sub};
 use serde_json::Value;
 
 fn golden() -> Value {
-    serde_json::from_str(include_str!("oracle/kinematics.json")).expect("JSON")
+    serde_json::from_str(include_str!("oracles/kinematics.json")).expect("JSON")
 }
 
 fn list(value: &Value) -> &Vec<Value> {

@@ -1,6 +1,6 @@
 //! The core against results that nobody here computed: LiteRT's reference kernels, numpy, scipy, mpmath.
 //!
-//! The vectors and the Python programs that made them lie in `tests/oracle`.
+//! The vectors and the Python programs that made them lie in `tests/oracles`.
 
 use base64::Engine;
 use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
@@ -42,7 +42,7 @@ impl Probe for Layers {
 
 #[test]
 fn every_layer_has_the_bits_of_tflites_reference_kernels() {
-    let vectors: Value = serde_json::from_str(include_str!("oracle/network.json")).expect("JSON");
+    let vectors: Value = serde_json::from_str(include_str!("oracles/network.json")).expect("JSON");
     let mut compared = 0;
     for network in list(&vectors["networks"]) {
         let (file, image) = (bytes(&network["model"]), signed(&network["image"]));
@@ -63,7 +63,7 @@ fn every_layer_has_the_bits_of_tflites_reference_kernels() {
 }
 
 fn front_end() -> Value {
-    serde_json::from_str(include_str!("oracle/front_end.json")).expect("JSON")
+    serde_json::from_str(include_str!("oracles/front_end.json")).expect("JSON")
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Helpers shared by the cross-crate tests: the built command, a small scenario, and one run of it.
 
+pub mod networks;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;

@@ -23,6 +23,7 @@ const EXAMPLES: &str = "Examples:
   sdp3 channels --json
   sdp3 predict --points points.csv --json
   sdp3 optimize --accuracy 0.9
+  sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
 Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error.";
 
 /// Options of every command.
@@ -166,6 +167,27 @@ pub enum Command {
     },
     /// Turn trained networks into int8 model files.
     Quantize,
+    /// Write a network for other programs: a model file as .tflite, float parameters as .safetensors.
+    Export {
+        /// MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it.
+        #[arg(value_name = "FILE")]
+        from: PathBuf,
+        /// FILE.tflite of a model file, FILE.safetensors of float parameters.
+        #[arg(long, value_name = "FILE")]
+        to: PathBuf,
+    },
+    /// Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised.
+    Import {
+        /// FILE.tflite or FILE.safetensors.
+        #[arg(value_name = "FILE")]
+        from: PathBuf,
+        /// MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them.
+        #[arg(long, value_name = "FILE")]
+        to: PathBuf,
+        /// Sensing slots it was trained with, where the file does not say.
+        #[arg(long, value_name = "N")]
+        slots: Option<u16>,
+    },
     /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
     Verify {
         #[command(flatten)]

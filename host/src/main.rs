@@ -10,6 +10,7 @@ use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
 use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::predictor::interchange::{self, Exchange};
 use sdp3::predictor::learning_curve::fit_all;
 use sdp3::predictor::spectrograms::gallery;
 use sdp3::progress::Progress;
@@ -83,6 +84,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         print_prediction(&prediction, json);
         return Ok(true);
     }
+    match &command {
+        // need no output folder
+        Command::Export { from, to } => {
+            let done = interchange::export(from, to)?;
+            print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        Command::Import { from, to, slots } => {
+            let exchange =
+                Exchange { scenario: &scenario, seed: common.seed, sensing_slots: *slots, progress };
+            let done = exchange.import(from, to)?;
+            print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        _ => (),
+    }
     let mut job = Job { scenario, seed: common.seed, progress, output: Output::create(&common.out)? };
     if let Command::Run { preset, .. } | Command::Train { preset } = &command {
         apply(*preset, &mut job, common.scenario.is_some());
@@ -145,6 +162,8 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             }
             Ok(verify.mismatches == 0)
         }
+        // answered above
+        Command::Export { .. } | Command::Import { .. } => Ok(true),
         Command::Predict { .. } => {
             let prediction = fit_all(&stored_points(&job)?)?;
             print_prediction(&prediction, json);

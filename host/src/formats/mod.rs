@@ -4,3 +4,4 @@ pub mod dataset;
 pub mod measured;
 pub mod model_file;
 pub mod points;
+pub mod tflite;

@@ -7,7 +7,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 mod check;
+mod read;
+pub mod rescale;
 pub use check::ModelFileError;
+pub(in crate::formats) use read::header_and_names;
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;
@@ -47,7 +50,7 @@ impl Preprocessing {
     /// STFT frames of a recording: `(N_s - window) / hop + 1`, or 0 where the window does not fit.
     pub fn frames(&self) -> u16 {
         match self.sensing_slots.checked_sub(self.window_len) {
-            Some(rest) if self.hop > 0 => rest / self.hop + 1,
+            Some(rest) if self.hop > 0 => (rest / self.hop).saturating_add(1),
             _ => 0,
         }
     }

@@ -4,14 +4,14 @@
 
 use super::accuracy::{share_right, through_core};
 use super::float_network::FloatNetwork;
+use super::interchange::header;
 use super::parameters::Parameters;
 use super::quantization::quantize;
 use super::spectrograms::{Collected, collect};
 use super::training::{self, train_all};
-use crate::formats::model_file::Preprocessing;
 use crate::pipeline::{Failure, Job, Learned};
 use crate::results::{Accuracy, Confusion, Training};
-use crate::scenario::{Class, Scenario};
+use crate::scenario::Class;
 use crate::simulator::dataset::Set;
 
 /// Float networks of every N_s.
@@ -71,8 +71,10 @@ impl Job {
         let stage = self.progress.stage("quantize", "int8 models");
         let mut models = Vec::new();
         for (index, network) in networks.iter().enumerate() {
-            let header = header(&self.scenario, self.scenario.frame.sensing_slots[index]);
-            let (quantized, _) = quantize(network, header, &names, &train.images[index])?;
+            let slots = self.scenario.frame.sensing_slots[index];
+            let header = header(&self.scenario, slots);
+            let (quantized, report) = quantize(network, header, &names, &train.images[index])?;
+            self.output.write_json(&format!("models/dsn-{slots}-quantization.json"), &report)?;
             models.push(quantized.to_bytes()?);
             stage.step(networks.len() as u64);
         }
@@ -118,22 +120,5 @@ impl Job {
         stage.finish(&format!("int8 accuracy by N_s: {}", words.join(", ")));
         let training = trained.training.clone();
         Ok((Learned { models, accuracy, training, confusion }, trained))
-    }
-}
-
-/// What the radar module must know to make the network's images.
-pub fn header(scenario: &Scenario, sensing_slots: u32) -> Preprocessing {
-    let p = scenario.spectrogram.preprocessing();
-    Preprocessing {
-        sensing_slots: sensing_slots as u16,
-        first_kept: p.kept.first,
-        last_kept: p.kept.last,
-        window_len: p.window,
-        hop: p.hop,
-        bins_per_row: p.bins_per_row,
-        range: p.range,
-        kaiser_beta: p.beta,
-        carrier_khz: (scenario.radar.carrier_hz / 1e3).round() as u32,
-        slow_time_us: (scenario.interval_s() * 1e6).round() as u32,
     }
 }

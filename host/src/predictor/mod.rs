@@ -6,6 +6,7 @@ pub mod calibration;
 pub mod float_network;
 #[cfg(test)]
 mod integer;
+pub mod interchange;
 #[cfg(feature = "train")]
 pub mod learn;
 pub mod learning_curve;
@@ -13,8 +14,9 @@ pub mod learning_curve;
 pub mod network;
 pub mod parameters;
 pub mod quantization;
+pub mod safetensors;
 pub mod spectrograms;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;

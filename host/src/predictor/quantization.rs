@@ -3,18 +3,19 @@
 //! TensorFlow Lite's 8-bit specification: weights symmetric per output channel, activations on one grid per tensor,
 //! biases in steps of the accumulator, scale ratios as Q31 multipliers with a shift (Jacob et al., 2018).
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::calibration::{Grid, Grids, Rule, calibrate, position};
-use super::float_network::{Activation, FloatNetwork, FoldedBlock, FoldedLayer};
+mod report;
+pub use report::{LayerReport, QuantizationReport};
+
+use super::calibration::{Grid, Grids, Rule, calibrate};
+use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Images, Parameters, shuffled};
+use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
 use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedNetwork, Weighted};
 
 /// Training images that are used, at most.
 pub const CALIBRATION_IMAGES: usize = 100;
-/// Bits the inputs of an addition are shifted to the left by.
-const ADD_HEADROOM: u32 = 20;
 
 /// Why a network cannot become int8.
 #[derive(Debug, Error)]
@@ -44,36 +45,6 @@ pub enum QuantizationError {
     /// No image to calibrate on.
     #[error("calibration: number of images is 0, must be at least 1")]
     NoImages,
-}
-
-/// What int8 did to one activation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LayerReport {
-    /// The activation, in words.
-    pub name: String,
-    /// Smallest number its grid holds.
-    pub low: f64,
-    /// Largest number its grid holds.
-    pub high: f64,
-    /// Its grid.
-    pub grid: Grid,
-    /// Power of the float activation over the power of its error, all earlier layers in int8 too, in dB.
-    pub sqnr_db: f64,
-}
-
-/// What quantisation did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct QuantizationReport {
-    /// Images the ranges come from.
-    pub images: usize,
-    /// The rule that was kept.
-    pub rule: Rule,
-    /// Cross entropy of the float network on them, in nats.
-    pub float_loss: f64,
-    /// Cross entropy of the rehearsed int8 network under each rule, in nats.
-    pub int8_loss: Vec<(Rule, f64)>,
-    /// Every activation under the rule that was kept.
-    pub layers: Vec<LayerReport>,
 }
 
 /// Turns a trained network into int8; ranges are measured on `images`, of which at most
@@ -108,7 +79,7 @@ pub fn quantize(
         rule,
         float_loss: float.classify(&images).loss,
         int8_loss,
-        layers: compare(&float, &converted.rehearsal, &grids, &images),
+        layers: report::compare(&float, &converted.rehearsal, &grids, &images),
     };
     let network = QuantizedNetwork {
         preprocessing,
@@ -201,12 +172,13 @@ fn convert_layer(
     let in_scale = f64::from(input.scale);
     let kernels = layer.weights.chunks_exact(layer.weights.len() / outputs);
     for (channel, (kernel, &bias)) in kernels.zip(&layer.biases).enumerate() {
-        let scale = weight_scale(kernel, bias, in_scale);
+        let step = weight_scale(kernel, bias, in_scale);
+        let scale = f64::from(step);
         let quantized = kernel.iter().map(|w| (w / scale).round().clamp(-127.0, 127.0) as i8);
         let start = out.weights.len();
         out.weights.extend(quantized);
         let quantized_bias = (bias / (in_scale * scale)).round();
-        let ratio = in_scale * scale / f64::from(output.scale);
+        let ratio = ratio(input.scale, step, output.scale);
         let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
         let (multiplier, shift) = multiplier(ratio).ok_or_else(fail)?;
         let weights: f64 = out.weights[start..].iter().map(|&w| f64::from(w).abs()).sum();
@@ -224,35 +196,17 @@ fn convert_layer(
     Ok((out, rounded))
 }
 
-/// Step of a channel's weights: the largest is 127 of them, and the bias fits 30 bits.
-fn weight_scale(kernel: &[f64], bias: f64, in_scale: f64) -> f64 {
+/// Step of a channel's weights: the largest is 127 of them, and the bias fits 30 bits. In f32, as every file format
+/// for int8 networks holds it, so that the multiplier made of it is the one another program makes.
+fn weight_scale(kernel: &[f64], bias: f64, in_scale: f64) -> f32 {
     let largest = kernel.iter().fold(0.0f64, |m, w| m.max(w.abs()));
-    let scale = (largest / 127.0).max(bias.abs() / in_scale / f64::from(1u32 << 30));
-    if scale > 0.0 { scale } else { 1.0 }
-}
-
-/// `ratio` as a Q31 multiplier and a shift to the left: `ratio = multiplier / 2^31 * 2^shift`.
-///
-/// Rounded half up; 0 where the ratio is below 2^-32, `None` where it needs a shift above 7.
-pub fn multiplier(ratio: f64) -> Option<(i32, i8)> {
-    let (fraction, mut shift) = libm::frexp(ratio);
-    let mut q31 = (fraction * f64::from(1u32 << 31) + 0.5).floor() as i64;
-    if q31 == 1 << 31 {
-        (q31, shift) = (1 << 30, shift + 1);
-    }
-    match shift {
-        ..-31 => Some((0, 0)),
-        -31..=7 => Some((q31 as i32, shift as i8)),
-        _ => None,
-    }
+    let scale = (largest / 127.0).max(bias.abs() / in_scale / f64::from(1u32 << 30)) as f32;
+    if scale.is_normal() { scale } else { 1.0 }
 }
 
 /// The addition of a skip on grid `a` and a branch on grid `b`.
 fn convert_add(name: &str, a: Grid, b: Grid, sum: Grid) -> Result<Add, QuantizationError> {
-    let twice = 2.0 * f64::from(a.scale.max(b.scale));
-    let headroom = f64::from(1u32 << ADD_HEADROOM);
-    let ratios =
-        [f64::from(a.scale) / twice, f64::from(b.scale) / twice, twice / (headroom * f64::from(sum.scale))];
+    let ratios = add_ratios(a.scale, b.scale, sum.scale);
     let mut pairs = [(0, 0); 3];
     for (channel, (pair, &ratio)) in pairs.iter_mut().zip(&ratios).enumerate() {
         let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
@@ -270,62 +224,6 @@ fn convert_add(name: &str, a: Grid, b: Grid, sum: Grid) -> Result<Add, Quantizat
         multipliers: pairs.map(|p| p.0),
         shifts: pairs.map(|p| p.1),
     })
-}
-
-/// Float and rehearsed activations side by side.
-fn compare(
-    float: &FloatNetwork,
-    rehearsal: &FloatNetwork,
-    grids: &Grids,
-    images: &Images,
-) -> Vec<LayerReport> {
-    let blocks = float.architecture.blocks;
-    let count = position(Activation::Logits, blocks) + 1;
-    let mut power = vec![(0.0f64, 0.0f64); count];
-    let mut order = Vec::with_capacity(count);
-    for i in 0..images.len() {
-        let mut exact: Vec<Vec<f32>> = Vec::with_capacity(count);
-        order.clear();
-        float.forward(images.image(i), images.rows, &mut |activation, values| {
-            order.push(activation);
-            exact.push(values.to_vec());
-        });
-        rehearsal.forward(images.image(i), images.rows, &mut |activation, values| {
-            round_all(grids.of(activation), values);
-            let at = position(activation, blocks);
-            for (&e, &v) in exact[at].iter().zip(values.iter()) {
-                power[at].0 += f64::from(e).powi(2);
-                power[at].1 += f64::from(e - v).powi(2);
-            }
-        });
-    }
-    let report = |(&activation, (signal, error)): (&Activation, (f64, f64))| {
-        let grid = grids.of(activation);
-        let (low, high) = grid.range();
-        // An activation without error counts as one with the error of a double's last bit.
-        let floor = signal.max(f64::MIN_POSITIVE) * f64::EPSILON * f64::EPSILON;
-        LayerReport {
-            name: in_words(activation),
-            low: f64::from(low),
-            high: f64::from(high),
-            grid,
-            sqnr_db: 10.0 * libm::log10(signal.max(f64::MIN_POSITIVE) / error.max(floor)),
-        }
-    };
-    order.iter().zip(power).map(report).collect()
-}
-
-fn in_words(activation: Activation) -> String {
-    match activation {
-        Activation::Input => "input".into(),
-        Activation::Stem => "stem".into(),
-        Activation::Affine(b) => format!("block {b} affine"),
-        Activation::Conv1(b) => format!("block {b} conv1"),
-        Activation::Conv2(b) => format!("block {b} conv2"),
-        Activation::Add(b) => format!("block {b} add"),
-        Activation::Mean => "mean".into(),
-        Activation::Logits => "logits".into(),
-    }
 }
 
 #[cfg(test)]
@@ -352,20 +250,6 @@ mod tests {
 
     fn names() -> Vec<String> {
         (0..5).map(|i| format!("class {i}")).collect()
-    }
-
-    #[test]
-    fn multipliers_are_tflites() {
-        // QuantizeMultiplier of TensorFlow Lite: fraction in [0.5, 1) as Q31 and a power of two.
-        assert_eq!(multiplier(0.5), Some((1 << 30, 0)));
-        assert_eq!(multiplier(1.0), Some((1 << 30, 1)));
-        assert_eq!(multiplier(0.75), Some((1_610_612_736, 0)));
-        assert_eq!(multiplier(0.1), Some((1_717_986_918, -3)));
-        assert_eq!(multiplier(1.0 - 1e-12), Some((1 << 30, 1)), "rounds up to the next power");
-        assert_eq!(multiplier(127.9).unwrap().1, 7);
-        assert_eq!(multiplier(128.0), None);
-        assert_eq!(multiplier(libm::exp2(-32.0)), Some((1 << 30, -31)));
-        assert_eq!(multiplier(libm::exp2(-33.0)), Some((0, 0)));
     }
 
     #[test]

@@ -1,0 +1,67 @@
+//! int8 networks as TensorFlow Lite files, without TensorFlow: written for other runtimes, read from other trainers.
+//!
+//! FlatBuffers with the public schema's field numbers (`schema.fbs`, version 3) and TensorFlow Lite's 8-bit
+//! quantisation specification. The graph is that of the radar module, one operator a layer:
+//!
+//! ```text
+//! image [1, 64, frames, 1] -> CONV_2D 3x3 -> MAX_POOL_2D 2x2
+//!   per block: DEPTHWISE_CONV_2D 1x1 (affine) -> CONV_2D 3x3 -> CONV_2D 3x3 -> ADD with the block's input
+//! -> AVERAGE_POOL_2D over the image -> CONV_2D 1x1 -> logits [1, 1, 1, classes]
+//! ```
+//!
+//! A RESHAPE or SOFTMAX behind the logits is passed over when read. Weights are int8, per output channel, zero point 0; biases int32; activations int8 with one grid per tensor.
+
+mod export;
+mod graph;
+mod import;
+mod reader;
+mod schema;
+mod walk;
+mod writer;
+
+pub use export::export;
+pub use import::{Surroundings, import};
+
+use super::model_file::ModelFileError;
+use thiserror::Error;
+
+/// Why a file is not a network this program can run, or a network not one it can write.
+#[derive(Debug, Error)]
+pub enum TfliteError {
+    /// A reference leads out of the file.
+    #[error("truncated or damaged: {field} {what}")]
+    Damaged {
+        /// What was looked for.
+        field: String,
+        /// What was found.
+        what: String,
+    },
+    /// A field holds what the radar module cannot run.
+    #[error("{field} is {value}, must be {legal}")]
+    Value {
+        /// Which field.
+        field: String,
+        /// What it holds.
+        value: String,
+        /// What it may hold.
+        legal: String,
+    },
+    /// The network does not fit the model file.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+}
+
+impl TfliteError {
+    /// A field with an illegal value.
+    fn value(field: impl Into<String>, value: impl ToString, legal: impl Into<String>) -> Self {
+        TfliteError::Value { field: field.into(), value: value.to_string(), legal: legal.into() }
+    }
+}
+
+/// `Ok` if a field's value is legal.
+fn require(good: bool, field: &str, value: impl ToString, legal: &str) -> Result<(), TfliteError> {
+    if good { Ok(()) } else { Err(TfliteError::value(field, value, legal)) }
+}
+
+#[cfg(test)]
+mod tests;
