@@ -84,6 +84,24 @@ fn rescale_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [
     _mm256_srav_epi32(x, shift)
 }
 
+/// Eight lanes of [`Lanes::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn multiply_ymm(a: __m256i, b: __m256i) -> __m256i {
+    _mm256_madd_epi16(a, _mm256_and_si256(b, _mm256_set1_epi32(0xffff)))
+}
+
+/// Half of [`Lanes::narrow`].
+#[inline]
+#[target_feature(enable = "avx2")]
+fn narrow_ymm(a: [__m256i; 2], b: [__m256i; 2], low: i8, high: i8) -> __m256i {
+    // packing works in halves of 128 bits: quarters 0 2 of each come before 1 3
+    let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+    let (a, b) = (_mm256_packs_epi32(a[0], a[1]), _mm256_packs_epi32(b[0], b[1]));
+    let bytes = _mm256_permutevar8x32_epi32(_mm256_packs_epi16(a, b), order);
+    _mm256_min_epi8(_mm256_max_epi8(bytes, _mm256_set1_epi8(low)), _mm256_set1_epi8(high))
+}
+
 impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     type V = [__m256i; 2];
     const INPUTS: usize = if VNNI { 4 } else { 2 };
@@ -142,12 +160,8 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
 
     #[inline(always)]
     fn multiply(self, a: Self::V, b: Self::V) -> Self::V {
-        // SAFETY: `self` proves AVX2. The upper half of b's lanes is cleared, so its sign adds nothing.
-        unsafe {
-            let low = _mm256_set1_epi32(0xffff);
-            let product = |a, b| _mm256_madd_epi16(a, _mm256_and_si256(b, low));
-            [product(a[0], b[0]), product(a[1], b[1])]
-        }
+        // SAFETY: `self` proves AVX2.
+        unsafe { [multiply_ymm(a[0], b[0]), multiply_ymm(a[1], b[1])] }
     }
 
     #[inline(always)]
@@ -155,14 +169,13 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
         // SAFETY: `self` proves AVX2, with `VNNI` also AVX-VNNI.
         unsafe {
             let word = _mm256_set1_epi32(word);
-            let sum = |acc, w| {
-                if VNNI {
-                    _mm256_dpbusd_avx_epi32(acc, word, w)
-                } else {
-                    _mm256_add_epi32(acc, _mm256_madd_epi16(word, w))
-                }
-            };
-            [sum(acc[0], weights[0]), sum(acc[1], weights[1])]
+            let ([a, b], [v, w]) = (acc, weights);
+            if VNNI {
+                [_mm256_dpbusd_avx_epi32(a, word, v), _mm256_dpbusd_avx_epi32(b, word, w)]
+            } else {
+                let (v, w) = (_mm256_madd_epi16(word, v), _mm256_madd_epi16(word, w));
+                [_mm256_add_epi32(a, v), _mm256_add_epi32(b, w)]
+            }
         }
     }
 
@@ -183,14 +196,7 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     fn narrow(self, v: [Self::V; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
         // SAFETY: `self` proves AVX2; the result is 64 bytes of which any bits are values.
         unsafe {
-            // packing works in halves of 128 bits: quarters 0 2 of each come before 1 3
-            let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
-            let pair = |a: Self::V, b: Self::V| {
-                let (a, b) = (_mm256_packs_epi32(a[0], a[1]), _mm256_packs_epi32(b[0], b[1]));
-                let bytes = _mm256_permutevar8x32_epi32(_mm256_packs_epi16(a, b), order);
-                _mm256_min_epi8(_mm256_max_epi8(bytes, _mm256_set1_epi8(low)), _mm256_set1_epi8(high))
-            };
-            transmute([pair(v[0], v[1]), pair(v[2], v[3])])
+            transmute([narrow_ymm(v[0], v[1], low, high), narrow_ymm(v[2], v[3], low, high)])
         }
     }
 

@@ -69,15 +69,17 @@ fn finish<L: Lanes>(
     rescale: &Rescale,
     sums: [L::V; 4],
 ) -> [i8; 4 * LANES] {
-    let [a, b, c, d] = sums;
+    let mut values = sums;
     // results of negative sums are below the zero point: where that is the least output, their rounding is no matter
-    let values = if layer.act_min >= layer.out_zp {
-        let f = |v| lanes.rescale::<false>(v, rescale);
-        [f(a), f(b), f(c), f(d)]
+    if layer.act_min >= layer.out_zp {
+        for value in &mut values {
+            *value = lanes.rescale::<false>(*value, rescale);
+        }
     } else {
-        let f = |v| lanes.rescale::<true>(v, rescale);
-        [f(a), f(b), f(c), f(d)]
-    };
+        for value in &mut values {
+            *value = lanes.rescale::<true>(*value, rescale);
+        }
+    }
     lanes.narrow(values, layer.act_min, layer.act_max)
 }
 
@@ -235,15 +237,19 @@ impl Job for Stem<'_> {
             let start = lanes.load(group.biases);
             for (y, out) in self.pooled.chunks_exact_mut((width * channels).max(1)).enumerate() {
                 for x in (0..width).step_by(STEM_TILE / 2) {
-                    let sums = |below: usize| -> Option<[L::V; STEM_TILE]> {
-                        let words = words.get((2 * y + below) * stride * row + 2 * x * step..)?;
-                        tile(lanes, start, &group, (step, step), words, row)
-                    };
-                    let (Some(a), Some(b)) = (sums(0), sums(1)) else { return };
-                    let m = |k: usize| {
-                        lanes.max(lanes.max(a[2 * k], a[2 * k + 1]), lanes.max(b[2 * k], b[2 * k + 1]))
-                    };
-                    let values = finish(lanes, layer, group.rescale, [m(0), m(1), m(2), m(3)]);
+                    let mut largest = [start; STEM_TILE / 2];
+                    for below in 0..2 {
+                        let at = (2 * y + below) * stride * row + 2 * x * step;
+                        let words = words.get(at..).unwrap_or(&[]);
+                        let shape = (step, step);
+                        let sums = tile::<L, STEM_TILE>(lanes, start, &group, shape, words, row);
+                        let Some(sums) = sums else { return };
+                        for k in 0..STEM_TILE / 2 {
+                            let pair = lanes.max(sums[2 * k], sums[2 * k + 1]);
+                            largest[k] = if below == 0 { pair } else { lanes.max(largest[k], pair) };
+                        }
+                    }
+                    let values = finish(lanes, layer, group.rescale, largest);
                     put(&values, first, channels, out, x);
                 }
             }

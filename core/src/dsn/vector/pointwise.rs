@@ -9,31 +9,27 @@ use crate::simd::{Job, LANES, Lanes, Line, Rescale};
 /// Values in a step: four vectors.
 const STEP: usize = 4 * LANES;
 
-/// Calls `f(number of the step, values)` on 64 values at a time; the rest is filled up with zeros.
-#[inline(always)]
-fn steps(output: &mut [i8], mut f: impl FnMut(usize, &mut [i8; STEP])) {
-    let (whole, rest) = output.as_chunks_mut::<STEP>();
-    let count = whole.len();
-    for (k, values) in whole.iter_mut().enumerate() {
-        f(k, values);
-    }
-    if !rest.is_empty() {
-        let mut values = [0; STEP];
-        values.iter_mut().zip(&*rest).for_each(|(v, &r)| *v = r);
-        f(count, &mut values);
-        rest.iter_mut().zip(values).for_each(|(r, v)| *r = v);
-    }
-}
-
 /// The `k`-th 64 values; behind the end zeros.
 #[inline(always)]
 fn step(values: &[i8], k: usize) -> [i8; STEP] {
     let rest = values.get(k * STEP..).unwrap_or(&[]);
-    rest.first_chunk().copied().unwrap_or_else(|| {
-        let mut out = [0; STEP];
-        out.iter_mut().zip(rest).for_each(|(o, &r)| *o = r);
-        out
-    })
+    if let Some(whole) = rest.first_chunk() {
+        return *whole;
+    }
+    let mut out = [0; STEP];
+    out.iter_mut().zip(rest).for_each(|(o, &r)| *o = r);
+    out
+}
+
+/// Writes the `k`-th 64 values, as many of them as there are.
+#[inline(always)]
+fn put(values: &mut [i8], k: usize, step: &[i8; STEP]) {
+    let rest = values.get_mut(k * STEP..).unwrap_or_default();
+    if let Some(whole) = rest.first_chunk_mut() {
+        *whole = *step;
+    } else {
+        rest.iter_mut().zip(step).for_each(|(r, &s)| *r = s);
+    }
 }
 
 /// Four vectors of 64 values.
@@ -69,21 +65,16 @@ impl PointwiseAffine<'_> {
         let count = phases(layer.channels).max(1);
         let (all, _) = self.lines.as_chunks::<7>();
         let Some(all) = all.get(..count) else { return };
-        if let [lines] = all {
-            steps(self.output, |k, out| {
-                let v = widen(lanes, &step(self.input, k));
-                let f = |x| Self::vector::<L, SIGNED>(lanes, x, lines);
-                *out = lanes.narrow([f(v[0]), f(v[1]), f(v[2]), f(v[3])], layer.act_min, layer.act_max);
-            });
-        } else {
-            steps(self.output, |k, out| {
-                let v = widen(lanes, &step(self.input, k));
-                let f = |i: usize| {
-                    let lines = all.get((4 * k + i) % count);
-                    lines.map_or(v[i], |lines| Self::vector::<L, SIGNED>(lanes, v[i], lines))
-                };
-                *out = lanes.narrow([f(0), f(1), f(2), f(3)], layer.act_min, layer.act_max);
-            });
+        let (low, high) = (layer.act_min, layer.act_max);
+        for k in 0..self.output.len().div_ceil(STEP) {
+            let mut v = widen(lanes, &step(self.input, k));
+            for (i, v) in v.iter_mut().enumerate() {
+                // the remainder is 0 without a division where the channels begin anew with every vector
+                let phase = if count == 1 { 0 } else { (4 * k + i) % count };
+                let Some(lines) = all.get(phase) else { return };
+                *v = Self::vector::<L, SIGNED>(lanes, *v, lines);
+            }
+            put(self.output, k, &lanes.narrow(v, low, high));
         }
     }
 }
@@ -125,15 +116,15 @@ impl PointwiseAdd<'_> {
         let [first, second, last, ..] = scales else { return None };
         let [a, b] = [lanes.load(&offsets[0]), lanes.load(&offsets[1])];
         let (low, high) = (self.layer.act_min, self.layer.act_max);
-        steps(self.x, |k, x| {
-            let (u, v) = (widen(lanes, x), widen(lanes, &step(self.branch, k)));
-            let f = |i: usize| {
+        for k in 0..self.x.len().div_ceil(STEP) {
+            let (mut u, v) = (widen(lanes, &step(self.x, k)), widen(lanes, &step(self.branch, k)));
+            for i in 0..4 {
                 let left = term::<L, A>(lanes, u[i], a, first);
                 let right = term::<L, B>(lanes, v[i], b, second);
-                lanes.rescale::<true>(lanes.add(left, right), last)
-            };
-            *x = lanes.narrow([f(0), f(1), f(2), f(3)], low, high);
-        });
+                u[i] = lanes.rescale::<true>(lanes.add(left, right), last);
+            }
+            put(self.x, k, &lanes.narrow(u, low, high));
+        }
         Some(())
     }
 }
