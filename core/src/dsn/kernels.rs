@@ -38,14 +38,7 @@ pub trait Kernels {
     }
 
     /// [`Conv::forward`].
-    fn conv(
-        &mut self,
-        _at: usize,
-        layer: &Conv<'_>,
-        input: &[i8],
-        size: (usize, usize),
-        output: &mut [i8],
-    ) {
+    fn conv(&mut self, _at: usize, layer: &Conv<'_>, input: &[i8], size: (usize, usize), output: &mut [i8]) {
         layer.forward(input, size.0, size.1, output);
     }
 

@@ -195,9 +195,7 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     #[inline(always)]
     fn narrow(self, v: [Self::V; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
         // SAFETY: `self` proves AVX2; the result is 64 bytes of which any bits are values.
-        unsafe {
-            transmute([narrow_ymm(v[0], v[1], low, high), narrow_ymm(v[2], v[3], low, high)])
-        }
+        unsafe { transmute([narrow_ymm(v[0], v[1], low, high), narrow_ymm(v[2], v[3], low, high)]) }
     }
 
     #[inline(always)]
@@ -208,7 +206,10 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
         let ((values, rest), (words, rest_words)) = (values.as_chunks::<16>(), words.as_chunks_mut::<8>());
         for (&values, words) in values.iter().zip(words) {
             // SAFETY: sizes are equal, 16 and 32 bytes, and any bits are values; `self` proves AVX2.
-            *words = unsafe { transmute(_mm256_cvtepi8_epi16(transmute::<[i8; 16], __m128i>(values))) };
+            *words = unsafe {
+                let wide = _mm256_cvtepi8_epi16(transmute::<[i8; LANES], __m128i>(values));
+                transmute::<__m256i, [i32; LANES / 2]>(wide)
+            };
         }
         let (rest, _) = rest.as_chunks::<4>();
         for (&four, words) in rest.iter().zip(rest_words.chunks_exact_mut(2)) {

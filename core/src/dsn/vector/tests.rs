@@ -152,7 +152,9 @@ fn compare(file: &[u8], seed: u64) -> usize {
     let mut plain_layers = 0;
     for round in 0..2 {
         let image: List<i8> = (0..ROWS * model.frames())
-            .map(|_| if round == 0 { random.next_u32() as i8 } else { [-128, 127][random.next_u32() as usize % 2] })
+            .map(|_| {
+                if round == 0 { random.next_u32() as i8 } else { [-128, 127][random.next_u32() as usize % 2] }
+            })
             .collect();
         let (mut scratch, mut expected) = (vec![0; size], Layers::default());
         let answer = Network::new(model.clone(), &mut scratch).expect("scratch").infer(&image, &mut expected);
