@@ -16,8 +16,23 @@ fn each(a: [i32; LANES], b: [i32; LANES], f: impl Fn(i32, i32) -> i32) -> [i32; 
     out
 }
 
+/// `f` of two half vectors, i16 by i16.
+#[inline(always)]
+fn each16(
+    a: [[i16; 2]; LANES / 2],
+    b: [[i16; 2]; LANES / 2],
+    f: impl Fn(i16, i16) -> i16,
+) -> [[i16; 2]; LANES / 2] {
+    let mut out = a;
+    for (out, b) in out.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
+        *out = f(*out, *b);
+    }
+    out
+}
+
 impl<const INPUTS: usize> Lanes for Arrays<INPUTS> {
     type V = [i32; LANES];
+    type H = [[i16; 2]; LANES / 2];
     const INPUTS: usize = INPUTS;
     const TILE: usize = 4;
 
@@ -49,6 +64,46 @@ impl<const INPUTS: usize> Lanes for Arrays<INPUTS> {
     #[inline(always)]
     fn add(self, a: Self::V, b: Self::V) -> Self::V {
         each(a, b, i32::wrapping_add)
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+        each(a, b, i32::wrapping_sub)
+    }
+
+    #[inline(always)]
+    fn shift_right(self, a: Self::V, by: u32) -> Self::V {
+        a.map(|v| v >> (by & 31))
+    }
+
+    #[inline(always)]
+    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V {
+        each(a, b, i32::wrapping_mul)
+    }
+
+    #[inline(always)]
+    fn load16(self, words: &[i32; LANES / 2]) -> Self::H {
+        words.map(|w| [w as i16, (w >> 16) as i16])
+    }
+
+    #[inline(always)]
+    fn store16(self, h: Self::H) -> [i32; LANES / 2] {
+        h.map(|[low, high]| i32::from(low) & 0xffff | i32::from(high) << 16)
+    }
+
+    #[inline(always)]
+    fn add16(self, a: Self::H, b: Self::H) -> Self::H {
+        each16(a, b, i16::wrapping_add)
+    }
+
+    #[inline(always)]
+    fn sub16(self, a: Self::H, b: Self::H) -> Self::H {
+        each16(a, b, i16::wrapping_sub)
+    }
+
+    #[inline(always)]
+    fn shift_left16<const N: i32>(self, a: Self::H) -> Self::H {
+        a.map(|pair| pair.map(|v| v << N))
     }
 
     #[inline(always)]

@@ -77,6 +77,8 @@ pub trait Job {
 pub trait Lanes: Copy {
     /// Sixteen i32.
     type V: Copy;
+    /// Sixteen i16.
+    type H: Copy;
     /// Inputs in one word of a [`Lanes::dot`]: 2 as i16, or 4 as u8 = i8 + 128.
     const INPUTS: usize;
     /// Pixels a convolution holds in registers: 4, 8 or 16.
@@ -94,10 +96,26 @@ pub trait Lanes: Copy {
     fn widen(self, values: &[i8; LANES]) -> Self::V;
     /// Sum.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
+    /// Difference.
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V;
     /// Larger of two.
     fn max(self, a: Self::V, b: Self::V) -> Self::V;
     /// Shift to the left by `N`.
     fn shift_left<const N: i32>(self, a: Self::V) -> Self::V;
+    /// Shift to the right by a number, with the sign.
+    fn shift_right(self, a: Self::V, by: u32) -> Self::V;
+    /// Lower half of the product.
+    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V;
+    /// Reads sixteen i16.
+    fn load16(self, words: &[i32; LANES / 2]) -> Self::H;
+    /// Writes sixteen i16.
+    fn store16(self, h: Self::H) -> [i32; LANES / 2];
+    /// Sum of i16.
+    fn add16(self, a: Self::H, b: Self::H) -> Self::H;
+    /// Difference of i16.
+    fn sub16(self, a: Self::H, b: Self::H) -> Self::H;
+    /// Shift of i16 to the left by `N`.
+    fn shift_left16<const N: i32>(self, a: Self::H) -> Self::H;
     /// Product of two values that fit in i16.
     fn multiply(self, a: Self::V, b: Self::V) -> Self::V;
     /// `acc + sum_i input_i weight_i`: one word of inputs for all lanes, each lane with its own word of weights

@@ -136,18 +136,40 @@ impl Job for Simple {
             let [a, b, ..] = v.map(|v| lanes.load(&Line(v)));
             let sum = lanes.store(lanes.add(a, b)).0;
             let largest = lanes.store(lanes.max(a, b)).0;
+            let difference = lanes.store(lanes.sub(a, b)).0;
+            let by = v[2][1] as u32 % 32;
+            let right = lanes.store(lanes.shift_right(a, by)).0;
+            let low = lanes.store(lanes.multiply_low(a, b)).0;
+            let halves = v.map(|v| lanes.load16(v.first_chunk().expect("half")));
+            let halves = [
+                lanes.store16(lanes.add16(halves[0], halves[1])),
+                lanes.store16(lanes.sub16(halves[0], halves[1])),
+                lanes.store16(lanes.shift_left16::<2>(halves[0])),
+            ];
+            for (k, (&a, &b)) in v[0].iter().zip(&v[1]).enumerate().take(LANES / 2) {
+                let of = |part: u32, word: i32| (word >> (16 * part)) as i16;
+                for part in 0..2 {
+                    let (a, b) = (of(part, a), of(part, b));
+                    assert_eq!(of(part, halves[0][k]), a.wrapping_add(b));
+                    assert_eq!(of(part, halves[1][k]), a.wrapping_sub(b));
+                    assert_eq!(of(part, halves[2][k]), a << 2);
+                }
+            }
             let shifted = lanes.store(lanes.shift_left::<19>(a)).0;
             let (x, y) = (v[0].map(|v| v as i8), v[1].map(|v| v as i8));
             let product = lanes.store(lanes.multiply(lanes.widen(&x), lanes.widen(&y))).0;
-            let (low, high) = (x[0].min(y[0]), x[0].max(y[0]));
-            let narrow = lanes.narrow(v.map(|v| lanes.load(&Line(v))), low, high);
+            let (least, most) = (x[0].min(y[0]), x[0].max(y[0]));
+            let narrow = lanes.narrow(v.map(|v| lanes.load(&Line(v))), least, most);
             for lane in 0..LANES {
                 assert_eq!(sum[lane], v[0][lane].wrapping_add(v[1][lane]));
                 assert_eq!(largest[lane], v[0][lane].max(v[1][lane]));
+                assert_eq!(difference[lane], v[0][lane].wrapping_sub(v[1][lane]));
+                assert_eq!(right[lane], v[0][lane] >> by);
+                assert_eq!(low[lane], v[0][lane].wrapping_mul(v[1][lane]));
                 assert_eq!(shifted[lane], v[0][lane] << 19);
                 assert_eq!(product[lane], i32::from(x[lane]) * i32::from(y[lane]));
                 for k in 0..4 {
-                    assert_eq!(narrow[LANES * k + lane], clamp_i8(v[k][lane], low, high));
+                    assert_eq!(narrow[LANES * k + lane], clamp_i8(v[k][lane], least, most));
                 }
             }
             assert_eq!(lanes.store(lanes.splat(v[2][0])).0, [v[2][0]; LANES]);

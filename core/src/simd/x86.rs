@@ -104,6 +104,7 @@ fn narrow_ymm(a: [__m256i; 2], b: [__m256i; 2], low: i8, high: i8) -> __m256i {
 
 impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     type V = [__m256i; 2];
+    type H = __m256i;
     const INPUTS: usize = if VNNI { 4 } else { 2 };
     const TILE: usize = 4;
 
@@ -144,6 +145,57 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     fn add(self, a: Self::V, b: Self::V) -> Self::V {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_add_epi32(a[0], b[0]), _mm256_add_epi32(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+        // SAFETY: `self` proves AVX2.
+        unsafe { [_mm256_sub_epi32(a[0], b[0]), _mm256_sub_epi32(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn shift_right(self, a: Self::V, by: u32) -> Self::V {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let by = _mm_cvtsi32_si128(by as i32);
+            [_mm256_sra_epi32(a[0], by), _mm256_sra_epi32(a[1], by)]
+        }
+    }
+
+    #[inline(always)]
+    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V {
+        // SAFETY: `self` proves AVX2.
+        unsafe { [_mm256_mullo_epi32(a[0], b[0]), _mm256_mullo_epi32(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn load16(self, words: &[i32; LANES / 2]) -> Self::H {
+        // SAFETY: both are 32 bytes and any bits are a value of either.
+        unsafe { transmute(*words) }
+    }
+
+    #[inline(always)]
+    fn store16(self, h: Self::H) -> [i32; LANES / 2] {
+        // SAFETY: both are 32 bytes and any bits are a value of either.
+        unsafe { transmute(h) }
+    }
+
+    #[inline(always)]
+    fn add16(self, a: Self::H, b: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_add_epi16(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub16(self, a: Self::H, b: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_sub_epi16(a, b) }
+    }
+
+    #[inline(always)]
+    fn shift_left16<const N: i32>(self, a: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_slli_epi16::<N>(a) }
     }
 
     #[inline(always)]
@@ -229,6 +281,7 @@ fn flipped(values: &[i8], words: &mut [i32]) {
 
 impl Lanes for Zmm {
     type V = __m512i;
+    type H = __m256i;
     const INPUTS: usize = 4;
     const TILE: usize = 16;
 
@@ -266,6 +319,54 @@ impl Lanes for Zmm {
     fn add(self, a: Self::V, b: Self::V) -> Self::V {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_add_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+        // SAFETY: `self` proves AVX-512 F.
+        unsafe { _mm512_sub_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn shift_right(self, a: Self::V, by: u32) -> Self::V {
+        // SAFETY: `self` proves AVX-512 F.
+        unsafe { _mm512_sra_epi32(a, _mm_cvtsi32_si128(by as i32)) }
+    }
+
+    #[inline(always)]
+    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V {
+        // SAFETY: `self` proves AVX-512 F.
+        unsafe { _mm512_mullo_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn load16(self, words: &[i32; LANES / 2]) -> Self::H {
+        // SAFETY: both are 32 bytes and any bits are a value of either.
+        unsafe { transmute(*words) }
+    }
+
+    #[inline(always)]
+    fn store16(self, h: Self::H) -> [i32; LANES / 2] {
+        // SAFETY: both are 32 bytes and any bits are a value of either.
+        unsafe { transmute(h) }
+    }
+
+    #[inline(always)]
+    fn add16(self, a: Self::H, b: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_add_epi16(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub16(self, a: Self::H, b: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_sub_epi16(a, b) }
+    }
+
+    #[inline(always)]
+    fn shift_left16<const N: i32>(self, a: Self::H) -> Self::H {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_slli_epi16::<N>(a) }
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@
 //! special, and a row of the kernel is one run of successive words. Cost: 9 inputs / 2 or 9 inputs / 4 vector products
 //! a pixel and sixteen outputs.
 
+use super::packing::transforms;
 use crate::dsn::conv::{Conv, pad_before, same};
 use crate::dsn::model::Channelwise;
 use crate::simd::{Job, LANES, Lanes, Line, Rescale};
@@ -19,16 +20,16 @@ pub struct Convolution<'a> {
 }
 
 /// Biases, scales and words of sixteen outputs.
-struct Group<'a> {
-    biases: &'a Line,
-    rescale: &'a Rescale,
-    words: &'a [Line],
+pub struct Group<'a> {
+    pub biases: &'a Line,
+    pub rescale: &'a Rescale,
+    pub words: &'a [Line],
 }
 
 impl<'a> Group<'a> {
     /// Splits a group of `words` words off the front.
     #[inline(always)]
-    fn take(lines: &mut &'a [Line], words: usize) -> Option<Self> {
+    pub fn take(lines: &mut &'a [Line], words: usize) -> Option<Self> {
         let (biases, rest) = lines.split_first()?;
         let (rescale, rest) = rest.split_first_chunk()?;
         let (words, rest) = rest.split_at_checked(words)?;
@@ -63,7 +64,7 @@ fn tile<L: Lanes, const P: usize>(
 
 /// Four pixels to int8.
 #[inline(always)]
-fn finish<L: Lanes>(
+pub fn finish<L: Lanes>(
     lanes: L,
     layer: &Channelwise<'_>,
     rescale: &Rescale,
@@ -85,7 +86,7 @@ fn finish<L: Lanes>(
 
 /// Writes sixteen channels of up to four pixels of a row; `first` is the first channel's number.
 #[inline(always)]
-fn put(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], pixel: usize) {
+pub fn put(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], pixel: usize) {
     let Some(rest) = row.get_mut(pixel * channels..) else { return };
     if channels == LANES
         && let Some(out) = rest.first_chunk_mut()
@@ -102,35 +103,38 @@ fn put(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], 
 }
 
 impl Convolution<'_> {
-    /// Rewrites the input as words with a border; returns the words of a row.
+    /// Rewrites the input as words, `[rows, columns, step]`, with a border of one pixel and what else the map holds.
     #[inline(always)]
-    fn spread<L: Lanes>(&mut self, lanes: L, step: usize) -> usize {
+    pub fn spread<L: Lanes>(&mut self, lanes: L, step: usize, (rows, columns): (usize, usize)) {
         let (height, width) = self.size;
-        let row = (width.next_multiple_of(L::TILE) + 2) * step;
+        let row = columns * step;
         let mut border = [0; 2];
         if let Some(border) = border.get_mut(..4 / L::INPUTS) {
             lanes.words(&[self.layer.layer.in_zp; 4], border);
         }
         let [border, _] = border; // all inputs of it are the same
         let row_length = width * self.layer.inputs;
-        let mut rows = self.words.chunks_exact_mut(row).take(height + 2);
-        let (first, last) = (rows.next(), rows.next_back());
-        [first, last].into_iter().flatten().for_each(|row| row.fill(border));
-        for (words, values) in rows.zip(self.input.chunks_exact(row_length.max(1))) {
+        for (y, words) in self.words.chunks_exact_mut(row.max(1)).take(rows).enumerate() {
+            let line = y.checked_sub(1).filter(|&y| y < height).map(|y| y * row_length);
+            let Some(values) = line.and_then(|at| self.input.get(at..)?.get(..row_length)) else {
+                words.fill(border);
+                continue;
+            };
             let (left, rest) = words.split_at_mut_checked(step).unwrap_or_default();
             let (inside, right) = rest.split_at_mut_checked(width * step).unwrap_or_default();
             left.fill(border);
             right.fill(border);
             lanes.words(values, inside);
         }
-        row
     }
 
     #[inline(always)]
     fn rows<L: Lanes, const QUADS: usize, const P: usize>(mut self, lanes: L) {
         let step = QUADS * (4 / L::INPUTS);
-        let row = self.spread(lanes, step);
         let (height, width) = self.size;
+        let columns = width.next_multiple_of(P) + 2;
+        let row = columns * step;
+        self.spread(lanes, step, (height + 2, columns));
         let (layer, words) = (&self.layer.layer, &*self.words);
         let channels = layer.channels;
         let mut lines = self.lines;
@@ -167,6 +171,13 @@ impl Convolution<'_> {
 impl Job for Convolution<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
+        if L::INPUTS == 2 && transforms(self.layer.inputs) {
+            let _ = match self.layer.inputs {
+                16 => self.winograd::<L, 8>(lanes),
+                _ => self.winograd::<L, 16>(lanes),
+            };
+            return;
+        }
         match self.layer.inputs / 4 {
             1 => self.tiles::<L, 1>(lanes),
             2 => self.tiles::<L, 2>(lanes),

@@ -6,6 +6,7 @@
 mod convolution;
 mod packing;
 mod pointwise;
+mod winograd;
 
 use super::add::Add;
 use super::affine::Affine;
@@ -48,7 +49,8 @@ impl<'b> Vector<'b> {
         let channels = model.channels();
         let groups = channels.div_ceil(16);
         let stem = groups * (6 + 3 * 2);
-        let conv = groups * (6 + 9 * channels / 2);
+        let points = if packing::transforms(channels) { winograd::POINTS } else { 9 };
+        let conv = groups * (6 + points * channels / 2);
         stem + model.blocks() * (2 * conv + packing::phases(channels) * 7 + packing::ADD_LINES)
     }
 
@@ -57,7 +59,8 @@ impl<'b> Vector<'b> {
         let stride = model.stem_stride();
         let (height, width) = (same(ROWS, stride), same(model.frames(), stride));
         let stem = ((height.max(1) - 1) * stride + 3) * width.next_multiple_of(8) * 2;
-        let map = (height / 2 + 2) * ((width / 2).next_multiple_of(16) + 2) * model.channels() / 2;
+        let rows = (height / 2).next_multiple_of(winograd::TILE) + 2 + winograd::ROWS;
+        let map = rows * ((width / 2).next_multiple_of(16) + 2) * model.channels() / 2;
         stem.max(map)
     }
 

@@ -2,8 +2,9 @@
 //!
 //! Convolution, per group of sixteen outputs: biases, [`Rescale`], then for each row of the kernel its words. A word
 //! holds the weights of two or four successive inputs of a lane's output. The input's zero point is in the bias; where
-//! inputs are u8 = i8 + 128, so is the 128. Affine, per phase of sixteen values: biases, weights, [`Rescale`].
+//! inputs are u8 = i8 + 128, so is the 128. Pairs of inputs in sixteens are packed for [`winograd`] instead: words by point. Affine, per phase of sixteen values: biases, weights, [`Rescale`].
 
+use super::winograd;
 use crate::dsn::add::Add;
 use crate::dsn::affine::Affine;
 use crate::dsn::conv::Conv;
@@ -17,6 +18,11 @@ pub const ADD_LINES: usize = 2 + 15;
 pub const fn phases(channels: usize) -> usize {
     let low = channels & channels.wrapping_neg();
     if channels == 0 || low >= LANES { channels.div_ceil(LANES) } else { channels / low }
+}
+
+/// Whether convolutions of pairs with so many inputs are transformed.
+pub const fn transforms(inputs: usize) -> bool {
+    inputs % LANES == 0
 }
 
 /// Whether a term of an addition is exactly one half: multiplier 2^30, shift 0.
@@ -78,6 +84,9 @@ impl<'a> Packer<'a> {
         }
         self.push(biases)?;
         self.push_rescale(&rescale)?;
+        if self.inputs == 2 && transforms(conv.inputs) {
+            return self.points(conv, first);
+        }
         // the stem's one input has three taps in a row and a fourth of weight zero
         let run = (3 * conv.inputs).next_multiple_of(4);
         for word in 0..3 * run / self.inputs {
@@ -96,6 +105,26 @@ impl<'a> Packer<'a> {
                 };
             }
             self.push(line)?;
+        }
+        Some(())
+    }
+
+    /// The weights of sixteen outputs at the points of [`winograd`].
+    fn points(&mut self, conv: &Conv<'_>, first: usize) -> Option<()> {
+        for point in 0..winograd::POINTS {
+            for input in (0..conv.inputs).step_by(2) {
+                let mut line = Line::ZERO;
+                for (lane, packed) in line.0.iter_mut().enumerate() {
+                    let weight = |input: usize| {
+                        let at = |tap: usize| ((first + lane) * 9 + tap) * conv.inputs + input;
+                        let tap = |tap| conv.layer.weights.get(at(tap)).map_or(0, |&w| i32::from(w as i8));
+                        let kernel = [0, 1, 2].map(|row| [0, 1, 2].map(|column| tap(3 * row + column)));
+                        winograd::point(&kernel, point)
+                    };
+                    *packed = weight(input) & 0xffff | weight(input + 1) << 16;
+                }
+                self.push(line)?;
+            }
         }
         Some(())
     }
