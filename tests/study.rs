@@ -9,7 +9,8 @@ fn study(folder: &Path, options: &[&str]) -> (i32, String, String) {
     std::fs::write(&scenario, SMALL).expect("a scenario");
     let (scenario, out) = (scenario.to_string_lossy(), folder.join("out"));
     let out = out.to_string_lossy();
-    let mut arguments = vec!["study", "learning-curve", "--scenario", &scenario, "--out", &out, "--json", "-q"];
+    let mut arguments =
+        vec!["study", "learning-curve", "--scenario", &scenario, "--out", &out, "--json", "-q"];
     arguments.extend(options);
     outcome(&call(&program(), &arguments))
 }
@@ -30,7 +31,9 @@ fn a_learning_curve_is_kept_cell_by_cell() {
         assert_eq!(row["tested"], 20);
     }
     let out = folder.path().join("out");
-    for name in ["study.json", "scenario.toml", "learning-curve.json", "learning-curve.md", "learning-curve.svg"] {
+    for name in
+        ["study.json", "scenario.toml", "learning-curve.json", "learning-curve.md", "learning-curve.svg"]
+    {
         assert!(out.join(name).is_file(), "{name} is missing");
     }
     // one cell lost: made again, with other threads, the same

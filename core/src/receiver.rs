@@ -3,7 +3,7 @@
 //! [`Memory`] is the caller's, usually a `static`; its size is a constant of its three parameters.
 
 use crate::dsn::network::{Answer, Network, scratch_bytes};
-use crate::dsn::{Model, ModelError};
+use crate::dsn::{Kernels, Model, ModelError, Portable};
 use crate::frame::{Beat, Complex, ROWS, Slot, ZERO_BEAT};
 use crate::front_end::{FrontEnd, FrontEndBuffers};
 use crate::probe::Probe;
@@ -113,9 +113,9 @@ pub type Recognition = Answer;
 
 /// Raw slots in, class out.
 #[derive(Debug)]
-pub struct Receiver<'m, 'b> {
+pub struct Receiver<'m, 'b, K = Portable> {
     front_end: FrontEnd<'b>,
-    network: Network<'m, 'b>,
+    network: Network<'m, 'b, K>,
 }
 
 impl<'m, 'b> Receiver<'m, 'b> {
@@ -125,6 +125,17 @@ impl<'m, 'b> Receiver<'m, 'b> {
     ///
     /// [`ReceiverError::Memory`] names the buffer that is too small, what it needs and what it has.
     pub fn new(model: Model<'m>, buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
+        Self::with_kernels(model, buffers, Portable)
+    }
+}
+
+impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
+    /// [`Receiver::new`] with a processor's own kernels, made for this model.
+    ///
+    /// # Errors
+    ///
+    /// As [`Receiver::new`].
+    pub fn with_kernels(model: Model<'m>, buffers: Buffers<'b>, kernels: K) -> Result<Self, ReceiverError> {
         let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
         let f = &buffers.front_end;
@@ -141,7 +152,7 @@ impl<'m, 'b> Receiver<'m, 'b> {
         }
         let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
         let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(error)?;
-        let network = Network::new(model, buffers.scratch).ok_or(error)?;
+        let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(error)?;
         Ok(Receiver { front_end, network })
     }
 

@@ -2,20 +2,21 @@
 //!
 //! [`Station::begin`] says what the next slot is for; in a sensing slot the samples go to [`Station::sensed`].
 
+use crate::dsn::{Kernels, Portable};
 use crate::frame::Slot;
 use crate::receiver::{Receiver, Recognition};
 use crate::schedule::{Plan, Sequencer, SlotUse};
 
 /// A base station's slot loop.
 #[derive(Debug)]
-pub struct Station<'m, 'b> {
+pub struct Station<'m, 'b, K = Portable> {
     sequencer: Sequencer,
-    receiver: Receiver<'m, 'b>,
+    receiver: Receiver<'m, 'b, K>,
 }
 
-impl<'m, 'b> Station<'m, 'b> {
+impl<'m, 'b, K: Kernels> Station<'m, 'b, K> {
     /// Plays `plan` and recognises with `receiver`.
-    pub fn new(plan: &Plan, receiver: Receiver<'m, 'b>) -> Self {
+    pub fn new(plan: &Plan, receiver: Receiver<'m, 'b, K>) -> Self {
         Station { sequencer: Sequencer::new(plan), receiver }
     }
 

@@ -194,7 +194,6 @@ impl Job {
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
         use crate::conformance::compare::OwnedBuffers;
-        use sdp3_core::receiver::Receiver;
         use sdp3_core::schedule::{Plan, SlotUse};
         use sdp3_core::station::Station;
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
@@ -204,7 +203,7 @@ impl Job {
         let class = Class::AdultWalking;
         let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
         let mut buffers = OwnedBuffers::for_model(&model);
-        let receiver = Receiver::new(model.clone(), buffers.view()).ok()?;
+        let receiver = buffers.receiver(model.clone()).ok()?;
         let plan = Plan::new(
             point.period_slots,
             point.spacing_slots,

@@ -25,11 +25,16 @@ pub const fn same(n: usize, stride: usize) -> usize {
 }
 
 /// TFLite's SAME padding before the axis: half of what is missing, rounded down.
-const fn pad_before(n: usize, stride: usize) -> usize {
+pub(super) const fn pad_before(n: usize, stride: usize) -> usize {
     (same(n, stride).saturating_sub(1) * stride + 3).saturating_sub(n) / 2
 }
 
 impl Conv<'_> {
+    /// Output channels.
+    pub fn channels(&self) -> usize {
+        self.layer.channels
+    }
+
     /// Convolves row `y` of the output: `[width_out, outputs]` from `[height, width, inputs]`.
     ///
     /// Cost: width_out x outputs x 9 x inputs multiply-accumulates. Padding contributes nothing.

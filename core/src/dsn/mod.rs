@@ -10,9 +10,13 @@ pub mod add;
 pub mod affine;
 pub mod conv;
 pub mod head;
+pub mod kernels;
 pub mod model;
 pub mod network;
 pub mod pool;
+pub mod vector;
 
+pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
+pub use vector::Vector;

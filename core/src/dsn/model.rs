@@ -119,10 +119,15 @@ impl Channelwise<'_> {
         read_i32(self.biases, o)
     }
 
+    /// Multiplier and shift of output channel `o`.
+    pub(super) fn scale(&self, o: usize) -> (i32, i8) {
+        (read_i32(self.multipliers, o), self.shifts.get(o).map_or(0, |&s| s as i8))
+    }
+
     /// Requantises an accumulator of output channel `o`.
     pub(super) fn requantize(&self, o: usize, accumulator: i32) -> i32 {
-        let shift = self.shifts.get(o).map_or(0, |&s| s as i8);
-        requantize(accumulator, read_i32(self.multipliers, o), shift)
+        let (multiplier, shift) = self.scale(o);
+        requantize(accumulator, multiplier, shift)
     }
 }
 

@@ -4,8 +4,8 @@
 
 use super::conv::same;
 use super::head::{MAX_CLASSES, arg_max};
+use super::kernels::{Kernels, Portable};
 use super::model::Model;
-use super::pool::{average, max_rows};
 use crate::dsn::conv::MAX_CHANNELS;
 use crate::frame::ROWS;
 use crate::probe::Probe;
@@ -28,18 +28,26 @@ pub struct Answer {
     pub logits: Vec<i8, MAX_CLASSES>,
 }
 
-/// A model with the scratch memory it runs in.
+/// A model with the scratch memory it runs in and the kernels it runs by.
 #[derive(Debug)]
-pub struct Network<'m, 'b> {
+pub struct Network<'m, 'b, K = Portable> {
     model: Model<'m>,
     scratch: &'b mut [i8],
+    kernels: K,
 }
 
 impl<'m, 'b> Network<'m, 'b> {
     /// Joins a model and its scratch memory; `None` if that has fewer than [`scratch_bytes`].
     pub fn new(model: Model<'m>, scratch: &'b mut [i8]) -> Option<Self> {
+        Self::with_kernels(model, scratch, Portable)
+    }
+}
+
+impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
+    /// [`Network::new`] with a processor's own kernels, made for this model.
+    pub fn with_kernels(model: Model<'m>, scratch: &'b mut [i8], kernels: K) -> Option<Self> {
         let need = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-        (scratch.len() >= need).then_some(Network { model, scratch })
+        (scratch.len() >= need).then_some(Network { model, scratch, kernels })
     }
 
     /// The model.
@@ -49,7 +57,7 @@ impl<'m, 'b> Network<'m, 'b> {
 
     /// Classifies an image, `[64, frames]`.
     pub fn infer(&mut self, image: &[i8], probe: &mut impl Probe) -> Answer {
-        let model = &self.model;
+        let (model, kernels) = (&self.model, &mut self.kernels);
         let (channels, stride) = (model.channels(), model.stem_stride());
         let (stem_height, stem_width) = (same(ROWS, stride), same(model.frames(), stride));
         let (height, width) = (stem_height / 2, stem_width / 2);
@@ -59,31 +67,26 @@ impl<'m, 'b> Network<'m, 'b> {
         let (a, rest) = rest.split_at_mut_checked(map).unwrap_or_default();
         let (b, _) = rest.split_at_mut_checked(map).unwrap_or_default();
 
-        let (upper, lower) = rows.split_at_mut_checked(stem_width * channels).unwrap_or_default();
-        for (y, pooled) in x.chunks_exact_mut((width * channels).max(1)).enumerate() {
-            model.stem.row(image, ROWS, model.frames(), 2 * y, upper);
-            model.stem.row(image, ROWS, model.frames(), 2 * y + 1, lower);
-            max_rows(upper, lower, channels, pooled);
-        }
+        kernels.stem(&model.stem, image, (ROWS, model.frames()), rows, x);
         probe.layer(0, x);
 
         let mut layer = 0;
         for block in &model.blocks {
             let [first, second] = &block.conv;
-            block.affine.forward(x, a);
+            kernels.affine(layer + 1, &block.affine, x, a);
             probe.layer(layer + 1, a);
-            first.forward(a, height, width, b);
+            kernels.conv(layer + 2, first, a, (height, width), b);
             probe.layer(layer + 2, b);
-            second.forward(b, height, width, a);
+            kernels.conv(layer + 3, second, b, (height, width), a);
             probe.layer(layer + 3, a);
-            block.add.forward(x, a);
+            kernels.add(layer + 4, &block.add, x, a);
             probe.layer(layer + 4, x);
             layer += 4;
         }
 
         let mut features = [0; MAX_CHANNELS];
         let features = features.get_mut(..channels).unwrap_or_default();
-        average(x, channels, features);
+        kernels.average(x, channels, features);
         probe.layer(layer + 1, features);
         let mut logits = Vec::new();
         let _ = logits.resize(model.classes(), 0); // at most MAX_CLASSES: the parser has checked

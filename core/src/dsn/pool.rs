@@ -17,13 +17,19 @@ pub fn max_rows(upper: &[i8], lower: &[i8], channels: usize, output: &mut [i8]) 
 
 /// The average over all pixels, halves away from zero: `[pixels, channels]` to `[channels]`.
 pub fn average(input: &[i8], channels: usize, output: &mut [i8]) {
-    let pixels = (input.len() / channels.max(1)).max(1) as i32;
+    let pixels = input.len() / channels.max(1);
     for (c, out) in output.iter_mut().take(channels).enumerate() {
         let sum: i32 = input.iter().skip(c).step_by(channels.max(1)).map(|&x| i32::from(x)).sum();
-        let half = pixels / 2;
-        let mean = if sum > 0 { (sum + half) / pixels } else { (sum - half) / pixels };
-        *out = mean.clamp(-128, 127) as i8;
+        *out = mean(sum, pixels);
     }
+}
+
+/// `sum / pixels`, halves away from zero.
+pub(super) fn mean(sum: i32, pixels: usize) -> i8 {
+    let pixels = pixels.max(1) as i32;
+    let half = pixels / 2;
+    let mean = if sum > 0 { (sum + half) / pixels } else { (sum - half) / pixels };
+    mean.clamp(-128, 127) as i8
 }
 
 #[cfg(test)]

@@ -14,12 +14,14 @@ use super::suite::{Case, Suite};
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::clutter::{Gram, Weights};
+use sdp3_core::dsn::vector::{Vector, VectorMemory};
 use sdp3_core::dsn::{Model, scratch_bytes};
 use sdp3_core::frame::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::front_end::FrontEndBuffers;
 use sdp3_core::probe::Probe;
-use sdp3_core::receiver::{Buffers, Receiver};
+use sdp3_core::receiver::{Buffers, Receiver, ReceiverError};
 use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+use sdp3_core::simd::{Isa, Line};
 use sdp3_core::stft::Spectrum;
 
 /// Bound of the weights' error: see the module.
@@ -46,6 +48,8 @@ pub struct OwnedBuffers {
     levels: Vec<i16>,
     image: Vec<i8>,
     scratch: Vec<i8>,
+    lines: Vec<Line>,
+    words: Vec<i32>,
 }
 
 impl OwnedBuffers {
@@ -57,6 +61,8 @@ impl OwnedBuffers {
             levels: vec![0; ROWS * frames],
             image: vec![0; ROWS * frames],
             scratch: vec![0; scratch],
+            lines: Vec::new(),
+            words: Vec::new(),
         }
     }
 
@@ -64,6 +70,30 @@ impl OwnedBuffers {
     pub fn for_model(model: &Model) -> Self {
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
         Self::new(model.sensing_slots(), model.frames(), scratch)
+    }
+
+    /// A receiver in it, made by [`OwnedBuffers::for_model`] for this model, with this processor's fastest kernels.
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError`] if the memory is another model's.
+    pub fn receiver<'m>(&mut self, model: Model<'m>) -> Result<Receiver<'m, '_, Vector<'_>>, ReceiverError> {
+        self.lines.resize(Vector::lines(&model), Line::ZERO);
+        self.words.resize(Vector::words(&model), 0);
+        let memory = VectorMemory { lines: &mut self.lines, words: &mut self.words };
+        let (need, have) = (Vector::lines(&model), memory.lines.len());
+        let kernels = Vector::new(&model, Isa::best(), memory);
+        let kernels = kernels.ok_or(ReceiverError::Memory { buffer: "lines", need, have })?;
+        let buffers = Buffers {
+            front_end: FrontEndBuffers {
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: &mut self.levels,
+                image: &mut self.image,
+            },
+            scratch: &mut self.scratch,
+        };
+        Receiver::with_kernels(model, buffers, kernels)
     }
 
     /// The receiver's view of it.
@@ -89,7 +119,7 @@ pub fn run_core(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError { case: case.name.clone(), reason };
     let model = Model::parse(&case.model).map_err(|e| fail(e.to_string()))?;
     let mut buffers = OwnedBuffers::for_model(&model);
-    let mut receiver = Receiver::new(model, buffers.view()).map_err(|e| fail(e.to_string()))?;
+    let mut receiver = buffers.receiver(model).map_err(|e| fail(e.to_string()))?;
     for slot in &case.slots {
         receiver.push(slot, probe).map_err(|e| fail(e.to_string()))?;
     }

@@ -8,7 +8,7 @@ use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;
 use sdp3_core::dsn::{Model, ModelError};
-use sdp3_core::receiver::{Receiver, ReceiverError};
+use sdp3_core::receiver::ReceiverError;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why the core would not take a model.
@@ -71,7 +71,7 @@ fn classify(bytes: &[u8], slots: &[sdp3_core::frame::Slot]) -> Result<u8, Accura
     let model = Model::parse(bytes).map_err(|source| AccuracyError::Model { sensing_slots: 0, source })?;
     let need = model.sensing_slots();
     let mut buffers = OwnedBuffers::for_model(&model);
-    let mut receiver = Receiver::new(model, buffers.view()).map_err(AccuracyError::Receiver)?;
+    let mut receiver = buffers.receiver(model).map_err(AccuracyError::Receiver)?;
     for slot in slots.iter().take(need) {
         receiver.push(slot, &mut ()).map_err(AccuracyError::Receiver)?;
     }

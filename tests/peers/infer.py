@@ -1,0 +1,283 @@
+"""One int8 inference by sdp3, LiteRT with XNNPACK and ONNX Runtime: the same network, one thread, in turn.
+
+FOLDER holds NAME.sdp3, NAME.tflite and NAME.images; CLOCK is the program `bench-infer`. The ONNX graph is made here from
+NAME.sdp3: quantise-dequantise pairs, weights int8 per channel, activations int8 or uint8, which ONNX Runtime fuses into
+its QLinear kernels. Per instruction set of sdp3 and per peer: least and median time of a single inference, and how far
+the logits are from sdp3's, in steps of the output.
+
+Where the processor has AMX, XNNPACK takes it, and its tiles do not suit 16 channels. So LiteRT also runs as on a processor
+without: in a process whose requests to use AMX the kernel refuses (seccomp), XNNPACK takes its AVX-512 VNNI kernels.
+
+    pip install numpy==2.4.6 onnx==1.23.2 onnxruntime==1.31.1 ai-edge-litert==2.3.0
+    python infer.py FOLDER CLOCK --rounds 20
+"""
+
+import argparse
+import ctypes
+import os
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import onnx
+import onnxruntime
+from ai_edge_litert.interpreter import Interpreter
+from onnx import TensorProto, helper, numpy_helper
+
+WARM, COUNT = 20, 50
+
+
+class File:
+    """A model file's fields, one after the other."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, form, count=None):
+        values = struct.unpack_from("<" + form, self.data, self.at)
+        self.at += struct.calcsize("<" + form)
+        return values[0] if len(values) == 1 else values
+
+    def array(self, kind, count):
+        values = np.frombuffer(self.data, kind, count, self.at)
+        self.at += -(-count * values.itemsize // 4) * 4
+        return values
+
+    def layer(self, channels, taps):
+        """Zero points and scales of a layer with weights, in real numbers."""
+        _, in_zero, out_zero, low, high, _, _ = self.take("BbbbbbH")
+        in_scale, out_scale = self.take("ff")
+        multipliers, biases = self.array("<i4", channels), self.array("<i4", channels)
+        shifts, weights = self.array("i1", channels), self.array("i1", channels * taps)
+        assert low in (-128, out_zero) and high == 127, "an activation range that saturation does not give"
+        scales = multipliers * 2.0 ** (shifts.astype(float) - 31) * out_scale / in_scale
+        return dict(x=(in_scale, in_zero), y=(out_scale, out_zero), relu=low == out_zero != -128,
+                    scales=scales.astype(np.float32), biases=biases, weights=weights.reshape(channels, taps))
+
+
+class Graph:
+    """An ONNX graph of quantised tensors."""
+
+    def __init__(self, unsigned):
+        self.kind, self.offset = (np.uint8, 128) if unsigned else (np.int8, 0)
+        self.nodes, self.constants, self.count = [], [], 0
+
+    def constant(self, value):
+        self.count += 1
+        self.constants.append(numpy_helper.from_array(np.asarray(value), f"c{self.count}"))
+        return f"c{self.count}"
+
+    def node(self, kind, *inputs, **attributes):
+        self.count += 1
+        self.nodes.append(helper.make_node(kind, inputs, [f"t{self.count}"], **attributes))
+        return f"t{self.count}"
+
+    def grid(self, grid):
+        scale, zero = grid
+        return self.constant(np.float32(scale)), self.constant(self.kind(zero + self.offset))
+
+    def real(self, tensor, grid):
+        return self.node("DequantizeLinear", tensor, *self.grid(grid))
+
+    def quantised(self, tensor, grid):
+        return self.node("QuantizeLinear", tensor, *self.grid(grid))
+
+    def conv(self, tensor, layer, shape, **attributes):
+        weights = layer["weights"].reshape(shape)
+        if weights.ndim == 4:
+            weights = weights.transpose(0, 3, 1, 2)
+        channels, scales = len(weights), layer["scales"]
+        w = self.node("DequantizeLinear", self.constant(np.ascontiguousarray(weights)), self.constant(scales),
+                      self.constant(np.zeros(channels, np.int8)), axis=0)
+        b = self.node("DequantizeLinear", self.constant(layer["biases"]),
+                      self.constant(np.float32(layer["x"][0]) * scales), self.constant(np.zeros(channels, np.int32)), axis=0)
+        y = self.node("Conv", self.real(tensor, layer["x"]), w, b, **attributes)
+        if layer["relu"]:
+            y = self.node("Relu", y)
+        return self.quantised(y, layer["y"])
+
+
+def onnx_model(data, unsigned):
+    """The ONNX model of a model file."""
+    file, g = File(data), Graph(unsigned)
+    stride, frames = data[23], struct.unpack_from("<H", data, 26)[0]
+    channels, blocks, classes = data[32:35]
+    file.at = 64 + 24 * classes
+    before = [(max((-(-n // stride) - 1) * stride + 3 - n, 0)) for n in (64, frames)]
+    pads = [p // 2 for p in before] + [p - p // 2 for p in before]
+    stem = file.layer(channels, 9)
+    x = g.conv("image", stem, (channels, 3, 3, 1), kernel_shape=[3, 3], strides=[stride] * 2, pads=pads)
+    pooled = g.node("MaxPool", g.real(x, stem["y"]), kernel_shape=[2, 2], strides=[2, 2])
+    x, grid = g.quantised(pooled, stem["y"]), stem["y"]
+    for _ in range(blocks):
+        affine = file.layer(channels, 1)
+        t = g.conv(x, affine, (channels, 1, 1, 1), kernel_shape=[1, 1], group=channels)
+        for _ in range(2):
+            layer = file.layer(channels, 9 * channels)
+            t = g.conv(t, layer, (channels, 3, 3, channels), kernel_shape=[3, 3], pads=[1] * 4)
+        _, zero, out_zero, _, _, second_zero, _ = file.take("BbbbbbH")
+        scale, second, out = file.take("fff")
+        file.take("3i3bB")
+        assert (scale, zero, second, second_zero) == (*grid, *layer["y"])
+        grid = (out, out_zero)
+        x = g.quantised(g.node("Add", g.real(x, (scale, zero)), g.real(t, (second, second_zero))), grid)
+    x = g.quantised(g.node("GlobalAveragePool", g.real(x, grid)), grid)
+    head = file.layer(classes, channels)
+    x = g.conv(x, head, (classes, 1, 1, channels), kernel_shape=[1, 1])
+    g.nodes[-1].output[0] = "logits"
+    kind = TensorProto.UINT8 if unsigned else TensorProto.INT8
+    graph = helper.make_graph(g.nodes, "network", [helper.make_tensor_value_info("image", kind, [1, 1, 64, frames])],
+                              [helper.make_tensor_value_info("logits", kind, [1, classes, 1, 1])], g.constants)
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    onnx.checker.check_model(model)
+    return model.SerializeToString()
+
+
+def own_clock(run):
+    """Calls `run(image)` per image, timing each call alone."""
+    def clock(images, count):
+        nanoseconds = []
+        for k in range(count):
+            run.set(images[k % len(images)])
+            started = time.perf_counter_ns()
+            run.once()
+            nanoseconds.append(time.perf_counter_ns() - started)
+        return nanoseconds, run.logits()
+    return clock
+
+
+class OnnxRuntime:
+    def __init__(self, data, unsigned):
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = options.inter_op_num_threads = 1
+        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_ALL
+        self.session = onnxruntime.InferenceSession(onnx_model(data, unsigned), options, ["CPUExecutionProvider"])
+        self.kind, self.offset = (np.uint8, 128) if unsigned else (np.int8, 0)
+        self.shape = self.session.get_inputs()[0].shape
+        self.bound = self.session.io_binding()
+        self.bound.bind_output("logits")
+
+    def set(self, image):
+        image = (image.astype(np.int16) + self.offset).astype(self.kind).reshape(self.shape)
+        self.bound.bind_ortvalue_input("image", onnxruntime.OrtValue.ortvalue_from_numpy(image))
+
+    def once(self):
+        self.session.run_with_iobinding(self.bound)
+
+    def logits(self):
+        return self.bound.copy_outputs_to_cpu()[0].ravel().astype(int) - self.offset
+
+
+class LiteRt:
+    def __init__(self, path):
+        self.interpreter = Interpreter(model_path=str(path), num_threads=1)
+        self.interpreter.allocate_tensors()
+        self.input, self.output = self.interpreter.get_input_details()[0], self.interpreter.get_output_details()[0]
+
+    def set(self, image):
+        self.interpreter.set_tensor(self.input["index"], image.reshape(self.input["shape"]))
+
+    def once(self):
+        self.interpreter.invoke()
+
+    def logits(self):
+        return self.interpreter.get_tensor(self.output["index"]).ravel().astype(int)
+
+
+def refuse_amx():
+    """Lets arch_prctl(ARCH_REQ_XCOMP_PERM, ..) fail with EPERM in this process (x86-64 Linux)."""
+    load, equal, answer, allow, refuse = 0x20, 0x15, 0x06, 0x7FFF0000, 0x00050001
+    program = [(load, 0, 0, 0), (equal, 0, 3, 158), (load, 0, 0, 16), (equal, 0, 1, 0x1023),
+               (answer, 0, 0, refuse), (answer, 0, 0, allow)]
+    code = ctypes.create_string_buffer(b"".join(struct.pack("<HBBI", *line) for line in program))
+    filter_ = ctypes.create_string_buffer(struct.pack("<HxxxxxxQ", len(program), ctypes.addressof(code)))
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(38, 1, 0, 0, 0) or libc.prctl(22, 2, ctypes.c_void_p(ctypes.addressof(filter_)), 0, 0):
+        raise OSError(ctypes.get_errno(), "seccomp")
+
+
+def serve_litert(path, amx):
+    """LiteRT behind the same lines as `bench-infer clock`."""
+    if not amx:
+        refuse_amx()
+    clock = own_clock(LiteRt(path))
+    images = np.fromfile(path.with_suffix(".images"), np.int8)
+    images = images.reshape(-1, 64 * (images.size // 1024))
+    print("LiteRT", flush=True)
+    for line in sys.stdin:
+        found, logits = clock(images, int(line.split()[1]))
+        print(*found, list(map(int, logits)), flush=True)
+
+
+def behind_lines(process, isa):
+    def clock(_, count):
+        process.stdin.write(f"{isa} {count}\n")
+        process.stdin.flush()
+        times, logits = process.stdout.readline().strip("]\n").split("[")
+        return [int(t) for t in times.split()], np.array([int(v) for v in logits.split(",")])
+    return clock
+
+
+def compare(folder, name, program, rounds, only):
+    data = (folder / f"{name}.sdp3").read_bytes()
+    images = np.fromfile(folder / f"{name}.images", np.int8).reshape(-1, 64 * struct.unpack_from("<H", data, 26)[0])
+    processes = []
+
+    def start(*command):
+        processes.append(subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
+        return processes[-1]
+
+    ours = start(program, "clock", folder / f"{name}.sdp3", folder / f"{name}.images")
+    sets = [s for s in ours.stdout.readline().split() if not only or s in only]
+    clocks = {f"sdp3 {isa}": behind_lines(ours, isa) for isa in sets}
+    amx = "amx_int8" in Path("/proc/cpuinfo").read_text()
+    for key, with_amx in [("LiteRT XNNPACK, AMX", True), ("LiteRT XNNPACK", False)][0 if amx else 1:]:
+        mode = "--serve" if with_amx or not amx else "--serve-without-amx"
+        process = start(sys.executable, __file__, folder / f"{name}.tflite", mode)
+        process.stdout.readline()
+        clocks[key] = behind_lines(process, "litert")
+    clocks["ONNX Runtime s8s8"] = own_clock(OnnxRuntime(data, False))
+    clocks["ONNX Runtime u8s8"] = own_clock(OnnxRuntime(data, True))
+    times, logits = {key: [] for key in clocks}, {}
+    for turn in range(-1, rounds):
+        for key, clock in clocks.items():
+            few = key.split()[-1] in ("scalar", "arrays")
+            found, logits[key] = clock(images, WARM if turn < 0 else COUNT // 10 if few else COUNT)
+            times[key] += found if turn >= 0 else []
+            if turn < 0:
+                assert len(found) == WARM
+                first = logits.setdefault("first", logits[key])
+                times.setdefault("far", {})[key] = np.abs(logits[key] - first).max()
+    for process in processes:
+        process.stdin.close()
+        process.wait()
+    far = times.pop("far")
+    row = lambda key: (np.min(times[key]) / 1e6, np.median(times[key]) / 1e6)
+    onnx_best = min((row(k)[1], row(k)) for k in times if k.startswith("ONNX"))[1]
+    print(f"\n{name}: {rounds} rounds\n{'':24}{'min ms':>9}{'median ms':>11}{'LiteRT /':>10}{'ONNX /':>8}{'logits off':>12}")
+    for key in times:
+        least, median = row(key)
+        print(f"{key:24}{least:9.4f}{median:11.4f}{row('LiteRT XNNPACK')[1] / median:10.2f}{onnx_best[1] / median:8.2f}"
+              f"{far[key]:12}")
+    assert all(f == 0 for k, f in far.items() if k.startswith("sdp3")), "instruction sets disagree"
+
+
+def main():
+    if sys.argv[2:] and sys.argv[2].startswith("--serve"):
+        return serve_litert(Path(sys.argv[1]), sys.argv[2] == "--serve")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("clock")
+    parser.add_argument("--rounds", type=int, default=20)
+    parser.add_argument("--isa", action="append", help="only this instruction set of sdp3's")
+    arguments = parser.parse_args()
+    print(f"load average before: {os.getloadavg()[0]:.1f}; ratios are peer's median / median, the better ONNX Runtime")
+    for file in sorted(arguments.folder.glob("*.sdp3")):
+        compare(arguments.folder, file.stem, arguments.clock, arguments.rounds, arguments.isa)
+    print(f"\nload average after: {os.getloadavg()[0]:.1f}")
+
+
+main()
