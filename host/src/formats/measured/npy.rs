@@ -20,7 +20,8 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
 pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("NPZ", error);
     let mut archive = NpzArchive::open(source.0).map_err(broken)?;
-    let names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    names.sort();
     let name = match (name, names.as_slice()) {
         (Some(name), _) => name,
         (None, [only]) => only,
