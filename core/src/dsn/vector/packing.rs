@@ -22,7 +22,7 @@ pub const fn phases(channels: usize) -> usize {
 
 /// Whether convolutions of pairs with so many inputs are transformed.
 pub const fn transforms(inputs: usize) -> bool {
-    inputs % LANES == 0
+    inputs.is_multiple_of(LANES)
 }
 
 /// Whether a term of an addition is exactly one half: multiplier 2^30, shift 0.

@@ -35,7 +35,7 @@ const POWERS: [u32; TILE] = [3, 2, 1, 1];
 /// The inverse of 9 modulo 2^32.
 const NINTH: i32 = 0x38e3_8e39;
 
-/// Words of memory beyond the map: six rows.
+/// Rows of memory beyond the map, for one row of tiles transformed downwards.
 pub const ROWS: usize = SPAN;
 
 /// A weight at one of the 36 points: |w| below 49 x 128.
@@ -76,7 +76,7 @@ fn backward<L: Lanes>(l: L, p: [L::V; SPAN]) -> [L::V; TILE] {
     ]
 }
 
-/// Halves of the columns: B^T down six rows of the map, word by word.
+/// B^T down six rows of the map, word by word.
 #[inline(always)]
 fn down<L: Lanes>(lanes: L, map: &[i32], row: usize, out: &mut [i32]) -> Option<()> {
     for at in (0..row).step_by(HALF) {
