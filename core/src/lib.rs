@@ -28,7 +28,7 @@
 //!
 //! # Rules of the house
 //!
-//! Unsafe code is denied but in one file of [`simd`], the vector instructions of x86-64; firmware has none of it.
+//! Unsafe code is denied but in one module of [`simd`], the vector instructions of x86-64; firmware has none of it.
 //! Everything from outside is checked once ([`dsn::Model::parse`], [`receiver::Receiver::new`],
 //! [`schedule::Plan::new`]); after that no call can fail for reasons of data. Memory is the caller's
 //! ([`receiver::Memory`]) and its size is a constant.

@@ -22,7 +22,7 @@ impl Line {
     pub const ZERO: Self = Line([0; LANES]);
 }
 
-/// Multiplier, rounding and zero point of sixteen channels, as vectors use them; made by [`Rescale::lane`].
+/// Multiplier, rounding and zero point of sixteen channels, as vectors use them; made by [`set_lane`].
 ///
 /// Lines: multipliers; those of the odd lanes in even lanes; 64-bit offsets of the even and of the odd lanes; shifts.
 pub type Rescale = [Line; 5];

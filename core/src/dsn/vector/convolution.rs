@@ -92,8 +92,14 @@ pub fn put(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i
         && let Some(out) = rest.first_chunk_mut()
     {
         *out = *values;
-        return;
+    } else {
+        put_some(values, first, channels, rest);
     }
+}
+
+/// [`put`] where pixels are not whole vectors, or fewer than four are left.
+#[inline(never)]
+fn put_some(values: &[i8; 4 * LANES], first: usize, channels: usize, rest: &mut [i8]) {
     let (values, _) = values.as_chunks::<LANES>();
     for (values, pixel) in values.iter().zip(rest.chunks_exact_mut(channels.max(1))) {
         for (out, &value) in pixel.iter_mut().skip(first).zip(values) {

@@ -13,9 +13,15 @@ const STEP: usize = 4 * LANES;
 #[inline(always)]
 fn step(values: &[i8], k: usize) -> [i8; STEP] {
     let rest = values.get(k * STEP..).unwrap_or(&[]);
-    if let Some(whole) = rest.first_chunk() {
-        return *whole;
+    match rest.first_chunk() {
+        Some(whole) => *whole,
+        None => last(rest),
     }
+}
+
+/// Fewer than 64 values, and zeros.
+#[inline(never)]
+fn last(rest: &[i8]) -> [i8; STEP] {
     let mut out = [0; STEP];
     out.iter_mut().zip(rest).for_each(|(o, &r)| *o = r);
     out
@@ -28,8 +34,14 @@ fn put(values: &mut [i8], k: usize, step: &[i8; STEP]) {
     if let Some(whole) = rest.first_chunk_mut() {
         *whole = *step;
     } else {
-        rest.iter_mut().zip(step).for_each(|(r, &s)| *r = s);
+        put_last(rest, step);
     }
+}
+
+/// Writes fewer than 64 values.
+#[inline(never)]
+fn put_last(rest: &mut [i8], step: &[i8; STEP]) {
+    rest.iter_mut().zip(step).for_each(|(r, &s)| *r = s);
 }
 
 /// Four vectors of 64 values.

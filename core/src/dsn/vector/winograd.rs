@@ -35,7 +35,7 @@ const POWERS: [u32; TILE] = [3, 2, 1, 1];
 /// The inverse of 9 modulo 2^32.
 const NINTH: i32 = 0x38e3_8e39;
 
-/// Words of memory beyond the map: six rows.
+/// Rows of memory beyond the map, for one row of tiles transformed downwards.
 pub const ROWS: usize = SPAN;
 
 /// A weight at one of the 36 points: |w| below 49 x 128.
@@ -76,7 +76,7 @@ fn backward<L: Lanes>(l: L, p: [L::V; SPAN]) -> [L::V; TILE] {
     ]
 }
 
-/// Halves of the columns: B^T down six rows of the map, word by word.
+/// B^T down six rows of the map, word by word.
 #[inline(always)]
 fn down<L: Lanes>(lanes: L, map: &[i32], row: usize, out: &mut [i32]) -> Option<()> {
     for at in (0..row).step_by(HALF) {
@@ -84,8 +84,9 @@ fn down<L: Lanes>(lanes: L, map: &[i32], row: usize, out: &mut [i32]) -> Option<
         for (i, d) in d.iter_mut().enumerate() {
             *d = lanes.load16(map.get(i * row + at..)?.first_chunk()?);
         }
-        for (i, t) in forward(lanes, d).into_iter().enumerate() {
-            *out.get_mut(i * row + at..)?.first_chunk_mut()? = lanes.store16(t);
+        let t = forward(lanes, d);
+        for i in 0..SPAN {
+            *out.get_mut(i * row + at..)?.first_chunk_mut()? = lanes.store16(t[i]);
         }
     }
     Some(())
@@ -105,8 +106,9 @@ fn along<L: Lanes>(lanes: L, columns: &[i32], row: usize, step: usize, out: &mut
                     let at = i * row + (TILE * tile + j) * step + half;
                     *d = lanes.load16(columns.get(at..)?.first_chunk()?);
                 }
-                for (t, out) in forward(lanes, d).into_iter().zip(out.iter_mut()) {
-                    *out.get_mut(tile * step + half..)?.first_chunk_mut()? = lanes.store16(t);
+                let t = forward(lanes, d);
+                for j in 0..SPAN {
+                    *out[j].get_mut(tile * step + half..)?.first_chunk_mut()? = lanes.store16(t[j]);
                 }
             }
         }
@@ -131,8 +133,8 @@ fn products<L: Lanes>(
                 found[tile] = lanes.dot(found[tile], inputs[(tile * step + k) % inputs.len()], weights);
             }
         }
-        for (sums, found) in sums.iter_mut().zip(found) {
-            sums[point] = found;
+        for tile in 0..TILES {
+            sums[tile][point] = found[tile];
         }
     }
 }
@@ -196,8 +198,9 @@ impl Convolution<'_> {
                         }
                         let below = self.output.get_mut(y * width * channels..)?;
                         let lines = below.chunks_exact_mut(width * channels);
-                        for (line, four) in lines.zip(accumulators(lanes, bias, sums)) {
-                            let values = finish(lanes, layer, group.rescale, four);
+                        let rows = accumulators(lanes, bias, sums);
+                        for (line, four) in lines.zip(&rows) {
+                            let values = finish(lanes, layer, group.rescale, *four);
                             put(&values, first, channels, line, at);
                         }
                     }
