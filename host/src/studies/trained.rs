@@ -87,11 +87,19 @@ impl Trained {
 
 /// Share of images that the core's network recognises.
 fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
+    let answers = int8_answers(bytes, images)?;
+    let right = answers.iter().zip(&images.labels).filter(|(answer, label)| answer == label).count();
+    Ok(right as f64 / images.len().max(1) as f64)
+}
+
+/// The class that the core's network answers to every image.
+///
+/// # Errors
+///
+/// A model that the core refuses.
+pub fn int8_answers(bytes: &[u8], images: &Images) -> Result<Vec<u8>, Failure> {
     let model = Model::parse(bytes).map_err(|e| e.to_string())?;
     let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
     let mut network = Network::new(model, &mut scratch).ok_or("the model needs more scratch memory")?;
-    let right = (0..images.len())
-        .filter(|&n| network.infer(images.image(n), &mut ()).class == images.labels[n])
-        .count();
-    Ok(right as f64 / images.len().max(1) as f64)
+    Ok((0..images.len()).map(|n| network.infer(images.image(n), &mut ()).class).collect())
 }
