@@ -7,6 +7,7 @@
 //! half acceleration and braking (preferred transition near 1.1, Hreljac 1993). Rooms up to 8 m by 11 m, any heading, mostly
 //! back and forth along the beam.
 
+use super::body::Vec3;
 use super::body::motion::{Person, Truth};
 use super::calibration::conditioning::ac_couple;
 use super::channel::dahc::Dahc;
@@ -56,6 +57,8 @@ impl Motion {
 const SETTLE_S: f64 = 0.3;
 /// Slots between two changes of the person's pace.
 const GROUP: usize = 16;
+/// Primitives of head and torso, which come first.
+const TRUNK: usize = 2;
 
 fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     low + (high - low) * random.uniform()
@@ -75,8 +78,10 @@ fn lucky(random: &mut Random, share: f64) -> bool {
     random.uniform() < share
 }
 
-/// A room, its radar at one end, and its memory.
-fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, f64) {
+/// A room, its radar at one end, where its walls are seen from, and its memory.
+///
+/// Walls are seen from 1 m and more off them, as from the paper's radar: the wall at a sensor's back is behind its antenna.
+fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, Vec3, f64) {
     let mut scenario = Scenario::default();
     scenario.room.size_m = [between(random, 2.5, 8.0), between(random, 3.0, 11.0), between(random, 2.4, 4.0)];
     scenario.radar.position_m =
@@ -86,7 +91,9 @@ fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, f64) {
     scenario.frame.spacing_slots = 0;
     scenario.channel.stationary_start = true;
     scenario.channel.tgn = [Tgn::B, Tgn::C, Tgn::D][(3.0 * random.uniform()) as usize];
-    (scenario, 1.0 - ratio(random, 0.001, 0.04))
+    let [width, length, _] = scenario.room.size_m;
+    let seen_from = [0.5 * width, between(random, 1.0, 0.5 * length), scenario.radar.position_m[2].max(1.0)];
+    (scenario, seen_from, 1.0 - ratio(random, 0.001, 0.04))
 }
 
 /// Somebody 1 to 8 m away.
@@ -137,8 +144,8 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
             *y = state;
         }
     }
-    // white and 1/f-like noise below the echo of an adult at 4 m
-    let white = echo * libm::pow(10.0, -between(random, 5.0, 55.0) / 20.0);
+    // white and 1/f-like noise below the echo
+    let white = echo * libm::pow(10.0, -between(random, 3.0, 50.0) / 20.0);
     let pink = if lucky(random, 0.5) { white * ratio(random, 0.3, 10.0) } else { 0.0 };
     let keep = pole(ratio(random, 1.0, 30.0));
     let mut slow = 0.0;
@@ -169,38 +176,90 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
     }
 }
 
+/// One number a time of `people` seen from `from`, in rooms of memory `rho`, in the person's own time, AC-coupled.
+fn seen(room: &Scenario, rho: f64, view: View, people: &[Target], random: Random) -> Vec<f64> {
+    let rate_hz = 1.0 / room.frame.slot_s;
+    let mut beats = vec![Blocks::default(); (SETTLE_S * rate_hz) as usize + rate_hz.round() as usize];
+    let mut channel = Dahc::new(room, (view.walls, view.walls), rho, random);
+    let mut time_s = view.start_s;
+    let groups = beats.len().div_ceil(GROUP) as f64;
+    for (k, group) in beats.chunks_mut(GROUP).enumerate() {
+        let interval_s = (view.pace[0] + (view.pace[1] - view.pace[0]) * k as f64 / groups) / rate_hz;
+        let scene = Scene { slot: 0, time_s, from: view.radar, to: view.radar, people };
+        channel.beats(&scene, interval_s, group);
+        time_s += interval_s * group.len() as f64;
+    }
+    let mut y: Vec<_> = beats.iter().map(|b| Complex64::new(b[BLOCKS / 2].re, 0.0)).collect();
+    ac_couple(&mut y, rate_hz);
+    y.iter().map(|z| z.re).collect()
+}
+
+/// From where, and when.
+#[derive(Clone, Copy)]
+struct View {
+    /// The radar, or its image in a wall, in m.
+    radar: Vec3,
+    /// Where the walls are seen from in m.
+    walls: Vec3,
+    /// Begin in s.
+    start_s: f64,
+    /// Pace of the person's own time at the begin and at the end: steady, or braking and speeding up.
+    pace: [f64; 2],
+}
+
+fn rms(y: &[f64]) -> f64 {
+    (y.iter().map(|y| y * y).sum::<f64>() / y.len().max(1) as f64).sqrt()
+}
+
 /// The `index`-th draw of a motion: one second at `rate_hz`, AC-coupled as measured signals are.
 ///
 /// `set` separates training from testing draws.
 pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, index: u32) -> Vec<f64> {
-    let mut random = Random::new(seed, 0x7264 + set, motion as u64, u64::from(index));
-    let (scenario, rho) = room(carrier_hz, rate_hz, &mut random);
-    let people = [Target::new(person(motion, &scenario, &mut random), &mut random)];
-    let radar = scenario.radar.position_m;
-    let settle = (SETTLE_S * rate_hz) as usize;
-    let mut beats = vec![Blocks::default(); settle + rate_hz.round() as usize];
-    let walls = Random::new(seed, 0x7764 + set, motion as u64, u64::from(index));
-    let mut channel = Dahc::new(&scenario, (radar, radar), rho, walls);
-    // the person's own time: steady, or braking and speeding up
-    let (from, to) = match lucky(&mut random, 0.6) {
-        true => (1.0, 1.0),
-        false => (between(&mut random, 0.4, 1.1), between(&mut random, 0.4, 1.1)),
-    };
-    let mut time_s = between(&mut random, 0.0, 20.0);
-    let groups = beats.len().div_ceil(GROUP);
-    for (k, group) in beats.chunks_mut(GROUP).enumerate() {
-        let interval_s = (from + (to - from) * k as f64 / groups as f64) / rate_hz;
-        let scene = Scene { slot: 0, time_s, from: radar, to: radar, people: &people };
-        channel.beats(&scene, interval_s, group);
-        time_s += interval_s * group.len() as f64;
+    let stream = |part: u64| Random::new(seed, 0x7264 + 16 * set + part, motion as u64, u64::from(index));
+    let random = &mut stream(0);
+    let (scenario, walls, rho) = room(carrier_hz, rate_hz, random);
+    let mut target = Target::new(person(motion, &scenario, random), random);
+    // bodies are not sixteen ellipsoids: limbs (after head and torso) echo less or more than those, each a little else
+    let limbs = between(random, -12.0, 3.0);
+    for (k, weight) in target.weights.iter_mut().enumerate() {
+        let db = if k < TRUNK { 0.0 } else { limbs } + 3.0 * random.gaussian();
+        *weight = libm::pow(10.0, db / 20.0);
     }
-    let mut y: Vec<f64> = beats.iter().map(|b| b[BLOCKS / 2].re).collect();
-    // the radar equation of 0.73 m^2 (-1.37 dBsm) at 4 m, as the rms of a real number
-    let echo = wavelength(carrier_hz) * (0.73_f64 / 2.0).sqrt() / (libm::pow(4.0 * PI, 1.5) * 16.0);
-    sense(&mut y, echo, motion != Motion::Still, rate_hz, &mut random);
+    let pace = match lucky(random, 0.6) {
+        true => [1.0, 1.0],
+        false => [between(random, 0.4, 1.1), between(random, 0.4, 1.1)],
+    };
+    let radar = scenario.radar.position_m;
+    let view = View { radar, walls, start_s: between(random, 0.0, 20.0), pace };
+    let people = [target];
+    // a room of perfect memory vanishes behind the AC coupling
+    let mut y = seen(&scenario, 1.0, view, &people, stream(1));
+    // the person once more, by way of a wall to the left or right, the floor or the ceiling, out and back
+    for part in 2..4 {
+        if lucky(random, 0.6) {
+            let axis = if lucky(random, 0.7) { 0 } else { 2 };
+            let plane = if lucky(random, 0.5) { 0.0 } else { scenario.room.size_m[axis] };
+            let mut image = radar;
+            image[axis] = 2.0 * plane - radar[axis];
+            let share = libm::pow(10.0, -between(random, 3.0, 25.0) / 20.0);
+            let ghost = seen(&scenario, 1.0, View { radar: image, ..view }, &people, stream(part));
+            y.iter_mut().zip(ghost).for_each(|(y, g)| *y += share * g);
+        }
+    }
+    // what a walker echoes there; who keeps still is measured on 0.73 m^2 (-1.37 dBsm) 2 to 8 m away
+    let mut echo = rms(&y);
+    if motion == Motion::Still {
+        let away = between(random, 2.0, 8.0);
+        echo = wavelength(carrier_hz) * (0.73_f64 / 2.0).sqrt() / (libm::pow(4.0 * PI, 1.5) * away * away);
+    }
+    let wall = seen(&scenario, rho, view, &[], stream(4));
+    let level =
+        echo * libm::pow(10.0, -between(random, 0.0, 35.0) / 20.0) / rms(&wall).max(f64::MIN_POSITIVE);
+    y.iter_mut().zip(wall).for_each(|(y, w)| *y += level * w);
+    sense(&mut y, echo, motion != Motion::Still, rate_hz, random);
     let mut z: Vec<_> = y.into_iter().map(|y| Complex64::new(y, 0.0)).collect();
     ac_couple(&mut z, rate_hz);
-    z[settle..].iter().map(|z| z.re).collect()
+    z[(SETTLE_S * rate_hz) as usize..].iter().map(|z| z.re).collect()
 }
 
 #[cfg(test)]

@@ -252,6 +252,8 @@ pub fn study(
             let right = int8.iter().filter(|&&c| c == recording.motion as u8).count();
             each.push((float.accuracy(), right as f64 / images.len().max(1) as f64));
         }
+        let said = format!("{}: {answers:?} of walking, running, still", recording.name);
+        workshop.progress.note("recognise", &said);
         let row: &mut [u32; 3] = &mut confusion[recording.motion as usize];
         row.iter_mut().zip(answers).for_each(|(sum, n)| *sum += n);
         let spread = |of: fn(&(f64, f64)) -> f64| Spread::of(&each.iter().map(of).collect::<Vec<_>>());
