@@ -136,13 +136,11 @@ fn levels(request: &Request, workshop: Workshop) -> Levels {
     }
 }
 
-/// Accuracy of every network on every domain, seed by seed: `[trained on][seed][tested on]`, (float, int8).
-fn matrix(
-    request: &Request,
-    cells: &Cells,
-    rho: f64,
-    workshop: Workshop,
-) -> Result<[Vec<[(f64, f64); 3]>; 3], Failure> {
+/// A network's accuracy on every domain: (float, int8).
+type Row = [(f64, f64); 3];
+
+/// Accuracy of every network on every domain, seed by seed: `[trained on][seed][tested on]`.
+fn matrix(request: &Request, cells: &Cells, rho: f64, workshop: Workshop) -> Result<[Vec<Row>; 3], Failure> {
     let domains = [0, 1, 2].map(|d| domain(&request.scenario, d));
     let rhos = [rho, 1.0, STAND_RHO];
     let seed_of = |seed: u64, d: usize| if d == 2 { seed + OTHERS } else { seed };
