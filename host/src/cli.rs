@@ -117,6 +117,8 @@ pub enum Study {
     LearningCurve,
     /// Accuracy under other headings, rho, power, d, people and carriers.
     Robustness,
+    /// Divergence and recognition against ray tracing, a richer model and measured recordings.
+    Fidelity,
 }
 
 /// Where to train.
@@ -221,6 +223,15 @@ pub enum Command {
         /// Seeds, from --seed upwards.
         #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
         seeds: u32,
+        /// Of `fidelity`: a folder of measured recordings, in any depth, whose names tell the motion (walk, run, still, stand, sit).
+        #[arg(long, value_name = "FOLDER")]
+        measured: Option<PathBuf>,
+        /// Carrier in Hz of recordings that do not say theirs.
+        #[arg(long, value_name = "HZ", requires = "measured")]
+        carrier: Option<f64>,
+        /// Rate in Hz of recordings that do not say theirs.
+        #[arg(long, value_name = "HZ", requires = "measured")]
+        rate: Option<f64>,
     },
     /// Turn trained networks into int8 model files.
     Quantize,

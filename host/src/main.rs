@@ -149,7 +149,19 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             Ok(true)
         }
         Command::Train { how, .. } => train(job, how, common.threads, json),
-        Command::Study { name, seeds } => study(&job, name, seeds, common.threads, json),
+        Command::Study { name, seeds, measured, carrier, rate } => {
+            if measured.is_some() && name != Study::Fidelity {
+                return Err("command line: --measured belongs to the study fidelity".into());
+            }
+            let stated = Stated { carrier_hz: carrier, rate_hz: rate, ..Stated::default() };
+            study(
+                &job,
+                (name, seeds),
+                measured.as_deref().map(|folder| (folder, stated)),
+                common.threads,
+                json,
+            )
+        }
         Command::Quantize => quantize(&job, json),
         Command::Verify { proof } => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
@@ -416,8 +428,14 @@ fn run(
 }
 
 #[cfg(feature = "train")]
-fn study(job: &Job, name: Study, seeds: u32, threads: usize, json: bool) -> Result<bool, Failure> {
-    use sdp3::studies::{Request, Workshop, cells::Cells, learning_curve, robustness};
+fn study(
+    job: &Job,
+    (name, seeds): (Study, u32),
+    measured: Option<(&Path, Stated)>,
+    threads: usize,
+    json: bool,
+) -> Result<bool, Failure> {
+    use sdp3::studies::{Request, Workshop, cells::Cells, fidelity, learning_curve, recordings, robustness};
     let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
     let study = name_of(name).unwrap_or_default();
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
@@ -432,12 +450,20 @@ fn study(job: &Job, name: Study, seeds: u32, threads: usize, json: bool) -> Resu
             let found = robustness::study(&request, &cells, workshop)?;
             print(json, &found, || robustness::table(&request, &found));
         }
+        Study::Fidelity => {
+            let recordings = match measured {
+                Some((folder, stated)) => recordings::read(folder, &stated)?,
+                None => Default::default(),
+            };
+            let found = fidelity::study(&request, &cells, recordings, workshop)?;
+            print(json, &found, || fidelity::table(&request, &found));
+        }
     }
     Ok(true)
 }
 
 #[cfg(not(feature = "train"))]
-fn study(_: &Job, _: Study, _: u32, _: usize, _: bool) -> Result<bool, Failure> {
+fn study(_: &Job, _: (Study, u32), _: Option<(&Path, Stated)>, _: usize, _: bool) -> Result<bool, Failure> {
     Err("this build cannot train: build it with the feature `train`".into())
 }
 

@@ -2,6 +2,8 @@
 //!
 //! [`page`] is one self-contained HTML file: no script, no font, no address outside it.
 
+#[cfg(feature = "train")]
+pub mod fidelity;
 pub mod figures;
 pub mod gallery;
 pub mod plot;

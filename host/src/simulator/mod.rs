@@ -12,3 +12,4 @@ pub mod channel;
 pub mod dataset;
 pub mod radar;
 pub mod random;
+pub mod randomised;

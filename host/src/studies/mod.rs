@@ -1,11 +1,15 @@
 //! Studies: questions that take many trainings. Each is cut into cells that are kept, so that an interrupted study goes on where
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
-//! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (what the room and the person may do).
+//! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (what the room and the person may do), [`fidelity`]
+//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones).
 
 pub mod cells;
+pub mod fidelity;
 pub mod learning_curve;
+pub mod recordings;
 pub mod robustness;
+pub mod sim_to_real;
 pub mod trained;
 
 use crate::progress::Progress;

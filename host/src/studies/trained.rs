@@ -12,7 +12,9 @@ use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 use rayon::prelude::*;
+use sdp3_core::dsn::vector::{Vector, VectorMemory};
 use sdp3_core::dsn::{Model, Network, scratch_bytes};
+use sdp3_core::simd::{Isa, Line};
 
 /// Images that one thread takes at a time.
 const PART: usize = 50;
@@ -91,15 +93,28 @@ impl Trained {
 
 /// Share of images that the core's network recognises.
 fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
+    let answers = int8_answers(bytes, images)?;
+    let right = answers.iter().zip(&images.labels).filter(|(answer, label)| answer == label).count();
+    Ok(right as f64 / images.len().max(1) as f64)
+}
+
+/// The class that the core's network answers to every image.
+///
+/// # Errors
+///
+/// A model that the core refuses.
+pub fn int8_answers(bytes: &[u8], images: &Images) -> Result<Vec<u8>, Failure> {
     let model = Model::parse(bytes).map_err(|e| e.to_string())?;
-    let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
     let part = |part: &[usize]| {
-        let mut scratch = vec![0; scratch];
-        let mut network = Network::new(model.clone(), &mut scratch)?;
-        let right = |&&n: &&usize| network.infer(images.image(n), &mut ()).class == images.labels[n];
-        Some(part.iter().filter(right).count())
+        let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
+        let mut lines = vec![Line::ZERO; Vector::lines(&model)];
+        let mut words = vec![0; Vector::words(&model)];
+        let memory = VectorMemory { lines: &mut lines, words: &mut words };
+        let kernels = Vector::new(&model, Isa::best(), memory)?;
+        let mut network = Network::with_kernels(model.clone(), &mut scratch, kernels)?;
+        Some(part.iter().map(|&n| network.infer(images.image(n), &mut ()).class).collect::<Vec<_>>())
     };
     let all: Vec<usize> = (0..images.len()).collect();
-    let right: Option<usize> = all.par_chunks(PART).map(part).sum();
-    Ok(right.ok_or("the model needs more scratch memory")? as f64 / images.len().max(1) as f64)
+    let answers: Option<Vec<Vec<u8>>> = all.par_chunks(PART).map(part).collect();
+    Ok(answers.ok_or("the model needs more memory")?.concat())
 }

@@ -113,6 +113,12 @@ impl Person {
         Self::striding(truth, stride, room, true, random)
     }
 
+    /// As [`Person::new`], with the limbs of a gait of another speed: who brakes or runs in a small room moves them faster than
+    /// the body.
+    pub fn paced(truth: Truth, stride_m_s: f64, room: Vec3, random: &mut Random) -> Self {
+        Self::striding(truth, stride_m_s, room, true, random)
+    }
+
     fn striding(truth: Truth, stride_m_s: f64, room: Vec3, turns: bool, random: &mut Random) -> Self {
         let gait = Gait::new(truth.height_m, stride_m_s / (0.491 * truth.height_m));
         let mut wave = |low: f64, high: f64| (low + (high - low) * random.uniform(), random.uniform());

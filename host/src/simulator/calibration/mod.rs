@@ -17,10 +17,11 @@ use crate::formats::measured::{Samples, Signal};
 use crate::results::{Calibration, Spectrogram};
 use crate::scenario::{Class, Scenario};
 use conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
-use divergence::{Counts, EVALUATIONS, search, shares};
+use divergence::{Counts, EVALUATIONS, divergence, search, shares};
 use grey::{Grey, LEVELS, RANGE_DB, histogram};
 use rayon::prelude::*;
 use resample::resample;
+use sdp3_core::frame::Slot;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Highest rate a measured signal is compared at, in Hz; faster ones are resampled to it.
@@ -146,17 +147,85 @@ fn slow_time(signal: &Signal) -> (Vec<Complex64>, f64, bool) {
             let im = brought(&z.iter().map(|z| z.im).collect::<Vec<_>>());
             (re.into_iter().zip(im).map(|(re, im)| Complex64::new(re, im)).collect(), rate, false)
         }
-        Samples::Slots(slots) => {
-            let beats: Vec<_> = slots
-                .iter()
-                .map(|slot| {
-                    sdp3_core::dechirp::dechirp(slot)
-                        .map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
-                })
-                .collect();
-            (clutter_free(&beats), signal.rate_hz, false)
-        }
+        Samples::Slots(slots) => (slots_without_clutter(slots), signal.rate_hz, false),
     }
+}
+
+/// The slow time of raw slots: dechirped, without what stands still.
+pub fn slots_without_clutter(slots: &[Slot]) -> Vec<Complex64> {
+    let complex = |slot: &Slot| {
+        sdp3_core::dechirp::dechirp(slot).map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
+    };
+    clutter_free(&slots.iter().map(complex).collect::<Vec<_>>())
+}
+
+/// A measured signal, conditioned and counted, and the bench that simulated ones are compared on.
+struct Facing {
+    at_carrier: Scenario,
+    signal: Vec<Complex64>,
+    rate_hz: f64,
+    real: bool,
+    single_cell: bool,
+    slots: usize,
+    /// Windows with motion, and the grey levels of them all.
+    windows: usize,
+    counts: Counts,
+}
+
+impl Facing {
+    fn new(scenario: &Scenario, measured: &Signal) -> Result<Self, CalibrationError> {
+        let (mut signal, rate_hz, real) = slow_time(measured);
+        let slots = ((rate_hz.round() as usize).max(FEWEST)).min(signal.len());
+        if slots < FEWEST {
+            let (title, samples) = (measured.title.clone(), signal.len());
+            return Err(CalibrationError::Short { title, samples, rate_hz, least: FEWEST });
+        }
+        let mut at_carrier = scenario.clone();
+        at_carrier.radar.carrier_hz = measured.carrier_hz;
+        at_carrier.frame.slot_s = 1.0 / rate_hz;
+        at_carrier.frame.spacing_slots = 0;
+        let single_cell = matches!(measured.samples, Samples::Complex(_));
+        if single_cell {
+            signal.chunks_mut(slots).for_each(remove_mean);
+        }
+        let grey = Grey::new(WINDOW, 10.0, HOP);
+        let mut counts = [0; LEVELS];
+        let windows = moving_windows(&signal, slots);
+        for window in &windows {
+            let one = histogram(&grey.decibels(window, real));
+            counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n);
+        }
+        let windows = windows.len();
+        if windows == 0 {
+            return Err(CalibrationError::Still { title: measured.title.clone() });
+        }
+        Ok(Facing { at_carrier, signal, rate_hz, real, single_cell, slots, windows, counts })
+    }
+
+    fn bench(&self, seed: u64, class: Class) -> Bench<'_> {
+        let mut bench = Bench::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
+        bench.grey = Grey::new(WINDOW, 10.0, HOP);
+        bench.hop = HOP;
+        bench.single_cell = self.single_cell;
+        bench
+    }
+}
+
+/// D(measured || simulated) in nats of the scenario's channel model as it is, at this rho, and the simulated shares of the levels.
+///
+/// # Errors
+///
+/// See [`CalibrationError`].
+pub fn divergence_measured(
+    scenario: &Scenario,
+    measured: &Signal,
+    class: Class,
+    seed: u64,
+    rho: f64,
+) -> Result<(f64, Vec<f64>), CalibrationError> {
+    let facing = Facing::new(scenario, measured)?;
+    let simulated = facing.bench(seed, class).counts(rho, Set::Calibration, PEOPLE);
+    Ok((divergence(&facing.counts, &simulated, 0), shares(&simulated)))
 }
 
 /// Calibrates on a measured signal of somebody who moves as `class` says.
@@ -171,43 +240,19 @@ pub fn calibrate_measured(
     seed: u64,
     progress: Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let (signal, rate_hz, real) = slow_time(measured);
-    let slots = ((rate_hz.round() as usize).max(FEWEST)).min(signal.len());
-    if slots < FEWEST {
-        let (title, samples) = (measured.title.clone(), signal.len());
-        return Err(CalibrationError::Short { title, samples, rate_hz, least: FEWEST });
-    }
-    let mut at_carrier = scenario.clone();
-    at_carrier.radar.carrier_hz = measured.carrier_hz;
-    at_carrier.frame.slot_s = 1.0 / rate_hz;
-    at_carrier.frame.spacing_slots = 0;
-    let mut bench = Bench::new(&at_carrier, seed, class, real, slots as u32);
-    bench.grey = Grey::new(WINDOW, 10.0, HOP);
-    bench.hop = HOP;
-    bench.single_cell = matches!(measured.samples, Samples::Complex(_));
-
-    let mut cut = signal;
-    if bench.single_cell {
-        cut.chunks_mut(slots).for_each(remove_mean);
-    }
-    let windows = moving_windows(&cut, slots);
-    let Some(&shown) = windows.first() else {
-        return Err(CalibrationError::Still { title: measured.title.clone() });
-    };
-    let mut counts = [0; LEVELS];
-    for window in &windows {
-        let one = histogram(&bench.grey.decibels(window, real));
-        counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n);
-    }
-    let (curve, simulated, best) = bench.search(&counts, progress);
+    let facing = Facing::new(scenario, measured)?;
+    let bench = facing.bench(seed, class);
+    let (curve, simulated, best) = bench.search(&facing.counts, progress);
+    let shown = moving_windows(&facing.signal, facing.slots)[0];
     let picture_of = bench.signal(curve[best].rho, Set::Demo, 0);
+    let (slots, rate_hz) = (facing.slots, facing.rate_hz);
     let seconds = slots as f64 / rate_hz;
     let (title, carrier_hz) = (&measured.title, measured.carrier_hz);
     Ok(Calibration {
         source: format!(
             "measured: {title}, {:.4} GHz, {} windows of {seconds:.1} s with motion at {rate_hz} Hz",
             carrier_hz / 1e9,
-            windows.len()
+            facing.windows
         ),
         carrier_hz,
         rho: curve[best].rho,
@@ -215,7 +260,7 @@ pub fn calibrate_measured(
         kl_without_uncertainty: curve.last().map(|p| p.kl),
         curve_of: format!("grey levels of {title} against {PEOPLE} simulated recordings of {}", class.name()),
         curve,
-        measured_pmf: shares(&counts),
+        measured_pmf: shares(&facing.counts),
         simulated_pmf: shares(&simulated),
         measured: Some(picture(&bench, title, shown)),
         simulated: Some(picture(&bench, &format!("simulated {}", class.name()), &picture_of)),

@@ -83,7 +83,7 @@ fn echo(target: &Target, radar: Vec3, lambda: f64, first: f64, interval_s: f64, 
     let mut moments = [[zero; 2]; TERMS];
     for (index, phase) in target.phases.iter().enumerate() {
         let (distance, amplitude) = part(index).echo(radar);
-        let amplitude = amplitude.times(front);
+        let amplitude = amplitude.times(front * target.weights[index]);
         let (s, c) = distance.times(-turns).plus(phase / TAU).sin_cos_turns();
         let (mut re, mut im) = (amplitude * c, amplitude * s);
         let delta = (distance - torso).times(slope);

@@ -20,6 +20,8 @@ pub struct Target {
     pub phases: [f64; PRIMITIVES],
     /// Amplitude of its echo: below 1 off the antenna's main lobe.
     pub gain: f64,
+    /// Amplitude of each primitive's echo besides: 1 unless bodies are to differ.
+    pub weights: [f64; PRIMITIVES],
     /// A rigid body instead of a moving one: the pose of time 0 carried along at this velocity in m/s.
     pub rigid: Option<Vec3>,
 }
@@ -40,6 +42,7 @@ impl Target {
             person,
             phases: std::array::from_fn(|_| 2.0 * PI * random.uniform()),
             gain: 1.0,
+            weights: [1.0; PRIMITIVES],
             rigid: None,
         }
     }
@@ -62,8 +65,9 @@ impl Target {
 
     /// Appends the echo of every primitive on the way from `scene.from` to `scene.to`.
     pub fn echoes(&self, scene: &Scene, lambda: f64, paths: &mut Vec<Path>) {
-        for (primitive, phase) in self.primitives(scene.time_s).iter().zip(&self.phases) {
-            let root = self.gain * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
+        let primitives = self.primitives(scene.time_s);
+        for ((primitive, phase), weight) in primitives.iter().zip(&self.phases).zip(&self.weights) {
+            let root = self.gain * weight * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
             paths.push(scattered(scene, primitive.centre, root, lambda, *phase));
         }
     }
