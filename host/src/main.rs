@@ -441,13 +441,16 @@ fn study(
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
     let cells = Cells::open(&job.output, &request)?;
     let workshop = Workshop { progress: job.progress, workers: workers(threads) };
+    let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
     match name {
         Study::LearningCurve => {
             let found = learning_curve::study(&request, &cells, workshop)?;
+            draw("learning-curve.svg", report::studies::learning_curve(&found))?;
             print(json, &found, || learning_curve::table(&request, &found));
         }
         Study::Robustness => {
             let found = robustness::study(&request, &cells, workshop)?;
+            draw("robustness.svg", report::studies::robustness(&found))?;
             print(json, &found, || robustness::table(&request, &found));
         }
         Study::Fidelity => {
@@ -456,6 +459,7 @@ fn study(
                 None => Default::default(),
             };
             let found = fidelity::study(&request, &cells, recordings, workshop)?;
+            draw("fidelity.svg", report::fidelity::picture(&found))?;
             print(json, &found, || fidelity::table(&request, &found));
         }
     }

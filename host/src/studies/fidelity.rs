@@ -236,7 +236,6 @@ pub fn study(
     };
     cells.output.write_json("fidelity.json", &found)?;
     cells.output.write("fidelity.md", table(request, &found).as_bytes())?;
-    cells.output.write("fidelity.svg", crate::report::fidelity::picture(&found).as_bytes())?;
     Ok(found)
 }
 

@@ -82,7 +82,6 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Lea
     let found = LearningCurve { rho, rows, prediction: fit_all(&points).ok() };
     cells.output.write_json("learning-curve.json", &found)?;
     cells.output.write("learning-curve.md", table(request, &found).as_bytes())?;
-    cells.output.write("learning-curve.svg", crate::report::studies::learning_curve(&found).as_bytes())?;
     Ok(found)
 }
 

@@ -150,7 +150,6 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
     let found = Robustness { sensing_slots, rows: conditions.iter().zip(&found).map(row).collect() };
     cells.output.write_json("robustness.json", &found)?;
     cells.output.write("robustness.md", table(request, &found).as_bytes())?;
-    cells.output.write("robustness.svg", crate::report::studies::robustness(&found).as_bytes())?;
     Ok(found)
 }
 

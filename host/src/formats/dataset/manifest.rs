@@ -2,78 +2,17 @@
 //!
 //! It is put together from the sidecars, one at a time, so that its length needs no memory.
 
+use super::record::{FileRecord, hex};
 use super::{PROGRAM, Work, part};
 use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
-use crate::simulator::body::motion::Truth;
 use serde::ser::{Error, SerializeSeq};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io::{self, Write};
 
 /// Its name.
 pub const NAME: &str = "manifest.json";
-
-/// A file of the dataset.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FileRecord {
-    /// Its name in the folder.
-    pub name: String,
-    /// Its length.
-    pub bytes: u64,
-    /// SHA-256 of its content.
-    pub sha256: String,
-}
-
-impl FileRecord {
-    /// Describes content.
-    pub fn new(name: String, content: &[u8]) -> Self {
-        FileRecord { name, bytes: content.len() as u64, sha256: hex(&Sha256::digest(content)) }
-    }
-
-    /// Describes a file that is there.
-    ///
-    /// # Errors
-    ///
-    /// [`OutputError::Read`] naming the file.
-    pub fn of(output: &Output, name: &str) -> Result<Self, OutputError> {
-        let path = output.path(name);
-        let read = || {
-            let mut hash = Sha256::new();
-            let bytes = io::copy(&mut File::open(&path)?, &mut hash)?;
-            Ok(FileRecord { name: name.to_owned(), bytes, sha256: hex(&hash.finalize()) })
-        };
-        read().map_err(|source| OutputError::Read {
-            path: path.clone(),
-            source,
-            hint: "the dataset was just written there",
-        })
-    }
-
-    /// Whether the file is as described; without `read`, its length must do.
-    pub fn is_there(&self, output: &Output, read: bool) -> bool {
-        std::fs::metadata(output.path(&self.name)).is_ok_and(|found| found.len() == self.bytes)
-            && (!read || Self::of(output, &self.name).is_ok_and(|found| found == *self))
-    }
-}
-
-/// What is true of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TruthRecord {
-    /// Its number in the dataset.
-    pub index: u32,
-    /// Its label, an index into the classes.
-    pub label: u8,
-    /// The person.
-    #[serde(flatten)]
-    pub truth: Truth,
-}
-
-/// Bytes in hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 #[derive(Serialize)]
 struct Array {

@@ -9,12 +9,13 @@
 
 mod manifest;
 mod part;
+mod record;
 mod sigmf;
 
 use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
-use manifest::FileRecord;
 use rayon::prelude::*;
+use record::FileRecord;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -22,7 +23,7 @@ use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use manifest::TruthRecord;
+pub use record::TruthRecord;
 
 /// Legal recordings of each class: their parts are numbered with five digits.
 pub const PER_CLASS: RangeInclusive<i64> = 1..=2_000_000;

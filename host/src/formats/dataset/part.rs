@@ -3,7 +3,7 @@
 //! The sidecar is written last and holds the SHA-256 of the others. Whatever kills a run, a part with a sidecar that matches
 //! is whole, and one without is made again, with the same bytes.
 
-use super::manifest::{FileRecord, TruthRecord};
+use super::record::{FileRecord, TruthRecord};
 use super::{Work, sigmf};
 use crate::output::{Output, OutputError};
 use crate::predictor::spectrograms::images_of_beats;

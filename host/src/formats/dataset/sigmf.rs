@@ -2,7 +2,7 @@
 //!
 //! <https://sigmf.org>. The data is 16-bit I and Q in turn, little-endian, one slot after the other.
 
-use super::manifest::{FileRecord, hex};
+use super::record::{FileRecord, hex};
 use super::{PROGRAM, Work};
 use crate::output::{Output, OutputError, to_json};
 use crate::simulator::body::motion::Truth;
