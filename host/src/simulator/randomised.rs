@@ -3,9 +3,9 @@
 //! Tobin et al. (2017), for a single-channel Doppler sensor (CW, AC-coupled, real) at any carrier. One draw is one second of
 //! somebody walking, running or keeping still; nothing is fitted to a recording.
 //!
-//! Speeds in heights H per second: walking 0.45..1.1, running 0.8..1.9 with the limbs of a faster gait, since a run in a room is
-//! half acceleration and braking (preferred transition near 1.1, Hreljac 1993). Rooms up to 8 m by 11 m, any heading, mostly
-//! back and forth along the beam.
+//! Who walks does 0.45..1.1 heights a second. Who runs does 0.5..1.25 times sqrt(g L), L the leg: people change from one to the
+//! other near 0.7 (Froude number 0.5; Alexander 1989), jog slowly indoors, and sprint in no room; their limbs move at least as
+//! in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly back and forth along the beam.
 
 use super::body::Vec3;
 use super::body::motion::{Person, Truth};
@@ -53,6 +53,9 @@ impl Motion {
     }
 }
 
+/// Standard gravity in m/s^2, and the leg in heights.
+const GRAVITY: f64 = 9.806_65;
+const LEG: f64 = 0.53;
 /// Seconds before the window, in which filters settle.
 const SETTLE_S: f64 = 0.3;
 /// Slots between two changes of the person's pace.
@@ -108,7 +111,8 @@ fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
             (speed, speed)
         }
         Motion::Running => {
-            let speed = triangular(random, 0.8, 1.9);
+            let froude = triangular(random, 0.5, 1.25);
+            let speed = froude * (GRAVITY * LEG / height_m).sqrt();
             (speed, speed.max(between(random, 1.15, 1.47)))
         }
         Motion::Still => (0.0, 0.0),
@@ -225,9 +229,9 @@ pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, 
         let db = if k < TRUNK { 0.0 } else { limbs } + 3.0 * random.gaussian();
         *weight = libm::pow(10.0, db / 20.0);
     }
-    let pace = match lucky(random, 0.6) {
+    let pace = match lucky(random, 0.7) {
         true => [1.0, 1.0],
-        false => [between(random, 0.4, 1.1), between(random, 0.4, 1.1)],
+        false => [between(random, 0.5, 1.1), between(random, 0.5, 1.1)],
     };
     let radar = scenario.radar.position_m;
     let view = View { radar, walls, start_s: between(random, 0.0, 20.0), pace };
