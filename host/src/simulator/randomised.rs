@@ -238,17 +238,15 @@ pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, 
     let people = [target];
     // a room of perfect memory vanishes behind the AC coupling
     let mut y = seen(&scenario, 1.0, view, &people, stream(1));
-    // the person once more, by way of a wall to the left or right, the floor or the ceiling, out and back
-    for part in 2..4 {
-        if lucky(random, 0.6) {
-            let axis = if lucky(random, 0.7) { 0 } else { 2 };
-            let plane = if lucky(random, 0.5) { 0.0 } else { scenario.room.size_m[axis] };
-            let mut image = radar;
-            image[axis] = 2.0 * plane - radar[axis];
-            let share = libm::pow(10.0, -between(random, 3.0, 25.0) / 20.0);
-            let ghost = seen(&scenario, 1.0, View { radar: image, ..view }, &people, stream(part));
-            y.iter_mut().zip(ghost).for_each(|(y, g)| *y += share * g);
-        }
+    // the person up to five times more, by way of walls and furniture, out and back: seen from the radar's image in each, which
+    // may lie anywhere around; their Doppler fills what the direct echo leaves empty
+    let [width, length, height] = scenario.room.size_m;
+    for part in 0..(6.0 * random.uniform()) as u64 {
+        let around = [between(random, -1.0, 2.0), between(random, -1.0, 2.0), between(random, -1.0, 2.0)];
+        let image = [width * around[0], length * around[1], height * around[2]];
+        let share = libm::pow(10.0, -between(random, 0.0, 12.0) / 20.0);
+        let ghost = seen(&scenario, 1.0, View { radar: image, ..view }, &people, stream(5 + part));
+        y.iter_mut().zip(ghost).for_each(|(y, g)| *y += share * g);
     }
     // what a walker echoes there; who keeps still is measured on 0.73 m^2 (-1.37 dBsm) 2 to 8 m away
     let mut echo = rms(&y);
