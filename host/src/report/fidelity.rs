@@ -84,7 +84,7 @@ pub fn picture(found: &Fidelity) -> String {
         let says = s.confusion.map(|row| row.map(|n| n.to_string()));
         let names = Motion::ALL.map(Motion::name);
         let title = format!(
-            "Windows of measured recordings by networks that learned from simulated ones: {} right",
+            "Measured windows, learned from simulated ones: {} right",
             s.float
         );
         panels.push((squares(&title, &names, &shares, &says), 220.0));

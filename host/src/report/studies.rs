@@ -40,7 +40,7 @@ pub fn learning_curve(found: &LearningCurve) -> String {
     for (n, accuracy) in PAPER.iter().filter(|(n, _)| f64::from(*n) <= most) {
         plot.dot(f64::from(*n), *accuracy, 3.5, COLOURS[2], &format!("the paper: {accuracy} at N_s = {n}"));
     }
-    plot.entry("int8, mean and spread over the seeds", COLOURS[1]);
+    plot.entry("int8 over the seeds", COLOURS[1]);
     plot.entry("the paper", COLOURS[2]);
     plot.svg()
 }
