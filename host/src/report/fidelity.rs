@@ -83,10 +83,7 @@ pub fn picture(found: &Fidelity) -> String {
         });
         let says = s.confusion.map(|row| row.map(|n| n.to_string()));
         let names = Motion::ALL.map(Motion::name);
-        let title = format!(
-            "Measured windows, learned from simulated ones: {} right",
-            s.float
-        );
+        let title = format!("Measured windows, learned from simulated ones: {} right", s.float);
         panels.push((squares(&title, &names, &shares, &says), 220.0));
     }
     let height: f64 = panels.iter().map(|p| p.1).sum();

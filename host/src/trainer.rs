@@ -1,0 +1,186 @@
+//! Commands that train: `run`, `train`, `quantize`, `study`.
+
+use crate::cli::{self, MeasuredArgs, ProofArgs, Study, TrainArgs};
+use crate::{check_targets, measurement, model_name, print, print_verify, report, resolved, schedule_case};
+use sdp3::formats::measured::Stated;
+use sdp3::optimizer::Rule;
+use sdp3::output::to_json;
+use sdp3::pipeline::{Failure, Job};
+use sdp3::results::{Figures, Run, Verify};
+use sdp3::simulator::calibration;
+use std::path::Path;
+
+pub fn run(
+    job: &Job,
+    measured: MeasuredArgs,
+    proof: &ProofArgs,
+    threads: usize,
+    json: bool,
+) -> Result<bool, Failure> {
+    use sdp3::results::OperatingPoint;
+    check_targets(proof)?;
+    job.warn_of_aliasing();
+    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
+    let measured = measurement(measured)?;
+    let calibration = job.calibrate(measured.as_ref())?;
+    // a measurement at another carrier says nothing about this one: its rho is used only at its own
+    let same = (calibration.carrier_hz / job.scenario.radar.carrier_hz - 1.0).abs() < 0.2;
+    let rho = match (&measured, job.scenario.channel.rho) {
+        (Some(_), None) if !same => calibration::stored_rho(&job.scenario).0,
+        (Some(_), None) | (None, None) => calibration.rho,
+        (_, Some(rho)) => rho,
+    };
+    if rho != calibration.rho {
+        let text =
+            format!("rho = {rho} is used: the measurement is at another carrier or the scenario gives it");
+        job.progress.note("calibrate", &text);
+    }
+    let spectrograms = job.gallery(rho);
+    let (learned, _) = job.learn(rho, workers(threads))?;
+    for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
+        job.output.write(&model_name(*n), bytes)?;
+    }
+    let (prediction, curve) = job.predict(&learned.accuracy)?;
+    let outcome = job.trade(&curve, Rule::Weighted(job.scenario.trade.accuracy_weight))?;
+    let point: &OperatingPoint = &outcome.operating_point;
+    let schedule = job.play(point, rho, &learned.models)?;
+    let mut result = Run {
+        scenario: job.scenario.name.clone(),
+        seed: job.seed,
+        rho,
+        accuracy: learned.accuracy,
+        curve,
+        verify: Verify { compared: 0, mismatches: 0, targets: Vec::new() },
+        region: outcome.region.clone(),
+        operating_point: point.clone(),
+        schedule,
+        report: "report.html".into(),
+    };
+    let suite = job.suite(rho, &learned.models, schedule_case(&result))?;
+    result.verify = job.prove(&suite, &proof.targets, proof.firmware.as_deref())?;
+    let figures = Figures {
+        classes: sdp3::scenario::Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
+        spectrograms,
+        calibration,
+        training: learned.training,
+        confusion: learned.confusion,
+        prediction,
+        weighted: outcome.weighted,
+    };
+    job.output.write_json("run.json", &result)?;
+    job.output.write_json("figures.json", &figures)?;
+    let page = report(job, &result, &figures)?;
+    if json {
+        println!("{}", to_json(&result));
+    } else {
+        print_verify(&result.verify);
+        println!("report: {page}");
+    }
+    Ok(result.verify.mismatches == 0)
+}
+
+pub fn train(mut job: Job, args: TrainArgs, threads: usize, json: bool) -> Result<bool, Failure> {
+    use sdp3::predictor::learn::{How, history};
+    use sdp3::predictor::recipe::Recipe;
+    use sdp3::predictor::training::Backend;
+    use sdp3::simulator::dataset::Set;
+    let backend = match args.backend {
+        cli::Backend::Flex => Backend::Flex,
+        #[cfg(feature = "wgpu")]
+        cli::Backend::Wgpu => Backend::Wgpu,
+        #[cfg(feature = "cuda")]
+        cli::Backend::Cuda => Backend::Cuda,
+        #[cfg(not(all(feature = "wgpu", feature = "cuda")))]
+        other => {
+            let name = format!("{other:?}").to_lowercase();
+            return Err(format!("--backend {name}: build it with the feature `{name}`").into());
+        }
+    };
+    if let Some(recipe) = args.recipe {
+        let recipe = match recipe {
+            cli::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,
+            cli::Recipe::PaperAdam => Recipe::PaperAdam,
+            cli::Recipe::PaperMomentum => Recipe::PaperMomentum,
+        };
+        recipe.apply(&mut job.scenario.learning);
+    }
+    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    let images = job.collect(rho, Set::Train, "training recordings");
+    let how = How { backend, checkpoints: true, resume: args.resume };
+    let trained = job.train(&images, workers(threads), how)?;
+    job.output.write("training.csv", history(&trained.training).as_bytes())?;
+    for (parameters, n) in trained.parameters.iter().zip(&job.scenario.frame.sensing_slots) {
+        job.output.write_json(&format!("models/dsn-{n}.json"), parameters)?;
+    }
+    job.output.write_json("training.json", &trained.training)?;
+    if json {
+        println!("{}", to_json(&trained.training));
+    }
+    Ok(true)
+}
+
+pub fn quantize(job: &Job, json: bool) -> Result<bool, Failure> {
+    use sdp3::simulator::dataset::Set;
+    const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
+    let job = Job { scenario: resolved(job)?, ..job.clone() };
+    let networks = job
+        .scenario
+        .frame
+        .sensing_slots
+        .iter()
+        .map(|n| job.output.read_json(&format!("models/dsn-{n}.json"), TRAIN_FIRST))
+        .collect::<Result<Vec<_>, _>>()?;
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    let images = job.collect(rho, Set::Train, "training recordings");
+    let models = job.quantize(&networks, &images)?;
+    let mut files = Vec::new();
+    for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
+        files.push(job.output.write(&model_name(*n), bytes)?.display().to_string());
+    }
+    println!("{}", if json { to_json(&files) } else { files.join("\n") });
+    Ok(true)
+}
+
+pub fn study(
+    job: &Job,
+    (name, seeds): (Study, u32),
+    measured: Option<(&Path, Stated)>,
+    threads: usize,
+    json: bool,
+) -> Result<bool, Failure> {
+    use sdp3::studies::{Request, Workshop, cells::Cells, fidelity, learning_curve, recordings, robustness};
+    let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
+    let study = name_of(name).unwrap_or_default();
+    let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
+    let cells = Cells::open(&job.output, &request)?;
+    let workshop = Workshop { progress: job.progress, workers: workers(threads) };
+    let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
+    match name {
+        Study::LearningCurve => {
+            let found = learning_curve::study(&request, &cells, workshop)?;
+            draw("learning-curve.svg", sdp3::report::studies::learning_curve(&found))?;
+            print(json, &found, || learning_curve::table(&request, &found));
+        }
+        Study::Robustness => {
+            let found = robustness::study(&request, &cells, workshop)?;
+            draw("robustness.svg", sdp3::report::studies::robustness(&found))?;
+            print(json, &found, || robustness::table(&request, &found));
+        }
+        Study::Fidelity => {
+            let recordings = match measured {
+                Some((folder, stated)) => recordings::read(folder, &stated)?,
+                None => Default::default(),
+            };
+            let found = fidelity::study(&request, &cells, recordings, workshop)?;
+            draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
+            print(json, &found, || fidelity::table(&request, &found));
+        }
+    }
+    Ok(true)
+}
+
+fn workers(threads: usize) -> usize {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads == 0 { all } else { threads }
+}
