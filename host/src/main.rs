@@ -261,8 +261,9 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
         let learning = &mut job.scenario.learning;
         learning.train_per_class = 100;
         learning.test_per_class = 60;
-        learning.epochs = 30;
-        learning.stem_stride = 2;
+        learning.windows = 4;
+        learning.epochs = 12;
+        learning.channels = 8;
     }
 }
 

@@ -7,9 +7,9 @@ use super::checkpoint::Checkpoint;
 use super::float_network::FloatNetwork;
 use super::interchange::header;
 use super::parameters::Parameters;
-use super::quantization::quantize;
 use super::spectrograms::{Collected, collect};
 use super::training::{self, Backend, train_all};
+use super::tuning::quantize_tuned;
 use crate::pipeline::{Failure, Job, Learned};
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
@@ -128,7 +128,8 @@ impl Job {
         for (index, network) in networks.iter().enumerate() {
             let slots = self.scenario.frame.sensing_slots[index];
             let header = header(&self.scenario, slots);
-            let (quantized, report) = quantize(network, header, &names, &train.images[index])?;
+            let (quantized, report) =
+                quantize_tuned(network, header, &names, &train.images[index], &self.scenario.learning)?;
             self.output.write_json(&format!("models/dsn-{slots}-quantization.json"), &report)?;
             models.push(quantized.to_bytes()?);
             stage.step(networks.len() as u64);

@@ -78,21 +78,21 @@ fn norm_values(layer: &BatchNorm) -> Norm {
 }
 
 /// 3x3 convolution with TFLite's `SAME` padding.
-fn convolve(x: Tensor<4>, weight: &Param<Tensor<4>>, bias: Option<Tensor<1>>, stride: usize) -> Tensor<4> {
+pub(super) fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Option<Tensor<1>>, stride: usize) -> Tensor<4> {
     let [_, _, height, width] = x.dims();
     let pads = [height, width].map(|size| {
         let (out, before) = same_padding(size, stride);
         (before, ((out - 1) * stride + 3).saturating_sub(size + before))
     });
-    conv2d(x, weight.val(), bias, ConvOptions::new_with_padding([stride; 2], pads, [1, 1], 1))
+    conv2d(x, weight, bias, ConvOptions::new_with_padding([stride; 2], pads, [1, 1], 1))
 }
 
 impl ResidualBlock {
     fn forward(&self, x: Tensor<4>) -> Tensor<4> {
         let t = relu(self.norm1.forward(x.clone()));
-        let t = convolve(t, &self.conv1, None, 1);
+        let t = convolve(t, self.conv1.val(), None, 1);
         let t = relu(self.norm2.forward(t));
-        x + convolve(t, &self.conv2, Some(self.bias2.val()), 1)
+        x + convolve(t, self.conv2.val(), Some(self.bias2.val()), 1)
     }
 }
 
@@ -120,7 +120,7 @@ impl Network {
 
     /// Logits `[batch, classes]` of images `[batch, 1, rows, frames]`.
     pub fn forward(&self, images: Tensor<4>) -> Tensor<2> {
-        let x = convolve(images, &self.stem, Some(self.stem_bias.val()), self.stride);
+        let x = convolve(images, self.stem.val(), Some(self.stem_bias.val()), self.stride);
         let mut x = max_pool2d(x, MaxPoolOptions::new([2, 2]));
         for block in &self.blocks {
             x = block.forward(x);

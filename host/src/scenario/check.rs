@@ -204,6 +204,8 @@ impl Scenario {
         c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0")?;
         let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
         c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4..=32")?;
+        c.within("learning.tune_above", l.tune_above, 0.0, 10.0)?;
+        c.count("learning.tuning_images", l.tuning_images, 1, 1_000_000)?;
         c.count("learning.blocks", u32::from(l.blocks), 1, 8)?;
         c.count("learning.stem_stride", u32::from(l.stem_stride), 1, 2)
     }
