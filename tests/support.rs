@@ -14,6 +14,7 @@ sensing_slots = [200, 300]
 [learning]
 train_per_class = 8
 test_per_class = 4
+windows = 2
 epochs = 3
 batch = 10
 channels = 4

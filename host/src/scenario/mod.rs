@@ -554,7 +554,7 @@ impl Default for Learning {
         Learning {
             train_per_class: 200,
             windows: 8,
-            test_per_class: 100,
+            test_per_class: 500,
             epochs: 20,
             batch: 50,
             optimizer: Optimizer::Adamw,
