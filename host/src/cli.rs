@@ -119,6 +119,8 @@ pub enum Study {
     Robustness,
     /// Divergence and recognition against ray tracing, a richer model and measured recordings.
     Fidelity,
+    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
+    Baselines,
 }
 
 /// Where to train.

@@ -149,7 +149,8 @@ pub fn study(
     threads: usize,
     json: bool,
 ) -> Result<bool, Failure> {
-    use sdp3::studies::{Request, Workshop, cells::Cells, fidelity, learning_curve, recordings, robustness};
+    use sdp3::studies::cells::Cells;
+    use sdp3::studies::{Request, Workshop, baselines, fidelity, learning_curve, recordings, robustness};
     let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
     let study = name_of(name).unwrap_or_default();
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
@@ -175,6 +176,11 @@ pub fn study(
             let found = fidelity::study(&request, &cells, recordings, workshop)?;
             draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
             print(json, &found, || fidelity::table(&request, &found));
+        }
+        Study::Baselines => {
+            let found = baselines::study(&request, &cells, workshop)?;
+            draw("baselines.svg", sdp3::report::studies::baselines(&found))?;
+            print(json, &found, || baselines::table(&request, &found));
         }
     }
     Ok(true)

@@ -364,7 +364,7 @@ fn scalar(tensor: &Tensor<1>) -> f64 {
     f64::from(tensor.to_data().iter::<f32>().next().unwrap_or(f32::NAN))
 }
 
-fn optimizer(settings: &Learning) -> ModuleOptimizer {
+pub(super) fn optimizer(settings: &Learning) -> ModuleOptimizer {
     match settings.optimizer {
         Optimizer::Adamw => {
             AdamWConfig::new().with_epsilon(1e-8).with_weight_decay(settings.weight_decay as f32).init()
@@ -389,7 +389,12 @@ fn split(labels: &[u8], share: f64) -> (Vec<usize>, Vec<usize>) {
 }
 
 /// Images `[batch, 1, rows, frames]` and their classes one-hot `[batch, classes]`.
-fn tensors(images: &Images, batch: &[usize], classes: usize, device: &Device) -> (Tensor<4>, Tensor<2>) {
+pub(super) fn tensors(
+    images: &Images,
+    batch: &[usize],
+    classes: usize,
+    device: &Device,
+) -> (Tensor<4>, Tensor<2>) {
     let pixels: Vec<f32> =
         batch.iter().flat_map(|&i| images.image(i).iter().map(|&p| (f32::from(p) + 128.0) / 255.0)).collect();
     let mut truth = vec![0.0f32; batch.len() * classes];
@@ -404,13 +409,13 @@ fn tensors(images: &Images, batch: &[usize], classes: usize, device: &Device) ->
 }
 
 /// Cuts `count` images into batches that differ by at most one image, as near to `size` as possible.
-fn batches(count: usize, size: usize) -> Vec<std::ops::Range<usize>> {
+pub(super) fn batches(count: usize, size: usize) -> Vec<std::ops::Range<usize>> {
     let number = ((count + size / 2) / size.max(1)).max(1);
     (0..number).map(|b| b * count / number..(b + 1) * count / number).collect()
 }
 
 /// Learning rate of a step: a rising half cosine, then a falling one.
-fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
+pub(super) fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
     let half_cosine = |from: f64, to: f64, share: f64| {
         to + (from - to) * (1.0 + libm::cos(std::f64::consts::PI * share)) / 2.0
     };
