@@ -7,9 +7,10 @@ use super::checkpoint::Checkpoint;
 use super::float_network::FloatNetwork;
 use super::interchange::header;
 use super::parameters::Parameters;
-use super::spectrograms::{Collected, collect};
+use super::spectrograms::{Collected, collect, collect_from};
 use super::training::{self, Backend, train_all};
 use super::tuning::quantize_tuned;
+use crate::formats::dataset::Stored;
 use crate::pipeline::{Failure, Job, Learned};
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
@@ -56,6 +57,23 @@ impl Job {
         let found = collect(&self.scenario, rho, self.seed, set, count, &|done, all| stage.at(done, all));
         stage.finish(&format!("{what}: {count} of each class at rho = {rho}"));
         found
+    }
+
+    /// Images of a dataset's recordings, with progress.
+    ///
+    /// # Errors
+    ///
+    /// A part that cannot be used.
+    pub fn collect_stored(&self, stored: &Stored) -> Result<Collected, Failure> {
+        let stage = self.progress.stage("read", "training recordings");
+        let (mut found, mut done) = (Collected { images: Vec::new() }, 0);
+        stored.each(|recordings| {
+            done += recordings.len() as u64;
+            found.extend(collect_from(&self.scenario, recordings));
+            stage.at(done, u64::from(stored.recordings()));
+        })?;
+        stage.finish(&format!("training recordings: {done} of a dataset"));
+        Ok(found)
     }
 
     /// Trains one network per N_s, `workers` side by side; the result does not depend on `workers`.
