@@ -93,6 +93,7 @@ impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
         model.head.forward(features, &mut logits);
         probe.logits(&logits);
         let class = arg_max(&logits);
+        probe.class(class as u8);
         let confidence = model.head.confidence(&logits, class);
         probe.confidence(confidence);
         Answer { class: class as u8, confidence, logits }
