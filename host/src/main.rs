@@ -9,12 +9,13 @@ mod trainer;
 
 use clap::Parser;
 use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, Study};
+use sdp3::conformance::qemu::MACHINES;
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
 use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
-use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::pipeline::{Failure, Job, Measured, REFERENCE, TARGETS, best_curve};
 use sdp3::predictor::interchange::{self, Exchange};
 use sdp3::predictor::learning_curve::fit_all;
 use sdp3::predictor::spectrograms::gallery;
@@ -343,8 +344,12 @@ fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
 }
 
 fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
-    match proof.targets.iter().find(|t| !TARGETS.contains(&t.as_str())) {
-        Some(unknown) => Err(format!("command line: --targets = {unknown} is none of {TARGETS:?}").into()),
+    let legal = || [REFERENCE].into_iter().chain(MACHINES);
+    match proof.targets.iter().find(|target| legal().all(|name| name != *target)) {
+        Some(unknown) => {
+            let names: Vec<&str> = legal().collect();
+            Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
+        }
         None => Ok(()),
     }
 }
