@@ -12,6 +12,8 @@ use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, Study};
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
+use sdp3::formats::model_file::Summary;
+use sdp3::formats::model_file::signature::{new_key, read_key, sign};
 use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
@@ -95,6 +97,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Export { from, to } => {
             let done = interchange::export(from, to)?;
             print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        Command::Model { file, key } => {
+            let found = Summary::read(file, key.as_deref())?;
+            print(json, &found, || found.describe());
+            return Ok(found.signature_holds != Some(false));
+        }
+        Command::Sign { file, key, to } => {
+            let model = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
+            let signed = sign(&model, read_key(key)?).map_err(|e| format!("{}: {e}", file.display()))?;
+            Output::create(&folder_of(to))?.write(&name_of(to), &signed)?;
+            return Ok(true);
+        }
+        Command::Key { name } => {
+            let [secret, public] = new_key(name)?;
+            print(json, &[&secret, &public], || format!("{}, {}", secret.display(), public.display()));
             return Ok(true);
         }
         Command::Import { from, to, slots } => {
@@ -182,7 +200,11 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             Ok(verify.mismatches == 0)
         }
         // answered above
-        Command::Export { .. } | Command::Import { .. } => Ok(true),
+        Command::Export { .. }
+        | Command::Import { .. }
+        | Command::Model { .. }
+        | Command::Sign { .. }
+        | Command::Key { .. } => Ok(true),
         Command::Predict { .. } => {
             let prediction = fit_all(&stored_points(&job)?)?;
             print_prediction(&prediction, json);

@@ -19,6 +19,7 @@ pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -
 
 /// The network's answer.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
     /// Class with the largest logit, the first of equals.
     pub class: u8,

@@ -132,9 +132,9 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every `ticks` of the 62.5 MHz timer.
-pub fn start_ticks(ticks: u32) {
-    PERIOD.store(ticks.max(1), Ordering::Relaxed);
+/// An interrupt every so many instructions: 16 a tick of the 62.5 MHz timer.
+pub fn start_ticks(instructions: u32) {
+    PERIOD.store((instructions / 16).max(1), Ordering::Relaxed);
     set_alarm();
     // SAFETY: enables the timer's interrupt, whose handler is this module's.
     unsafe {

@@ -56,19 +56,23 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every `ticks` of the processor's clock, at most 2^24.
-pub fn start_ticks(ticks: u32) {
+/// An interrupt every so many instructions, at most 2^24 ticks of the machine's clock.
+pub fn start_ticks(instructions: u32) {
+    start(u64::from(instructions) * INSTRUCTION_PS / super::TICK_PS);
+}
+
+fn start(ticks: u64) {
     let [control, reload, value] = SYSTICK;
     // SAFETY: SysTick belongs to this module.
     unsafe {
-        reload.write_volatile(ticks.clamp(1, TURN) - 1);
+        reload.write_volatile(ticks.clamp(1, u64::from(TURN)) as u32 - 1);
         value.write_volatile(0);
         control.write_volatile(7);
     }
 }
 
 pub fn start_counter() {
-    start_ticks(TURN);
+    start(u64::from(TURN));
 }
 
 /// Turns and rest of SysTick, in picoseconds of virtual time, over those of one instruction.

@@ -127,6 +127,50 @@ impl<T> Single<T> {
     }
 }
 
+/// A value that a program gives to its interrupt handler, once, before it starts the interrupt.
+pub struct Owned<T> {
+    value: UnsafeCell<Option<T>>,
+    given: AtomicBool,
+    busy: AtomicBool,
+}
+
+// SAFETY: `give` writes before any reader is let in, and `busy` lets one in at a time.
+unsafe impl<T: Send> Sync for Owned<T> {}
+
+impl<T> Owned<T> {
+    /// Nothing yet.
+    pub const fn new() -> Self {
+        Owned { value: UnsafeCell::new(None), given: AtomicBool::new(false), busy: AtomicBool::new(true) }
+    }
+
+    /// Hands the value over; a second one is dropped.
+    pub fn give(&self, value: T) {
+        if !self.given.swap(true, Ordering::AcqRel) {
+            // SAFETY: the first and only giver; nobody is let in while `busy` is up, as it was from the beginning.
+            unsafe { *self.value.get() = Some(value) };
+            self.busy.store(false, Ordering::Release);
+        }
+    }
+
+    /// Lets the handler use it, if it has been given and nobody else is using it.
+    pub fn with(&self, f: impl FnOnce(&mut T)) {
+        if self.busy.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        // SAFETY: `busy` was down and is up now: nobody else is here.
+        if let Some(value) = unsafe { &mut *self.value.get() } {
+            f(value);
+        }
+        self.busy.store(false, Ordering::Release);
+    }
+}
+
+impl<T> Default for Owned<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A panic prints its message and ends the run with exit code 101.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo) -> ! {

@@ -166,9 +166,9 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every `ticks` of the 10 MHz timer.
-pub fn start_ticks(ticks: u32) {
-    PERIOD.store(ticks.max(1), Ordering::Relaxed);
+/// An interrupt every so many instructions: 100 a tick of the 10 MHz timer.
+pub fn start_ticks(instructions: u32) {
+    PERIOD.store((instructions / 100).max(1), Ordering::Relaxed);
     set_alarm();
     // SAFETY: allows the machine timer interrupt; its handler is this module's.
     unsafe { core::arch::asm!("csrs mie, {}", "csrsi mstatus, 8", in(reg) 0x80) };
