@@ -79,8 +79,12 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
             assert!(says("overruns 0") && says("periods 1") && says("done"), "{}: {text}", firmware.name);
             let records = records(&firmware, &log);
             assert_eq!(records.len(), 2, "{records:?}");
-            assert!(records[0].starts_with("info Plan { period: 4000, spacing: 3, sensing: 200,"), "{records:?}");
-            let expected = format!("info Answer {{ class: {}, confidence: {:?}", answer.class, answer.confidence);
+            assert!(
+                records[0].starts_with("info Plan { period: 4000, spacing: 3, sensing: 200,"),
+                "{records:?}"
+            );
+            let expected =
+                format!("info Answer {{ class: {}, confidence: {:?}", answer.class, answer.confidence);
             assert!(records[1].starts_with(&expected), "{records:?} should say {expected}");
         }
     }
@@ -99,7 +103,9 @@ fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
         let log = folder.path().join("log");
         let arguments = [file.display().to_string(), format!("log={}", log.display())];
         match run(&firmware, &arguments, LIMIT) {
-            Err(QemuError::Output { reason, .. }) => assert!(reason.contains("the core refuses a model"), "{reason}"),
+            Err(QemuError::Output { reason, .. }) => {
+                assert!(reason.contains("the core refuses a model"), "{reason}")
+            }
             other => panic!("{}: {other:?}", firmware.name),
         }
         let records = records(&firmware, &log);

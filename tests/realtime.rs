@@ -47,7 +47,10 @@ fn counts(firmware: &Firmware) -> Result<Counts> {
 fn table(folder: &Path, wanted: &[&str]) -> Result<bool> {
     let mut good = true;
     println!("{ASSUMPTIONS}\n");
-    println!("{:<14}{:>34}{:>46}", "", "instructions of one sensing slot", "share of the slot's 250 us, by the cycle model");
+    println!(
+        "{:<14}{:>34}{:>46}",
+        "", "instructions of one sensing slot", "share of the slot's 250 us, by the cycle model"
+    );
     print!("{:<14}{:>12}{:>10}{:>12}", "machine", "dechirp", "gram", "both");
     CLOCKS_MHZ.iter().for_each(|clock| print!("{:>12} MHz", clock));
     println!();
@@ -65,7 +68,8 @@ fn table(folder: &Path, wanted: &[&str]) -> Result<bool> {
         recognitions.push((firmware.name, c.rest));
     }
     println!("\nThe rest, once a recording: instructions, and slots of 250 us by the cycle model");
-    let names: Vec<&str> = recognitions.iter().flat_map(|(_, rest)| rest).map(|(name, _)| name.as_str()).take(4).collect();
+    let names: Vec<&str> =
+        recognitions.iter().flat_map(|(_, rest)| rest).map(|(name, _)| name.as_str()).take(4).collect();
     print!("{:<14}", "machine");
     names.iter().for_each(|name| print!("{name:>13}"));
     print!("{:>13}", "sum");

@@ -277,7 +277,9 @@ impl Job {
             let folder = qemu::folder(firmware);
             let built = match firmware {
                 Some(_) => Ok(()),
-                None => qemu::build(&folder, &names, &mut |line| self.progress.note("prove", line)),
+                None => {
+                    qemu::build(&folder, "conformance", &names, &mut |line| self.progress.note("prove", line))
+                }
             };
             let stage = self.progress.stage("prove", "firmware under QEMU");
             let found = match built {

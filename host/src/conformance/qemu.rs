@@ -82,13 +82,18 @@ pub fn folder(explicit: Option<&Path>) -> PathBuf {
     candidates.find(|dir| dir.is_dir()).or_else(|| above.into_iter().next()).unwrap_or_default()
 }
 
-/// Builds the firmware of some machines from the repository this program was built in; every line that the script prints
+/// Builds a program of the firmware for some machines from the repository this program was built in; every line that the script prints
 /// goes to `line`.
 ///
 /// # Errors
 ///
 /// [`QemuError::Build`] with the script's last words.
-pub fn build(out: &Path, machines: &[&str], line: &mut dyn FnMut(&str)) -> Result<(), QemuError> {
+pub fn build(
+    out: &Path,
+    program: &str,
+    machines: &[&str],
+    line: &mut dyn FnMut(&str),
+) -> Result<(), QemuError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let script = root.join("firmware-sim").join("build");
     if !script.is_file() {
@@ -102,6 +107,7 @@ pub fn build(out: &Path, machines: &[&str], line: &mut dyn FnMut(&str)) -> Resul
     command
         .arg("--out")
         .arg(out)
+        .args(["--program", program])
         .args(machines)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

@@ -2,11 +2,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3::conformance::compare::OwnedBuffers;
-use sdp3_core::dsn::Model;
+use sdp3_core::dsn::{Model, scratch_bytes};
 use sdp3_core::frame::{Iq, Slot};
-use sdp3_core::receiver::{Receiver, ReceiverError};
+use sdp3_core::receiver::{Memory, Receiver, ReceiverError};
 use sdp3_fuzz::{Bytes, Sizes, model};
+
+/// Memory for every model made here: at most 9 frames, 24 slots.
+type Largest = Memory<24, 9, { scratch_bytes(9, 4, 1) }>;
 
 /// A slot of constant, alternating, ramped or pseudo-random samples.
 fn slot(bytes: &mut Bytes<'_>) -> Slot {
@@ -31,8 +33,8 @@ fuzz_target!(|data: &[u8]| {
     let file = model(sizes, &mut bytes);
     let parsed = Model::parse(&file).expect("a sound model");
     let need = parsed.sensing_slots();
-    let mut buffers = OwnedBuffers::for_model(&parsed);
-    let mut receiver = Receiver::new(parsed, buffers.view()).expect("enough memory");
+    let mut memory = Largest::new();
+    let mut receiver = Receiver::new(parsed, memory.view()).expect("enough memory");
     let mut taken = 0;
     for _ in 0..96 {
         if bytes.is_empty() {

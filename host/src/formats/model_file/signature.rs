@@ -3,7 +3,7 @@
 //! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
 
 use super::ModelFileError;
-use ed25519_compact::{KeyPair, Seed};
+use ed25519_dalek::{Signer, SigningKey};
 use sdp3_core::dsn::model::{KEY_LEN, SIGNATURE_LEN};
 use sdp3_core::dsn::{Model, ModelError};
 use std::path::{Path, PathBuf};
@@ -22,8 +22,8 @@ pub fn sign(model: &[u8], seed: [u8; KEY_LEN]) -> Result<Vec<u8>, ModelError> {
     let total = (file.len() + SIGNATURE_LEN + 4) as u32;
     file[SIGNATURE_AT] = 1;
     file[8..12].copy_from_slice(&total.to_le_bytes());
-    let signature = KeyPair::from_seed(Seed::new(seed)).sk.sign(&file, None);
-    file.extend_from_slice(signature.as_ref());
+    let signature = SigningKey::from_bytes(&seed).sign(&file);
+    file.extend_from_slice(&signature.to_bytes());
     let checksum = crc32fast::hash(&file);
     file.extend_from_slice(&checksum.to_le_bytes());
     Ok(file)
@@ -31,7 +31,7 @@ pub fn sign(model: &[u8], seed: [u8; KEY_LEN]) -> Result<Vec<u8>, ModelError> {
 
 /// The public key of a seed.
 pub fn public_key(seed: [u8; KEY_LEN]) -> [u8; KEY_LEN] {
-    *KeyPair::from_seed(Seed::new(seed)).pk
+    SigningKey::from_bytes(&seed).verifying_key().to_bytes()
 }
 
 /// Makes a key pair from the system's randomness and writes it; keeps what is there. Returns both paths.
@@ -40,7 +40,11 @@ pub fn public_key(seed: [u8; KEY_LEN]) -> [u8; KEY_LEN] {
 /// A file that exists or cannot be written.
 pub fn new_key(name: &Path) -> Result<[PathBuf; 2], ModelFileError> {
     let paths = ["key", "pub"].map(|extension| name.with_extension(extension));
-    let seed = *Seed::generate();
+    let mut seed = [0; KEY_LEN];
+    getrandom::fill(&mut seed).map_err(|error| ModelFileError::Io {
+        path: "the system's randomness".to_owned(),
+        source: std::io::Error::other(error.to_string()),
+    })?;
     for (path, bytes) in paths.iter().zip([seed, public_key(seed)]) {
         let fail = |source| ModelFileError::Io { path: path.display().to_string(), source };
         let mut options = std::fs::OpenOptions::new();
@@ -122,6 +126,8 @@ mod tests {
         assert_ne!(read_key(&secret).unwrap(), read_key(&other).unwrap());
         assert!(new_key(&folder.path().join("one")).is_err());
         std::fs::write(&other, b"short").unwrap();
-        assert!(read_key(&other).unwrap_err().to_string().contains("length of the key is 5, must be 32 bytes"));
+        assert!(
+            read_key(&other).unwrap_err().to_string().contains("length of the key is 5, must be 32 bytes")
+        );
     }
 }

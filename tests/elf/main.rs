@@ -1,7 +1,10 @@
 //! What lies in the firmware's programs: what `tests/footprint` and `tests/no-panic` run.
 //!
 //! `elf footprint FIRMWARE` prints flash, RAM and stack of every configuration on every machine and holds the limits;
+//! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs that tell their frames;
 //! `elf no-panic FIRMWARE` looks for panics and an allocator in them.
+
+mod stack;
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind};
 use sdp3::conformance::qemu::{MACHINES, machines, run};
@@ -69,7 +72,7 @@ fn sections(elf: &[u8]) -> Result<(u64, u64)> {
 }
 
 /// Runs the station on a recording and returns the stack it painted over; everything else it says must be good.
-fn stack(folder: &Path, machine: &str, configuration: &Configuration, slots: &Path) -> Result<u64> {
+fn painted_stack(folder: &Path, machine: &str, configuration: &Configuration, slots: &Path) -> Result<u64> {
     let programs = machines(folder, configuration.program);
     let program = programs.iter().find(|p| p.name == machine).ok_or("no such machine")?;
     let text = run(program, &[slots.display().to_string()], Duration::from_secs(600))?;
@@ -91,7 +94,8 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
     let temporary = tempfile::tempdir()?;
     let mut good = true;
     for configuration in &CONFIGURATIONS {
-        let slots = recording(&scenario, rho, 5, Set::Demo, Class::AdultWalking, 0, configuration.slots).slots;
+        let slots =
+            recording(&scenario, rho, 5, Set::Demo, Class::AdultWalking, 0, configuration.slots).slots;
         let file = temporary.path().join(configuration.program);
         let bytes: Vec<u8> = slots.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
         std::fs::write(&file, bytes)?;
@@ -106,7 +110,7 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
         for machine in wanted {
             let elf = std::fs::read(folder.join(machine).join(configuration.program))?;
             let (flash, statics) = sections(&elf)?;
-            let stack = stack(folder, machine, configuration, &file)?;
+            let stack = painted_stack(folder, machine, configuration, &file)?;
             let fits = flash <= configuration.flash_limit && statics + stack <= configuration.ram_limit;
             good &= fits;
             let verdict = if fits { "" } else { "  OVER" };
@@ -121,6 +125,25 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
         small.scratch_bytes()
     );
     Ok(good)
+}
+
+fn static_stack(folder: &Path, wanted: &[&str]) -> Result<bool> {
+    println!(
+        "worst-case stack without running: {:<14}{:>10}{:>12}{:>24}",
+        "machine", "main", "interrupt", "frames not known"
+    );
+    for machine in wanted {
+        for configuration in &CONFIGURATIONS {
+            let elf = std::fs::read(folder.join(machine).join(configuration.program))?;
+            let worst = stack::worst_case(&elf)
+                .map_err(|error| format!("{machine}, {}: {error}", configuration.program))?;
+            println!(
+                "  {:<32}{machine:<14}{:>10}{:>12}{:>24}",
+                configuration.program, worst.bytes, worst.interrupt, worst.unknown
+            );
+        }
+    }
+    Ok(true)
 }
 
 /// Parts of the names of symbols that only a panic, or only an allocator, brings into a program.
@@ -179,8 +202,9 @@ fn main() -> ExitCode {
     let all = |wanted: &[&str]| if wanted.is_empty() { MACHINES.to_vec() } else { wanted.to_vec() };
     let done = match &words[..] {
         ["footprint", folder, wanted @ ..] => footprint(Path::new(folder), &all(wanted)),
+        ["stack", folder, wanted @ ..] => static_stack(Path::new(folder), &all(wanted)),
         ["no-panic", folder, wanted @ ..] => no_panic(Path::new(folder), &all(wanted)),
-        _ => Err("usage: elf footprint|no-panic FIRMWARE [MACHINE...]".into()),
+        _ => Err("usage: elf footprint|stack|no-panic FIRMWARE [MACHINE...]".into()),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,
