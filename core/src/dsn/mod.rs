@@ -10,6 +10,7 @@ pub mod add;
 pub mod affine;
 pub mod channelwise;
 pub mod conv;
+pub mod format;
 pub mod head;
 pub mod kernels;
 pub mod model;

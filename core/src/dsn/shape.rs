@@ -10,7 +10,7 @@
 //! assert_eq!(Sized::BYTES, SHAPE.required_bytes());
 //! ```
 
-use super::model::{HEADER_LEN, MAGIC};
+use super::format::{HEADER_LEN, MAGIC};
 use super::network::scratch_bytes;
 use crate::frame::{BEATS, ROWS};
 

@@ -1,6 +1,6 @@
 //! Why a byte string is not a model: every defect has its name.
 
-use super::VERSION;
+use crate::dsn::format::VERSION;
 
 /// Why a byte string is not a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
