@@ -82,8 +82,8 @@ pub fn folder(explicit: Option<&Path>) -> PathBuf {
     candidates.find(|dir| dir.is_dir()).or_else(|| above.into_iter().next()).unwrap_or_default()
 }
 
-/// Builds a program of the firmware for some machines from the repository this program was built in; every line that the script prints
-/// goes to `line`.
+/// Builds a program of the firmware for some machines, from the repository this program was built in; every line that
+/// the script prints goes to `line`.
 ///
 /// # Errors
 ///
