@@ -265,6 +265,33 @@ pub enum Command {
         #[arg(long, value_name = "N")]
         slots: Option<u16>,
     },
+    /// Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it.
+    Model {
+        /// MODEL.sdp3.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Public key that must have signed it.
+        #[arg(long, value_name = "NAME.pub")]
+        key: Option<PathBuf>,
+    },
+    /// Sign a model file, for firmware that takes signed models only.
+    Sign {
+        /// MODEL.sdp3.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Secret key.
+        #[arg(long, value_name = "NAME.key")]
+        key: PathBuf,
+        /// Where the signed model goes.
+        #[arg(long, value_name = "FILE")]
+        to: PathBuf,
+    },
+    /// Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with.
+    Key {
+        /// NAME; existing files are kept.
+        #[arg(value_name = "NAME")]
+        name: PathBuf,
+    },
     /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
     Verify {
         #[command(flatten)]

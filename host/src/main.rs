@@ -9,12 +9,15 @@ mod trainer;
 
 use clap::Parser;
 use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, Study};
+use sdp3::conformance::qemu::MACHINES;
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
+use sdp3::formats::model_file::Summary;
+use sdp3::formats::model_file::signature::{new_key, read_key, sign};
 use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
-use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::pipeline::{Failure, Job, Measured, REFERENCE, TARGETS, best_curve};
 use sdp3::predictor::interchange::{self, Exchange};
 use sdp3::predictor::learning_curve::fit_all;
 use sdp3::predictor::spectrograms::gallery;
@@ -94,6 +97,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Export { from, to } => {
             let done = interchange::export(from, to)?;
             print(json, &done, || done.describe());
+            return Ok(true);
+        }
+        Command::Model { file, key } => {
+            let found = Summary::read(file, key.as_deref())?;
+            print(json, &found, || found.describe());
+            return Ok(found.signature_holds != Some(false));
+        }
+        Command::Sign { file, key, to } => {
+            let model = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
+            let signed = sign(&model, read_key(key)?).map_err(|e| format!("{}: {e}", file.display()))?;
+            Output::create(&folder_of(to))?.write(&name_of(to), &signed)?;
+            return Ok(true);
+        }
+        Command::Key { name } => {
+            let [secret, public] = new_key(name)?;
+            print(json, &[&secret, &public], || format!("{}, {}", secret.display(), public.display()));
             return Ok(true);
         }
         Command::Import { from, to, slots } => {
@@ -183,7 +202,11 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             Ok(verify.mismatches == 0)
         }
         // answered above
-        Command::Export { .. } | Command::Import { .. } => Ok(true),
+        Command::Export { .. }
+        | Command::Import { .. }
+        | Command::Model { .. }
+        | Command::Sign { .. }
+        | Command::Key { .. } => Ok(true),
         Command::Predict { .. } => {
             let prediction = fit_all(&stored_points(&job)?)?;
             print_prediction(&prediction, json);
@@ -345,8 +368,12 @@ fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
 }
 
 fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
-    match proof.targets.iter().find(|t| !TARGETS.contains(&t.as_str())) {
-        Some(unknown) => Err(format!("command line: --targets = {unknown} is none of {TARGETS:?}").into()),
+    let legal = || [REFERENCE].into_iter().chain(MACHINES);
+    match proof.targets.iter().find(|target| legal().all(|name| name != *target)) {
+        Some(unknown) => {
+            let names: Vec<&str> = legal().collect();
+            Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
+        }
         None => Ok(()),
     }
 }

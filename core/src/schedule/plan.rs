@@ -62,6 +62,7 @@ impl core::error::Error for PlanError {}
 
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     period: u32,
     spacing: u32,

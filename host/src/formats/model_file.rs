@@ -1,7 +1,8 @@
 //! The model file: an int8 network with everything the radar module needs to use it, as bytes.
 //!
 //! Little endian: a header of 64 bytes, class names of 24 bytes, the layers in the order they run (stem; per block
-//! affine, conv1, conv2, add; head), and a CRC-32 (IEEE 802.3) of all that. `sdp3_core::dsn::model` reads it.
+//! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
+//! `sdp3_core::dsn::model` reads it.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,8 +10,11 @@ use std::path::Path;
 mod check;
 mod read;
 pub mod rescale;
+pub mod signature;
+mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
+pub use summary::Summary;
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;

@@ -50,7 +50,16 @@ impl Scenario {
     pub fn load(file: &Path) -> Result<Self, ScenarioError> {
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Read { file: file.to_owned(), source })?;
-        let scenario: Scenario = toml::from_str(&text).map_err(|error| ScenarioError::Syntax {
+        Self::parse(&text, file)
+    }
+
+    /// Reads and checks TOML; errors name `file` as its origin.
+    ///
+    /// # Errors
+    ///
+    /// See [`ScenarioError`].
+    pub fn parse(text: &str, file: &Path) -> Result<Self, ScenarioError> {
+        let scenario: Scenario = toml::from_str(text).map_err(|error| ScenarioError::Syntax {
             file: file.to_owned(),
             message: error.to_string().trim_end().replace('\n', "\n  "),
         })?;
