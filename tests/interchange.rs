@@ -17,7 +17,8 @@ use std::path::Path;
 
 /// The preprocessing of the networks that say nothing of their own.
 fn surroundings() -> Surroundings {
-    let preprocessing = Preprocessing { window_len: 32, hop: 4, ..header(&Scenario::default(), 0) };
+    let preprocessing =
+        Preprocessing { window_len: 32, hop: 4, kaiser_beta: 10.0, ..header(&Scenario::default(), 0) };
     Surroundings { preprocessing, sensing_slots: vec![200], classes: Vec::new() }
 }
 

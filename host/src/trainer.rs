@@ -117,12 +117,18 @@ pub fn train(
     let images = match &args.data {
         Some(folder) => {
             let stored = Stored::open(folder)?;
+            let asked = job.scenario.learning.windows;
             job.scenario = stored.scenario(&job.scenario, from_file)?;
+            if job.scenario.learning.windows != asked {
+                let slots = stored.slots();
+                let text =
+                    format!("recordings of {slots} slots have no room for {asked} windows: one of each");
+                job.progress.note("read", &text);
+            }
             job.collect_stored(&stored)?
         }
         None => simulated(&job),
     };
-    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
     let how = How { backend, checkpoints: true, resume: args.resume };
     let trained = job.train(&images, workers(threads), how)?;
     job.output.write("training.csv", history(&trained.training).as_bytes())?;

@@ -29,7 +29,7 @@ pub struct Trained {
 pub struct How {
     /// Where.
     pub backend: Backend,
-    /// Whether a checkpoint is written after every epoch.
+    /// Whether a checkpoint is written after every epoch, and the scenario beside them.
     pub checkpoints: bool,
     /// Whether to go on from the checkpoints that are there.
     pub resume: bool,
@@ -98,6 +98,10 @@ impl Job {
             let checked = job.check(images, &s.learning, Class::ALL.len());
             checked.map_err(|e| format!("{}: {e}", self.output.path(&name(n)).display()))?;
             jobs.push(job);
+        }
+        if how.checkpoints {
+            // what the checkpoints are of; those that are there have been checked
+            self.output.write("scenario.toml", s.to_toml().as_bytes())?;
         }
         let stage = self.progress.stage("learn", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);

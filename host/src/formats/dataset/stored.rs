@@ -93,7 +93,8 @@ impl Stored {
     }
 
     /// The scenario to learn in: the dataset's, with its rho, and the learning settings of `asked`. One from a file (`stated`)
-    /// also says which N_s are studied, and must be of the same room, radar and people.
+    /// also says which N_s are studied, and must be of the same room, radar and people. Recordings too short for several
+    /// windows of the largest N_s give one window each.
     ///
     /// # Errors
     ///
@@ -117,14 +118,13 @@ impl Stored {
                 return Err(self.files.value(SCENARIO, &field, found, legal));
             }
         }
-        let need = found.learning.training_slots(found.largest_sensing_slots());
-        if need > self.slots() {
-            let legal = format!(
-                "at least {need}: learning.windows = {} of N_s = {}",
-                found.learning.windows,
-                found.largest_sensing_slots()
-            );
+        let longest = found.largest_sensing_slots();
+        if longest > self.slots() {
+            let legal = format!("at least {longest}, the largest N_s that --scenario asks for");
             return Err(self.files.value(SCENARIO, "frame.sensing_slots", self.slots(), legal));
+        }
+        if found.learning.training_slots(longest) > self.slots() {
+            found.learning.windows = 1;
         }
         Ok(found)
     }
