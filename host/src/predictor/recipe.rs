@@ -1,4 +1,4 @@
-//! Ways to train, by name: optimiser, learning rate and batch as one choice.
+//! Ways to train, by name: optimiser, learning rate, batch and augmentation as one choice.
 
 use crate::scenario::{Learning, Optimizer, Schedule};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Recipe {
-    /// AdamW, peak 5e-3, one cycle, batch 50: what learns best here.
+    /// AdamW, peak 5e-3, one cycle, batch 50, images masked: what learns best here.
     AdamwOneCycle,
     /// The paper's first: Adam, 0.01, batch 500.
     PaperAdam,
@@ -30,12 +30,14 @@ impl Recipe {
 
     /// Sets what the recipe says and leaves the rest.
     pub fn apply(self, settings: &mut Learning) {
-        let (optimizer, schedule, learning_rate, batch, weight_decay) = match self {
-            Recipe::AdamwOneCycle => (Optimizer::Adamw, Schedule::OneCycle, 5e-3, 50, 1e-2),
-            Recipe::PaperAdam => (Optimizer::Adam, Schedule::Constant, 0.01, 500, 0.0),
-            Recipe::PaperMomentum => (Optimizer::Momentum, Schedule::Constant, 0.06, 300, 0.0),
+        let (optimizer, schedule, learning_rate, batch, weight_decay, mixup, mask_rows) = match self {
+            Recipe::AdamwOneCycle => (Optimizer::Adamw, Schedule::OneCycle, 5e-3, 50, 1e-2, 0.0, 12),
+            Recipe::PaperAdam => (Optimizer::Adam, Schedule::Constant, 0.01, 500, 0.0, 0.0, 0),
+            Recipe::PaperMomentum => (Optimizer::Momentum, Schedule::Constant, 0.06, 300, 0.0, 0.0, 0),
         };
-        *settings = Learning { optimizer, schedule, learning_rate, batch, weight_decay, ..settings.clone() };
+        let rest = settings.clone();
+        *settings =
+            Learning { optimizer, schedule, learning_rate, batch, weight_decay, mixup, mask_rows, ..rest };
     }
 }
 
@@ -50,6 +52,7 @@ mod tests {
         assert_eq!(settings, Learning::default());
         Recipe::PaperMomentum.apply(&mut settings);
         assert_eq!((settings.learning_rate, settings.batch), (0.06, 300));
+        assert_eq!((settings.mixup, settings.mask_rows), (0.0, 0));
         Recipe::PaperAdam.apply(&mut settings);
         assert_eq!((settings.learning_rate, settings.batch), (0.01, 500));
     }

@@ -16,7 +16,7 @@ use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::network::convolve;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
 use super::quantization::{QuantizationError, QuantizationReport, quantize, quantize_folded};
-use super::training::batches::{batches, tensors};
+use super::training::batches::{Batch, batches};
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::scenario::Learning;
 
@@ -61,7 +61,7 @@ fn tune(float: &FloatNetwork, grids: &Grids, images: &Images, learning: &Learnin
         batches(images.len(), size).into_iter().map(move |range| order[range].to_vec())
     });
     for (step, batch) in deck.take(steps).enumerate() {
-        let (input, truth) = tensors(images, &batch, classes, &device);
+        let (input, truth) = Batch::of(images, &batch, classes).tensors(&device);
         let logits = network.forward(input, float.architecture, grids);
         let loss = (log_softmax(logits, 1) * truth).sum() / -(batch.len() as f64);
         let gradients = GradientsParams::from_grads(loss.backward(), &network);
@@ -199,7 +199,7 @@ mod tests {
     use crate::predictor::training::{Job, train};
 
     fn input(images: &Images, device: &Device) -> Tensor<4> {
-        tensors(images, &(0..images.len()).collect::<Vec<_>>(), 5, device).0
+        Batch::of(images, &(0..images.len()).collect::<Vec<_>>(), 5).tensors(device).0
     }
 
     #[test]

@@ -208,6 +208,8 @@ impl Scenario {
         c.count("learning.batch", l.batch, 2, 10_000)?;
         c.within("learning.learning_rate", l.learning_rate, 1e-7, 1.0)?;
         c.within("learning.weight_decay", l.weight_decay, 0.0, 1.0)?;
+        c.within("learning.mixup", l.mixup, 0.0, 1.0)?;
+        c.count("learning.mask_rows", l.mask_rows, 0, 32)?;
         c.within("learning.validation", l.validation, 0.0, 0.5)?;
         let patient = l.patience == 0 || l.validation > 0.0;
         c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0")?;

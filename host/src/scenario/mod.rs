@@ -397,6 +397,10 @@ pub struct Learning {
     pub learning_rate: f64,
     /// AdamW's weight decay.
     pub weight_decay: f64,
+    /// Images of a batch are mixed in pairs by a share drawn from Beta(mixup, mixup), 0..=1; 0: never.
+    pub mixup: f64,
+    /// Widest band of rows that goes dark in an image learned from; 0: none.
+    pub mask_rows: u32,
     /// Share of the training recordings kept for validation, 0..=0.5; the best epoch on them is kept.
     pub validation: f64,
     /// Epochs without a better loss on the validation recordings before training stops; 0: never.
@@ -561,6 +565,8 @@ impl Default for Learning {
             schedule: Schedule::OneCycle,
             learning_rate: 5e-3,
             weight_decay: 1e-2,
+            mixup: 0.0,
+            mask_rows: 12,
             validation: 0.0,
             patience: 0,
             tune_above: 0.01,

@@ -6,11 +6,12 @@ use crate::predictor::float_network::first_maximum;
 use crate::predictor::network::Maker;
 use crate::predictor::parameters::{Architecture, Images, Parameters, shuffled};
 use crate::predictor::training::TrainingError;
-use crate::predictor::training::batches::{batches, tensors};
-use crate::predictor::training::steps::{one_cycle, optimizer};
+use crate::predictor::training::augmentation::{augment, stream};
+use crate::predictor::training::batches::{Batch, batches};
+use crate::predictor::training::steps::{optimizer, rate};
 use crate::predictor::trunk::operation::trunk;
 use crate::predictor::trunk::{Shape, Wiring, Workspace};
-use crate::scenario::{Learning, Schedule};
+use crate::scenario::Learning;
 use burn::module::{Module, Param};
 use burn::optim::GradientsParams;
 use burn::tensor::activation::log_softmax;
@@ -115,18 +116,16 @@ impl Cnn {
             let batches = batches(images.len(), settings.batch as usize);
             let steps = batches.len() * settings.epochs as usize;
             for step in 0..steps {
-                let (epoch, batch) = (step / batches.len(), step % batches.len());
+                let (epoch, index) = (step / batches.len(), step % batches.len());
                 let order = shuffled(images.len(), seed, epoch as u64);
-                let batch = &order[batches[batch].clone()];
-                let (input, truth) = tensors(images, batch, classes, &device);
+                let batch = &order[batches[index].clone()];
+                let mut shown = Batch::of(images, batch, classes);
+                augment(&mut shown, settings, &mut stream(seed, epoch, index));
+                let (input, truth) = shown.tensors(&device);
                 let logits = network.forward(input, &workspace);
                 let loss = (log_softmax(logits, 1) * truth).sum() / -(batch.len() as f64);
                 let gradients = GradientsParams::from_grads(loss.backward(), &network);
-                let rate = match settings.schedule {
-                    Schedule::Constant => settings.learning_rate,
-                    Schedule::OneCycle => one_cycle(step, steps, settings.learning_rate),
-                };
-                network = optimizer.step(rate, network, gradients);
+                network = optimizer.step(rate(settings, step, steps), network, gradients);
                 if (step + 1) % batches.len() == 0 {
                     tick();
                 }
@@ -146,7 +145,7 @@ impl Cnn {
             let (device, workspace) = (Device::flex().autodiff(), Workspace::default());
             let all: Vec<usize> = (0..images.len()).collect();
             let part = |part: &[usize]| {
-                let (input, _) = tensors(images, part, classes, &device);
+                let (input, _) = Batch::of(images, part, classes).tensors(&device);
                 let logits: Vec<f32> = self.forward(input, &workspace).to_data().iter::<f32>().collect();
                 logits.chunks(classes).map(first_maximum).collect::<Vec<_>>()
             };
@@ -221,7 +220,7 @@ mod tests {
             let images = stripes(19, 2, 5);
             let all: Vec<usize> = (0..images.len()).collect();
             let pass = |forward: &dyn Fn(Tensor<4>) -> Tensor<2>| {
-                let logits = forward(tensors(&images, &all, 5, &device).0);
+                let logits = forward(Batch::of(&images, &all, 5).tensors(&device).0);
                 let gradients = logits.clone().powi_scalar(2).sum().backward();
                 let four = |p: &Param<Tensor<4>>| values(p.val().grad(&gradients).unwrap());
                 let one = |p: &Param<Tensor<1>>| values(p.val().grad(&gradients).unwrap());

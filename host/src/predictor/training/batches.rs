@@ -14,19 +14,40 @@ pub fn split(labels: &[u8], share: f64) -> (Vec<usize>, Vec<usize>) {
     })
 }
 
-/// Images `[batch, 1, rows, frames]` and their classes one-hot `[batch, classes]`.
-pub fn tensors(images: &Images, batch: &[usize], classes: usize, device: &Device) -> (Tensor<4>, Tensor<2>) {
-    let pixels: Vec<f32> =
-        batch.iter().flat_map(|&i| images.image(i).iter().map(|&p| (f32::from(p) + 128.0) / 255.0)).collect();
-    let mut truth = vec![0.0f32; batch.len() * classes];
-    for (row, &i) in batch.iter().enumerate() {
-        truth[row * classes + usize::from(images.labels[i])] = 1.0;
+/// What one step learns from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Batch {
+    /// Grey levels 0..=1, `[image, row, frame]`.
+    pub pixels: Vec<f32>,
+    /// Share of every class, `[image, class]`.
+    pub truth: Vec<f32>,
+    /// Rows of an image.
+    pub rows: usize,
+    /// Frames of an image.
+    pub frames: usize,
+    /// Classes.
+    pub classes: usize,
+}
+
+impl Batch {
+    /// These images, each of the class of its label.
+    pub fn of(images: &Images, batch: &[usize], classes: usize) -> Batch {
+        let levels = batch.iter().flat_map(|&i| images.image(i));
+        let pixels = levels.map(|&p| (f32::from(p) + 128.0) / 255.0).collect();
+        let mut truth = vec![0.0; batch.len() * classes];
+        for (row, &i) in batch.iter().enumerate() {
+            truth[row * classes + usize::from(images.labels[i])] = 1.0;
+        }
+        Batch { pixels, truth, rows: images.rows, frames: images.frames, classes }
     }
-    let shape = [batch.len(), 1, images.rows, images.frames];
-    (
-        Tensor::from_data(TensorData::new(pixels, shape), device),
-        Tensor::from_data(TensorData::new(truth, [batch.len(), classes]), device),
-    )
+
+    /// As tensors `[batch, 1, rows, frames]` and `[batch, classes]`.
+    pub fn tensors(self, device: &Device) -> (Tensor<4>, Tensor<2>) {
+        let count = self.truth.len() / self.classes.max(1);
+        let pixels = TensorData::new(self.pixels, [count, 1, self.rows, self.frames]);
+        let truth = TensorData::new(self.truth, [count, self.classes]);
+        (Tensor::from_data(pixels, device), Tensor::from_data(truth, device))
+    }
 }
 
 /// Cuts `count` images into batches that differ by at most one image, as near to `size` as possible.

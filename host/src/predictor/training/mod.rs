@@ -1,7 +1,8 @@
 //! Training: parameters from labelled spectrograms, the same bits whatever the number of threads.
 //!
-//! Cross entropy, images shuffled every epoch; the optimiser and its learning rate are the scenario's. Trainings run side by side; one alone uses several threads.
+//! Cross entropy, images shuffled every epoch, masked and mixed ([`augmentation`]); the optimiser and its learning rate are the scenario's. Trainings run side by side; one alone uses several threads.
 
+pub mod augmentation;
 pub mod batches;
 pub mod steps;
 
@@ -13,7 +14,8 @@ use burn::tensor::activation::log_softmax;
 use burn::tensor::{Bytes, Device, Tensor};
 use thiserror::Error;
 
-use batches::{batches, split, tensors};
+use augmentation::{augment, stream};
+use batches::{Batch, batches, split};
 use steps::{optimizer, rate};
 
 use super::checkpoint::{Best, Bits, Checkpoint, CheckpointError, Identity, decode, encode};
@@ -303,7 +305,9 @@ impl<'a> Learner<'a> {
         let (mut loss_sum, mut right) = (0.0, 0);
         for (index, range) in batches.iter().enumerate() {
             let batch: Vec<usize> = order[range.clone()].iter().map(|&i| self.train[i]).collect();
-            let (input, truth) = tensors(self.images, &batch, classes, &device);
+            let mut shown = Batch::of(self.images, &batch, classes);
+            augment(&mut shown, self.settings, &mut stream(self.identity.seed, number, index));
+            let (input, truth) = shown.tensors(&device);
             let logits = match self.backend {
                 Backend::Flex => self.network.forward_batch(input, &self.workspace),
                 #[cfg(any(feature = "wgpu", feature = "cuda"))]
@@ -336,7 +340,8 @@ impl<'a> Learner<'a> {
         let network = Network::new(&self.network.parameters(), &device);
         let (mut loss, mut right) = (0.0, 0);
         for batch in self.validate.chunks(100) {
-            let (input, truth) = tensors(self.images, batch, self.identity.architecture.classes, &device);
+            let classes = self.identity.architecture.classes;
+            let (input, truth) = Batch::of(self.images, batch, classes).tensors(&device);
             let logits = network.forward(input);
             right += self.right(&logits, batch);
             loss -= scalar(&(log_softmax(logits, 1) * truth).sum());
