@@ -8,7 +8,7 @@ use sdp3_core::dechirp::CHIRP;
 use sdp3_core::dsn::{Model, Network, scratch_bytes};
 use sdp3_core::frame::{Beat, Complex};
 use sdp3_core::probe::Probe;
-use sdp3_core::stft::{Stft, ZERO_SPECTRUM};
+use sdp3_core::stft::{ShortTime, Stft, ZERO_SPECTRUM};
 use serde_json::Value;
 
 fn bytes(value: &Value) -> Vec<u8> {
@@ -132,7 +132,7 @@ fn frames_are_scipys() {
         assert_eq!(frames.len(), stft.frames(signal.len()));
         let mut spectrum = ZERO_SPECTRUM;
         for (k, frame) in frames.iter().enumerate() {
-            stft.frame(&signal, k, &mut spectrum);
+            stft.frame(&signal, k, 1, &mut spectrum);
             let total: f64 = signal.iter().map(|z| f64::from(z.re).hypot(f64::from(z.im))).sum();
             for (found, expected) in spectrum.iter().zip(list(frame)) {
                 let (re, im) = pair(expected);

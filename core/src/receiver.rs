@@ -7,6 +7,7 @@ use crate::dsn::{Kernels, Model, ModelError, Portable};
 use crate::frame::{Beat, Complex, ROWS, Slot, ZERO_BEAT};
 use crate::front_end::{FrontEnd, FrontEndBuffers};
 use crate::probe::Probe;
+use crate::stft::{ShortTime, Stft};
 
 /// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network
 /// ([`scratch_bytes`]).
@@ -111,10 +112,10 @@ impl core::error::Error for ReceiverError {}
 /// What a receiver recognised.
 pub type Recognition = Answer;
 
-/// Raw slots in, class out.
+/// Raw slots in, class out: the network by the kernels `K`, the spectrogram by the transform `T`.
 #[derive(Debug)]
-pub struct Receiver<'m, 'b, K = Portable> {
-    front_end: FrontEnd<'b>,
+pub struct Receiver<'m, 'b, K = Portable, T = Stft> {
+    front_end: FrontEnd<'b, T>,
     network: Network<'m, 'b, K>,
 }
 
@@ -136,6 +137,21 @@ impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
     ///
     /// As [`Receiver::new`].
     pub fn with_kernels(model: Model<'m>, buffers: Buffers<'b>, kernels: K) -> Result<Self, ReceiverError> {
+        Self::with_arithmetic(model, buffers, kernels)
+    }
+}
+
+impl<'m, 'b, K: Kernels, T: ShortTime> Receiver<'m, 'b, K, T> {
+    /// [`Receiver::with_kernels`] with the transform `T` names.
+    ///
+    /// # Errors
+    ///
+    /// As [`Receiver::new`].
+    pub fn with_arithmetic(
+        model: Model<'m>,
+        buffers: Buffers<'b>,
+        kernels: K,
+    ) -> Result<Self, ReceiverError> {
         let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
         let f = &buffers.front_end;
@@ -151,7 +167,7 @@ impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
             }
         }
         let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
-        let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(error)?;
+        let front_end = FrontEnd::with_transform(model.preprocessing(), buffers.front_end).ok_or(error)?;
         let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(error)?;
         Ok(Receiver { front_end, network })
     }
