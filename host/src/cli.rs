@@ -86,8 +86,11 @@ pub struct MeasuredArgs {
 }
 
 /// How to train.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct TrainArgs {
+    /// A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
     /// Optimiser, learning rate and batch in one; absent: the scenario's.
     #[arg(long, value_enum)]
     pub recipe: Option<Recipe>,
@@ -119,6 +122,8 @@ pub enum Study {
     Robustness,
     /// Divergence and recognition against ray tracing, a richer model and measured recordings.
     Fidelity,
+    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
+    Baselines,
 }
 
 /// Where to train.
@@ -234,7 +239,11 @@ pub enum Command {
         rate: Option<f64>,
     },
     /// Turn trained networks into int8 model files.
-    Quantize,
+    Quantize {
+        /// The dataset they were trained on, to measure ranges on; absent: training recordings are simulated.
+        #[arg(long, value_name = "DIR")]
+        data: Option<PathBuf>,
+    },
     /// Write a network for other programs: a model file as .tflite, float parameters as .safetensors.
     Export {
         /// MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it.

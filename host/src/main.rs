@@ -172,7 +172,9 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             }
             Ok(true)
         }
-        Command::Train { how, .. } => trainer::train(job, how, common.threads, json),
+        Command::Train { how, .. } => {
+            trainer::train(job, how, (common.scenario.is_some(), common.threads), json)
+        }
         Command::Study { name, seeds, measured, carrier, rate } => {
             if measured.is_some() && name != Study::Fidelity {
                 return Err("command line: --measured belongs to the study fidelity".into());
@@ -186,7 +188,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
                 json,
             )
         }
-        Command::Quantize => trainer::quantize(&job, json),
+        Command::Quantize { data } => trainer::quantize(&job, data.as_deref(), json),
         Command::Verify { proof } => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
             job.scenario = resolved(&job)?;

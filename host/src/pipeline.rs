@@ -54,6 +54,9 @@ pub struct Measured {
     pub motion: Class,
 }
 
+/// A standard deviation of an accuracy, in points, that needs no warning.
+const MOST_UNCERTAIN_POINTS: f64 = 5.0;
+
 /// The target of `verify` that needs no emulator: the core against its reference on this machine. The others are
 /// [`qemu::MACHINES`].
 pub const REFERENCE: &str = "host-reference";
@@ -118,6 +121,20 @@ impl Job {
                 a.limb_m_s, a.unambiguous_m_s
             );
             self.progress.note("simulate", &text);
+        }
+    }
+
+    /// A warning if so few recordings are tested that an accuracy says little.
+    pub fn warn_of_few_tests(&self) {
+        let tested = self.scenario.learning.test_per_class * Class::ALL.len() as u32;
+        // a share of n is uncertain by at most 0.5 / sqrt(n), one standard deviation
+        let points = 50.0 / f64::from(tested).sqrt();
+        if points > MOST_UNCERTAIN_POINTS {
+            let text = format!(
+                "warning: an accuracy over {tested} test recordings is uncertain by up to {points:.0} points; with \
+                 learning.test_per_class = 100 by up to 2"
+            );
+            self.progress.note("test", &text);
         }
     }
 

@@ -327,6 +327,8 @@ fn padded(values: &[i8], out: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predictor::interchange::header;
+    use crate::scenario::Scenario;
 
     fn weighted(outputs: usize, inputs: usize, seed: i32) -> Weighted {
         let o = outputs as i32;
@@ -363,18 +365,7 @@ mod tests {
             },
         };
         QuantizedNetwork {
-            preprocessing: Preprocessing {
-                sensing_slots: 200,
-                first_kept: 2,
-                last_kept: 8,
-                window_len: 128,
-                hop: 8,
-                bins_per_row: 1,
-                range: 1063,
-                kaiser_beta: 10.0,
-                carrier_khz: 3_500_000,
-                slow_time_us: 1000,
-            },
+            preprocessing: header(&Scenario::default(), 200),
             classes: ["standing", "child-walking", "adult-pacing"].map(String::from).to_vec(),
             stem_stride: 2,
             stem: weighted(4, 9, 3),

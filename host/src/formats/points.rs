@@ -57,9 +57,9 @@ pub fn read(file: &Path) -> Result<Vec<CurvePoint>, PointsError> {
             let number = |k: usize| cell(k).parse::<f64>().ok().filter(|x| x.is_finite());
             let slots = number(0).filter(|&n| n > 1.0);
             let accuracy = number(1).filter(|a| (0.0..=1.0).contains(a));
-            let tested = number(2).filter(|&n| n >= 1.0);
+            let tested = number(2).filter(|&n| n >= 2.0);
             if cells.len() > 2 && tested.is_none() {
-                return Err(refuse(index + 1, "tested", cell(2), "a number of recordings, at least 1"));
+                return Err(refuse(index + 1, "tested", cell(2), "a number of recordings, at least 2"));
             }
             Ok(CurvePoint {
                 sensing_slots: slots.ok_or_else(|| {

@@ -1,7 +1,9 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
-//! Paper, section V. Only `network`, `training`, `trunk` and `tuning` need burn (the feature `train`).
+//! Paper, section V. `network`, `training`, `trunk` and `tuning` need burn (the feature `train`).
 pub mod accuracy;
+#[cfg(feature = "train")]
+pub mod baselines;
 pub mod calibration;
 #[cfg(feature = "train")]
 pub mod checkpoint;

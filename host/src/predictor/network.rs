@@ -13,7 +13,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use super::float_network::same_padding;
 use super::parameters::{Architecture, BATCH_NORM_EPSILON, BlockParameters, Norm, Parameters, Weights};
 use super::trunk::operation::trunk;
-use super::trunk::{Shape, Workspace};
+use super::trunk::{Shape, Wiring, Workspace};
 
 /// A residual block of the network.
 #[derive(Module, Debug)]
@@ -37,13 +37,13 @@ pub struct Network {
 }
 
 /// Parameters by number, so that an optimiser's state finds its own again.
-struct Maker<'a> {
-    device: &'a Device,
-    made: u64,
+pub(super) struct Maker<'a> {
+    pub device: &'a Device,
+    pub made: u64,
 }
 
 impl Maker<'_> {
-    fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
+    pub fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
         self.made += 1;
         let mut parameter = Param::from_data(TensorData::new(values.to_vec(), shape), self.device);
         parameter.id = ParamId::from(self.made);
@@ -136,7 +136,8 @@ impl Network {
         let [batch, _, rows, frames] = images.dims();
         let [channels, ..] = self.stem.val().dims();
         let (blocks, stem_stride) = (self.blocks.len(), self.stride);
-        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride };
+        let wiring = Wiring::Residual;
+        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride, wiring };
         let mut parameters = vec![self.stem.val().flatten(0, 3), self.stem_bias.val()];
         for b in &self.blocks {
             parameters.extend([b.norm1.gamma.val(), b.norm1.beta.val(), b.conv1.val().flatten(0, 3)]);

@@ -20,6 +20,20 @@ pub struct Collected {
     pub images: Vec<Images>,
 }
 
+impl Collected {
+    /// More of the same set.
+    pub fn extend(&mut self, more: Collected) {
+        if self.images.is_empty() {
+            self.images = more.images;
+            return;
+        }
+        for (images, more) in self.images.iter_mut().zip(more.images) {
+            images.pixels.extend(more.pixels);
+            images.labels.extend(more.labels);
+        }
+    }
+}
+
 /// Class and index within it of the `item`-th recording of a set: classes take turns, so that any prefix is balanced.
 pub fn item(item: u32) -> (Class, u32) {
     let classes = Class::ALL.len() as u32;
@@ -57,6 +71,24 @@ pub fn collect(
             windows.into_iter().map(move |images| (images, class as u8))
         })
         .collect();
+    gathered(scenario, &each)
+}
+
+/// Images of stored training recordings, as [`collect`] makes them of simulated ones.
+pub fn collect_from(scenario: &Scenario, recordings: Vec<(Class, Vec<Beat>)>) -> Collected {
+    let each: Vec<(Vec<Vec<i8>>, u8)> = recordings
+        .par_iter()
+        .flat_map_iter(|(class, beats)| {
+            let slots = scenario.learning.training_slots(scenario.largest_sensing_slots());
+            let windows = windows_of(scenario, &beats[..slots as usize]);
+            windows.into_iter().map(move |images| (images, *class as u8))
+        })
+        .collect();
+    gathered(scenario, &each)
+}
+
+/// Every recording's images, N_s by N_s.
+fn gathered(scenario: &Scenario, each: &[(Vec<Vec<i8>>, u8)]) -> Collected {
     let settings = scenario.spectrogram.preprocessing();
     let images = scenario
         .frame

@@ -203,7 +203,7 @@ impl Scenario {
         let l = &self.learning;
         c.count("learning.train_per_class", l.train_per_class, 2, 100_000)?;
         c.count("learning.windows", l.windows, 1, 100)?;
-        c.count("learning.test_per_class", l.test_per_class, 1, 100_000)?;
+        c.count("learning.test_per_class", l.test_per_class, 2, 100_000)?;
         c.count("learning.epochs", l.epochs, 1, 10_000)?;
         c.count("learning.batch", l.batch, 2, 10_000)?;
         c.within("learning.learning_rate", l.learning_rate, 1e-7, 1.0)?;
@@ -335,7 +335,8 @@ mod tests {
 
     #[test]
     fn fifty_decibels_are_1063_units() {
-        assert_eq!(SpectrogramSettings::default().preprocessing(), Preprocessing::default());
+        let paper = SpectrogramSettings { beta: 10.0, ..Default::default() };
+        assert_eq!(paper.preprocessing(), Preprocessing::default());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Cross entropy, images shuffled every epoch; the optimiser and its learning rate are the scenario's. Trainings run side by side; one alone uses several threads.
 
 pub mod batches;
-mod steps;
+pub mod steps;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

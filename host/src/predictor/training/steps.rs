@@ -36,7 +36,7 @@ pub fn rate(settings: &Learning, step: usize, steps: usize) -> f64 {
 }
 
 /// Learning rate of a step: a rising half cosine, then a falling one.
-fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
+pub fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
     let half_cosine = |from: f64, to: f64, share: f64| {
         to + (from - to) * (1.0 + libm::cos(std::f64::consts::PI * share)) / 2.0
     };
