@@ -72,11 +72,14 @@ pub fn set_lane(lines: &mut Rescale, lane: usize, multiplier: i32, shift: i8, ze
 }
 
 /// The fastest [`pairs::Pairs`] of the target.
-#[cfg(all(target_arch = "arm", arm_dsp))]
+#[cfg(all(target_arch = "arm", arm_dsp, not(arm_mve)))]
 pub use arm::Dsp as NativePairs;
 /// The fastest [`pairs::Pairs`] of the target.
+#[cfg(all(target_arch = "arm", arm_mve))]
+pub use arm::Helium as NativePairs;
+/// The fastest [`pairs::Pairs`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
-pub use pairs::Plain as NativePairs;
+pub type NativePairs = pairs::Plain;
 
 /// What is to be done with the vectors of one instruction set.
 pub trait Job {

@@ -3,7 +3,8 @@
 //! A kernel is written once over [`Pairs`]; [`Plain`] is the portable twin, `arm::Dsp` the same by the DSP extension of
 //! Cortex-M4, M7, M33 and later. All operations are integer and exact, so the results have the same bits.
 
-/// Eight i16: four successive channels of two tiles, or of two outputs.
+/// Eight i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
+/// other in the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub struct Eight(pub [i16; 8]);
@@ -25,6 +26,9 @@ pub type Sums = [[[i32; 4]; 2]; 4];
 
 /// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait Pairs: Copy {
+    /// Whether [`Points`] are in the wide order; then there are an even number of groups.
+    const WIDE: bool = false;
+
     /// Sum of pairs, in a form of the implementation's own; no part leaves i16.
     fn add(self, a: i32, b: i32) -> i32;
     /// Difference of pairs, likewise.
@@ -34,15 +38,18 @@ pub trait Pairs: Copy {
 
     /// For each column of points the products summed over all channels, and the rows gathered: with p the sums of rows 1,
     /// 2, 0 and 3, `p1 + p2 + p0` and `p1 - p2 + p3`. Wraps.
-    #[inline]
     fn products<const QUADS: usize>(
         self,
         inputs: &Points<QUADS>,
         weights: &Points<QUADS>,
         sums: &mut Sums,
-    ) {
-        plain_products(inputs, weights, sums);
-    }
+    );
+}
+
+/// Where group `quad` of tile or output `part` lies: which [`Eight`], and its first value.
+#[inline(always)]
+pub const fn place<P: Pairs>(quad: usize, part: usize) -> (usize, usize) {
+    if P::WIDE { (quad & !1 | part, 4 * (quad & 1)) } else { (quad, 4 * part) }
 }
 
 /// Four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth.
@@ -59,13 +66,17 @@ pub fn unpack(four: [i8; 4]) -> [i32; 2] {
 
 /// `sums[output, tile] += sum over channels`, of one point.
 #[inline(always)]
-fn accumulate<const QUADS: usize>(inputs: &[Eight; QUADS], weights: &[Eight; QUADS], sums: &mut [i32; 4]) {
+fn accumulate<P: Pairs, const QUADS: usize>(
+    inputs: &[Eight; QUADS],
+    weights: &[Eight; QUADS],
+    sums: &mut [i32; 4],
+) {
     let [mut s00, mut s01, mut s10, mut s11] = *sums;
-    for (Eight(x), Eight(w)) in inputs.iter().zip(weights) {
-        let ([x0, x1], [w0, w1]) = ([&x[..4], &x[4..]], [&w[..4], &w[4..]]);
+    for quad in 0..QUADS {
+        let [(e0, k0), (e1, k1)] = [place::<P>(quad, 0), place::<P>(quad, 1)];
         for k in 0..4 {
-            let (x0, x1) = (i32::from(x0[k]), i32::from(x1[k]));
-            let (w0, w1) = (i32::from(w0[k]), i32::from(w1[k]));
+            let [x0, w0] = [inputs, weights].map(|from| i32::from(from[e0 % QUADS].0[(k0 + k) % 8]));
+            let [x1, w1] = [inputs, weights].map(|from| i32::from(from[e1 % QUADS].0[(k1 + k) % 8]));
             s00 = s00.wrapping_add(x0 * w0);
             s01 = s01.wrapping_add(x1 * w0);
             s10 = s10.wrapping_add(x0 * w1);
@@ -75,9 +86,9 @@ fn accumulate<const QUADS: usize>(inputs: &[Eight; QUADS], weights: &[Eight; QUA
     *sums = [s00, s01, s10, s11];
 }
 
-/// [`Pairs::products`] in plain Rust.
+/// [`Pairs::products`] in plain Rust, in the order of `P`.
 #[inline(always)]
-pub(super) fn plain_products<const QUADS: usize>(
+pub fn plain_products<P: Pairs, const QUADS: usize>(
     inputs: &Points<QUADS>,
     weights: &Points<QUADS>,
     sums: &mut Sums,
@@ -86,21 +97,25 @@ pub(super) fn plain_products<const QUADS: usize>(
     let (weights, _) = weights.as_chunks::<4>();
     for (([x1, x2, x0, x3], [w1, w2, w0, w3]), [upper, lower]) in inputs.iter().zip(weights).zip(sums) {
         let (mut p1, mut p2) = ([0; 4], [0; 4]);
-        accumulate(x1, w1, &mut p1);
-        accumulate(x2, w2, &mut p2);
+        accumulate::<P, QUADS>(x1, w1, &mut p1);
+        accumulate::<P, QUADS>(x2, w2, &mut p2);
         for k in 0..4 {
             (upper[k], lower[k]) = (p1[k].wrapping_add(p2[k]), p1[k].wrapping_sub(p2[k]));
         }
-        accumulate(x0, w0, upper);
-        accumulate(x3, w3, lower);
+        accumulate::<P, QUADS>(x0, w0, upper);
+        accumulate::<P, QUADS>(x3, w3, lower);
     }
 }
 
 /// Pairs in plain Rust: a pair (l, h) is the number h 2^16 + l, so that sums of pairs are sums of numbers.
+///
+/// `WIDE` as [`Pairs::WIDE`] of the processor that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Plain;
+pub struct Plain<const WIDE: bool = false>;
 
-impl Pairs for Plain {
+impl<const WIDE: bool> Pairs for Plain<WIDE> {
+    const WIDE: bool = WIDE;
+
     #[inline(always)]
     fn add(self, a: i32, b: i32) -> i32 {
         a.wrapping_add(b)
@@ -115,5 +130,15 @@ impl Pairs for Plain {
     fn settle(self, pair: i32) -> [i16; 2] {
         let low = pair as i16;
         [low, (pair.wrapping_sub(i32::from(low)) >> 16) as i16]
+    }
+
+    #[inline]
+    fn products<const QUADS: usize>(
+        self,
+        inputs: &Points<QUADS>,
+        weights: &Points<QUADS>,
+        sums: &mut Sums,
+    ) {
+        plain_products::<Self, QUADS>(inputs, weights, sums);
     }
 }

@@ -10,7 +10,7 @@
 
 use super::rescale::{Rescale, WORDS, clamp_all};
 use crate::dsn::conv::Conv;
-use crate::simd::pairs::{Eight, POINTS, Pairs, Points, Sums, unpack};
+use crate::simd::pairs::{Eight, POINTS, Pairs, Points, Sums, place, unpack};
 
 /// Four channels of a column, transformed downwards: two pairs at each of four points.
 type Column = [i32; 8];
@@ -123,15 +123,16 @@ fn along<P: Pairs, const QUADS: usize>(
     inputs: &mut Points<QUADS>,
 ) {
     for quad in 0..QUADS {
-        for (place, row) in [1, 2, 0, 3].into_iter().enumerate() {
+        for (order, row) in [1, 2, 0, 3].into_iter().enumerate() {
             for tile in 0..2 {
                 for pair in 0..2 {
                     let value = |column: usize| six[2 * tile + column][quad][2 * row + pair];
                     let points = forward(pairs, [value(0), value(1), value(2), value(3)]);
+                    let (eight, first) = place::<P>(quad, tile);
                     for column in 0..4 {
-                        let at = 4 * tile + 2 * pair;
                         let [low, high] = pairs.settle(points[column]);
-                        let Eight(values) = &mut inputs[4 * column + place][quad];
+                        let Eight(values) = &mut inputs[4 * column + order][eight % QUADS];
+                        let at = (first + 2 * pair) % 8;
                         (values[at], values[at + 1]) = (low, high);
                     }
                 }

@@ -127,7 +127,7 @@ impl<'b, P: Pairs> Tiled<'b, P> {
         let scratch = scratch.get_mut(..sizes.words - layout.constants())?;
         let (tables, border) = memory.bytes.split_at_mut_checked(model.blocks() * model.channels() * TABLE)?;
         let border = border.get_mut(..sizes.bytes - tables.len())?;
-        let plain = layout.pack(model, eights, constants, tables)?;
+        let plain = layout.pack::<P>(model, eights, constants, tables)?;
         Some(Tiled { pairs, layout, plain, eights, constants, scratch, tables, border })
     }
 

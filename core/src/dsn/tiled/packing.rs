@@ -11,7 +11,7 @@ use super::stem;
 use crate::dsn::affine::Affine;
 use crate::dsn::conv::Conv;
 use crate::dsn::model::Model;
-use crate::simd::pairs::{Eight, POINTS};
+use crate::simd::pairs::{Eight, POINTS, Pairs, place};
 
 /// Entries of an affine channel's table.
 pub const TABLE: usize = 256;
@@ -79,8 +79,8 @@ impl Layout {
         tables.get(at.checked_sub(1)? / 4 * length..)?.get(..length)
     }
 
-    /// Packs all layers; the bits of those that tiles cannot compute, or `None` if the memory is too small.
-    pub fn pack(
+    /// Packs all layers in the order of `P`; the bits of those that tiles cannot compute, or `None` if the memory is too small.
+    pub fn pack<P: Pairs>(
         &self,
         model: &Model<'_>,
         eights: &mut [Eight],
@@ -97,7 +97,9 @@ impl Layout {
             if !covered(conv.inputs) || pack_constants(conv, constants).is_none() {
                 plain |= 1 << (4 * (number / 2) + 2 + number % 2);
             }
-            pack_weights(conv, eights);
+            if covered(conv.inputs) {
+                pack_weights::<P>(conv, eights);
+            }
         }
         for (block, tables) in model.blocks.iter().zip(tables.chunks_exact_mut((self.channels * TABLE).max(1))) {
             tabulate(&block.affine, tables);
@@ -127,15 +129,17 @@ fn pack_constants(conv: &Conv<'_>, constants: &mut [i32]) -> Option<()> {
     Some(())
 }
 
-fn pack_weights(conv: &Conv<'_>, eights: &mut [Eight]) {
+fn pack_weights<P: Pairs>(conv: &Conv<'_>, eights: &mut [Eight]) {
     let quads = conv.inputs / 4;
     for (pair, eights) in eights.chunks_exact_mut((POINTS * quads).max(1)).enumerate() {
-        for (place, eights) in eights.chunks_exact_mut(quads).enumerate() {
-            let (column, (row, sign)) = (place / 4, ROWS[place % 4]);
-            for (quad, Eight(values)) in eights.iter_mut().enumerate() {
-                for (k, value) in values.iter_mut().enumerate() {
-                    let (output, input) = (2 * pair + k / 4, 4 * quad + ORDER[k % 4]);
-                    *value = (sign * point(&kernel(conv, output, input), row, column)) as i16;
+        for (point_at, eights) in eights.chunks_exact_mut(quads).enumerate() {
+            let (column, (row, sign)) = (point_at / 4, ROWS[point_at % 4]);
+            for (quad, part) in (0..quads).flat_map(|quad| [(quad, 0), (quad, 1)]) {
+                let (eight, first) = place::<P>(quad, part);
+                let Some(Eight(values)) = eights.get_mut(eight) else { continue };
+                for (value, k) in values.iter_mut().skip(first).zip(ORDER) {
+                    let weights = kernel(conv, 2 * pair + part, 4 * quad + k);
+                    *value = (sign * point(&weights, row, column)) as i16;
                 }
             }
         }

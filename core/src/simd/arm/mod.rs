@@ -1,10 +1,16 @@
-//! The DSP extension of Armv7E-M and Armv8-M: two 16-bit products an instruction, behind [`super::pairs::Pairs`].
+//! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
+//! [`Pairs`].
 //!
 //! The module is compiled only where the target promises the extension; that is what every `unsafe` below stands on.
 
-use super::mix::BlockSums;
-use super::pairs::{Eight, Pairs, Points, Sums, plain_products};
+#[cfg(arm_mve)]
+mod helium;
+#[cfg(arm_mve)]
+pub use helium::Helium;
+
 use crate::frame::{BEATS, Iq, Slot};
+use crate::simd::mix::BlockSums;
+use crate::simd::pairs::{Eight, Pairs, Points, Sums, plain_products};
 use core::arch::{asm, global_asm};
 
 /// The DSP extension.
@@ -129,7 +135,7 @@ impl Pairs for Dsp {
             2 => unsafe { sdp3_products_2(x, w, sums) },
             4 => unsafe { sdp3_products_4(x, w, sums) },
             8 => unsafe { sdp3_products_8(x, w, sums) },
-            _ => plain_products(inputs, weights, sums),
+            _ => plain_products::<Self, QUADS>(inputs, weights, sums),
         }
     }
 }
@@ -181,7 +187,7 @@ unsafe extern "C" {
     fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut BlockSums);
 }
 
-/// [`super::mix::plain`] by dual multiply-accumulates with 64-bit sums.
+/// [`crate::simd::mix::plain`] by dual multiply-accumulates with 64-bit sums.
 #[inline]
 pub fn mix(samples: &Slot, reference: &Slot) -> BlockSums {
     let mut sums = [[0; 2]; BEATS];
@@ -193,7 +199,7 @@ pub fn mix(samples: &Slot, reference: &Slot) -> BlockSums {
 
 // not `pure`: kept in the order of the source, they need fewer registers at a time
 
-/// [`super::high::high`].
+/// [`crate::simd::high::high`].
 #[inline(always)]
 pub fn high(a: i32, b: i32) -> i32 {
     let product;
@@ -202,7 +208,7 @@ pub fn high(a: i32, b: i32) -> i32 {
     product
 }
 
-/// [`super::high::add_high`].
+/// [`crate::simd::high::add_high`].
 #[inline(always)]
 pub fn add_high(sum: i32, a: i32, b: i32) -> i32 {
     let total;
