@@ -14,6 +14,7 @@ mod firmware {
     use rand_core::SeedableRng;
     use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::{Digest, DigestProbe};
+    use sdp3_core::dsn::tiled::{Tiled, TiledBuffers};
     use sdp3_core::dsn::{Model, scratch_bytes};
     use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::probe::Probe;
@@ -29,6 +30,9 @@ mod firmware {
     /// The largest configuration: 1000 slots, 110 frames, 16 channels behind a stride of 1.
     type Standard = Memory<1000, 110, { scratch_bytes(110, 16, 1) }>;
     static MEMORY: Single<Standard> = Single::new(Standard::new());
+    /// Packed weights of 16 channels and five blocks.
+    type Packed = TiledBuffers<5120, 4096, 24576>;
+    static PACKED: Single<Packed> = Single::new(Packed::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
 
     /// One stage's values on their way to a file.
@@ -127,7 +131,9 @@ mod firmware {
         if answer != selftest::KNOWN_ANSWER {
             defmt::warn!("self test: {=u64:x} instead of {=u64:x}", answer, selftest::KNOWN_ANSWER);
         }
-        let (Some(memory), Some(model)) = (MEMORY.take(), MODEL.take()) else { fail("memory is taken") };
+        let (Some(memory), Some(packed), Some(model)) = (MEMORY.take(), PACKED.take(), MODEL.take()) else {
+            fail("memory is taken")
+        };
         let mut magic = [0; 4];
         if !file.read(&mut magic) || magic != *b"SDPS" || file.word() != Some(1) {
             fail("not a suite file of version 1");
@@ -135,7 +141,7 @@ mod firmware {
         let Some(cases) = file.word() else { fail("the suite file is truncated") };
         defmt::info!("suite opened: {=u32} cases", cases);
         for index in 0..cases {
-            case(index, &mut file, memory, model, wanted.as_mut());
+            case(index, &mut file, memory, packed, model, wanted.as_mut());
         }
         if let Some(Values(dump)) = &mut wanted {
             dump.flush();
@@ -150,6 +156,7 @@ mod firmware {
         index: u32,
         file: &mut File,
         memory: &mut Standard,
+        packed: &mut Packed,
         model: &mut [u8],
         dump: Option<&mut Values<Dump>>,
     ) {
@@ -169,7 +176,8 @@ mod firmware {
                 fail("the core refuses a model")
             }
         };
-        let mut receiver = match Receiver::new(parsed, memory.view()) {
+        let Some(kernels) = Tiled::new(&parsed, packed.view()) else { fail("a model's packed weights do not fit") };
+        let mut receiver = match Receiver::with_kernels(parsed, memory.view(), kernels) {
             Ok(receiver) => receiver,
             Err(error) => {
                 defmt::error!("{}", error);
