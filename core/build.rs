@@ -1,18 +1,28 @@
-//! Names the Arm extensions that the compiler's target promises, as `cfg`s: stable Rust does not.
+//! Names what the compiler's target promises and stable Rust does not say, as `cfg`s.
 //!
-//! `arm_dsp`: thumbv7em, or `-C target-cpu` of a core that has it. `arm_mve`: `-C target-cpu` of a core with Helium.
+//! `arm_dsp`: thumbv7em, or `-C target-cpu` of a core that has the extension; `arm_mve`: of a core with Helium. Then
+//! `SDP3_ARM_CPU` is that core, for the assembler. `soft_float`: the target has no floating-point unit.
 
 fn main() {
-    println!("cargo:rustc-check-cfg=cfg(arm_dsp, arm_mve)");
+    println!("cargo:rustc-check-cfg=cfg(arm_dsp, arm_mve, soft_float)");
     println!("cargo:rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
     let read = |name| std::env::var(name).unwrap_or_default();
     let (target, flags) = (read("TARGET"), read("CARGO_ENCODED_RUSTFLAGS"));
-    let core = |names: &[&str]| names.iter().any(|name| flags.contains(&format!("target-cpu=cortex-{name}")));
-    let (helium, dsp) = (core(&["m52", "m55", "m85"]), core(&["m33", "m35p"]));
-    if target.starts_with("thumb") && helium {
-        println!("cargo:rustc-cfg=arm_mve");
+    let named = flags.split('\x1f').filter_map(|flag| Some(flag.split_once("target-cpu=")?.1)).next_back();
+    if target.starts_with("thumb") {
+        let v7em = target.starts_with("thumbv7em");
+        let core = named.unwrap_or(if v7em { "cortex-m4" } else { "" });
+        let helium = ["cortex-m52", "cortex-m55", "cortex-m85"].contains(&core);
+        if helium {
+            println!("cargo:rustc-cfg=arm_mve");
+        }
+        if v7em || helium || ["cortex-m33", "cortex-m35p"].contains(&core) {
+            println!("cargo:rustc-cfg=arm_dsp");
+            println!("cargo:rustc-env=SDP3_ARM_CPU={core}");
+        }
     }
-    if target.starts_with("thumbv7em") || target.starts_with("thumb") && (helium || dsp) {
-        println!("cargo:rustc-cfg=arm_dsp");
+    let soft_arm = target.starts_with("thumb") && !target.ends_with("hf");
+    if soft_arm || ["riscv32i-", "riscv32im-", "riscv32imc-", "riscv32imac-"].iter().any(|name| target.starts_with(name)) {
+        println!("cargo:rustc-cfg=soft_float");
     }
 }

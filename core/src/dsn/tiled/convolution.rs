@@ -25,11 +25,6 @@ pub const fn strip_words(width: usize, channels: usize) -> usize {
     columns(width) * (channels / 4) * size_of::<Column>() / size_of::<i32>()
 }
 
-/// Whether there are tiles of so many channels: 8, 16 and 32, each a program of its own.
-pub const fn covered(channels: usize) -> bool {
-    matches!(channels, 8 | 16 | 32)
-}
-
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
 pub struct Convolution<'a> {
     pub layer: &'a Conv<'a>,
@@ -50,7 +45,7 @@ type Pixels<const QUADS: usize> = [[[i8; 4]; QUADS]; 4];
 type Outputs<const QUADS: usize> = [Pixels<QUADS>; 2];
 
 impl Convolution<'_> {
-    /// Convolves; false, and nothing is done, for numbers of channels that are not [`covered`].
+    /// Convolves; false, and nothing is done, for numbers of channels without tiles.
     pub fn run<P: Pairs>(self, pairs: P) -> bool {
         match self.layer.inputs {
             8 => self.rows::<P, 2>(pairs),

@@ -1,25 +1,34 @@
-//! The layers that treat every value alone, by tables: affine and addition.
+//! The layers that treat every value alone: affine, and addition by tables.
 
-use super::packing::TABLE;
 use super::rescale::{MAX_ACCUMULATOR, Rescale, clamp_all};
 use crate::dsn::add::Add;
+use crate::dsn::affine::Affine;
+
+/// Entries of a table: one for every int8 value, by its bits.
+const TABLE: usize = 256;
 
 /// Words of an addition's tables.
 pub const ADD_WORDS: usize = 2 * TABLE;
 
-/// Looks every value up in its channel's table: `[pixels, channels]` to the same shape.
-pub fn look_up(tables: &[i8], input: &[i8], output: &mut [i8]) {
-    let (tables, _) = tables.as_chunks::<TABLE>();
-    let (tables, _) = tables.as_chunks::<4>();
-    let length = 4 * tables.len().max(1);
-    for (from, to) in input.chunks_exact(length).zip(output.chunks_exact_mut(length)) {
-        let ((from, _), (to, _)) = (from.as_chunks::<4>(), to.as_chunks_mut::<4>());
-        for ((from, to), tables) in from.iter().zip(to).zip(tables) {
-            for k in 0..4 {
-                to[k] = tables[k][usize::from(from[k] as u8)];
+/// An affine layer, `[pixels, channels]` to the same shape, channel by channel.
+pub fn affine(layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
+    let channels = layer.layer.channels.max(1);
+    for (c, &weight) in layer.layer.weights.iter().enumerate().take(channels) {
+        let weight = i32::from(weight as i8);
+        let from = input.get(c..).unwrap_or(&[]).iter().step_by(channels);
+        let to = output.get_mut(c..).unwrap_or(&mut []).iter_mut().step_by(channels);
+        match Rescale::of(&layer.layer, c, weight, 1) {
+            Some(rescale) => {
+                let weight = 4 * weight;
+                for (x, y) in from.zip(to) {
+                    let product = i32::from(*x as u8 ^ 0x80).wrapping_mul(weight);
+                    *y = rescale.apply(rescale.start.wrapping_add(product));
+                }
             }
+            None => from.zip(to).for_each(|(x, y)| *y = layer.value(c, *x)),
         }
     }
+    clamp_all(output, (layer.layer.act_min, layer.layer.act_max));
 }
 
 /// `x = x + branch` with both terms out of tables; false, and nothing is done, if a sum might leave its range.

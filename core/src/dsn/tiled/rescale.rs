@@ -39,6 +39,18 @@ impl Rescale {
         Some(Rescale { start: (start << 2) as i32, multiplier, offset, shift })
     }
 
+    /// [`Rescale`] of output channel `o` of a layer whose `taps` weights of that channel have this `sum`, for inputs as
+    /// u8 = i8 + 128; `None` also if an accumulator could leave +-[`MAX_ACCUMULATOR`].
+    pub fn of(layer: &Channelwise<'_>, o: usize, sum: i32, taps: usize) -> Option<Self> {
+        let bias = i64::from(layer.bias(o));
+        if bias.abs() + 255 * 128 * taps as i64 >= MAX_ACCUMULATOR {
+            return None;
+        }
+        let (multiplier, shift) = layer.scale(o);
+        let start = bias - i64::from(i32::from(layer.in_zp) + 128) * i64::from(sum);
+        Self::new(start, multiplier, shift, layer.out_zp)
+    }
+
     /// As words.
     pub fn to_words(self) -> [i32; WORDS] {
         [self.start, self.multiplier, self.offset, self.shift as i32]
@@ -55,27 +67,6 @@ impl Rescale {
     pub fn apply(&self, four: i32) -> i8 {
         let x = add_high(self.offset, four, self.multiplier).wrapping_add((four >> 31) << 1);
         (x >> (self.shift & 31)).clamp(-128, 127) as i8
-    }
-}
-
-/// What the sum of an output channel starts with, in units of one: its bias less `offset` times its weights; `None` if a
-/// sum could leave +-[`MAX_ACCUMULATOR`].
-pub fn start(bias: i32, weights: impl Iterator<Item = i8>, offset: i32) -> Option<i64> {
-    let (mut sum, mut largest) = (0_i64, i64::from(bias).abs());
-    for w in weights {
-        sum += i64::from(w);
-        largest += 255 * i64::from(w).abs();
-    }
-    (largest < MAX_ACCUMULATOR).then_some(i64::from(bias) - i64::from(offset) * sum)
-}
-
-impl Channelwise<'_> {
-    /// [`Rescale`] of output channel `o` with `taps` weights, for inputs as u8 = i8 + 128.
-    pub(super) fn rescale(&self, o: usize, taps: usize) -> Option<Rescale> {
-        let weights = self.weights.get(o * taps..)?.get(..taps)?;
-        let start = start(self.bias(o), weights.iter().map(|&w| w as i8), i32::from(self.in_zp) + 128)?;
-        let (multiplier, shift) = self.scale(o);
-        Rescale::new(start, multiplier, shift, self.out_zp)
     }
 }
 

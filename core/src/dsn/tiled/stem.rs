@@ -1,29 +1,65 @@
-//! The input convolution and its 2x2 maximum in one: a tile's four outputs are the square that is pooled.
+//! The input convolution and its 2x2 maximum in one: the square of outputs that is pooled is computed together.
 //!
-//! Winograd's F(2x2, 3x3) of one channel. Requantising never falls as the accumulator grows, so the largest of the four
-//! sums is requantised and no row of the convolution is kept. Cost per pooled value: 16 products, 32 sums and
-//! differences, one requantisation.
+//! Requantising never falls as the accumulator grows, so the largest of the four sums is requantised and no row of the
+//! convolution is kept. With a stride of 1 the square is a tile of Winograd's F(2x2, 3x3): 16 products and 32 sums a
+//! pooled value. With a stride of 2 it takes 36 products of a patch of 5x5.
 
-use super::packing::{kernel, point};
+use super::packing::at_points;
 use super::rescale::{self, Rescale, clamp_all};
-use crate::dsn::conv::Conv;
+use crate::dsn::conv::{Conv, pad_before};
 use crate::simd::pairs::POINTS;
 
-/// Words of a channel: its weights at the points, `[column][row]`, then its [`Rescale`].
+/// Words of a channel: its weights, `[column][row]` at the points or as they are, then its [`Rescale`].
 pub const WORDS: usize = POINTS + rescale::WORDS;
 
 /// Packs the weights; `None` if tiles cannot compute it.
-pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
+fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
+    let (taps, _) = stem.layer.weights.as_chunks::<9>();
     let (channels, _) = words.as_chunks_mut::<WORDS>();
-    for (o, words) in channels.iter_mut().enumerate() {
-        let (points, constants) = words.split_first_chunk_mut::<POINTS>()?;
-        let weights = kernel(stem, o, 0);
-        for (place, value) in points.iter_mut().enumerate() {
-            *value = point(&weights, place % 4, place / 4);
+    for (o, (words, taps)) in channels.iter_mut().zip(taps).enumerate() {
+        let (weights, constants) = words.split_first_chunk_mut::<POINTS>()?;
+        let taps = taps.map(|w| i32::from(w as i8));
+        if stem.stride == 1 {
+            *weights.as_chunks_mut().0.first_chunk_mut()? = at_points(|tap| taps[tap % 9]);
+        } else {
+            *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
         }
-        *constants.first_chunk_mut()? = stem.layer.rescale(o, 9)?.to_words();
+        *constants.first_chunk_mut()? = Rescale::of(&stem.layer, o, taps.iter().sum(), 9)?.to_words();
     }
     Some(())
+}
+
+/// `[height, width]` to the pooled `[height, width, channels]`; false, and nothing is done, if tiles cannot compute it.
+pub fn pooled(stem: &Conv<'_>, words: &mut [i32], image: &[i8], size: (usize, usize), output: &mut [i8]) -> bool {
+    let layer = &stem.layer;
+    let Some(words) = words.get_mut(..layer.channels * WORDS) else { return false };
+    if stem.inputs != 1 || pack(stem, words).is_none() {
+        return false;
+    }
+    let (channels, _) = words.as_chunks::<WORDS>();
+    match stem.stride {
+        1 => tiles(stem, channels, image, size, output),
+        2 => patches(stem, channels, image, size, output),
+        _ => return false,
+    }
+    clamp_all(output, (layer.act_min, layer.act_max));
+    true
+}
+
+/// What lies outside the image, as u8.
+fn border(stem: &Conv<'_>) -> i32 {
+    i32::from(stem.layer.in_zp) + 128
+}
+
+/// Line `y` of the image, empty outside.
+fn line(image: &[i8], width: usize, y: usize) -> &[i8] {
+    y.checked_mul(width).and_then(|start| image.get(start..)?.get(..width)).unwrap_or(&[])
+}
+
+/// A pixel as u8; the border outside the line.
+#[inline(always)]
+fn pixel(line: &[i8], x: usize, border: i32) -> i32 {
+    line.get(x).map_or(border, |&v| i32::from(v as u8 ^ 0x80))
 }
 
 /// B^T on four values.
@@ -32,25 +68,23 @@ fn forward([a, b, c, d]: [i32; 4]) -> [i32; 4] {
     [a.wrapping_sub(c), b.wrapping_add(c), c.wrapping_sub(b), b.wrapping_sub(d)]
 }
 
-/// Column `x` of four rows, transformed downwards; outside the image it is `border`.
-#[inline(always)]
-fn column(rows: &[&[i8]; 4], x: usize, border: i32) -> [i32; 4] {
-    forward(rows.map(|row| row.get(x).map_or(border, |&v| i32::from(v as u8 ^ 0x80))))
-}
-
-/// `[height, width]` to `[height / 2, width / 2, channels]`, for a stride of 1.
-pub fn pooled(stem: &Conv<'_>, constants: &[i32], image: &[i8], (_, width): (usize, usize), output: &mut [i8]) {
-    let layer = &stem.layer;
-    let border = i32::from(layer.in_zp) + 128;
-    let (channels, _) = constants.as_chunks::<WORDS>();
-    let lines = |y: usize| y.checked_sub(1).and_then(|y| image.get(y * width..)?.get(..width)).unwrap_or(&[]);
-    let line = width / 2 * layer.channels;
-    for (y, output) in output.chunks_exact_mut(line.max(1)).enumerate() {
-        let rows = [lines(2 * y), lines(2 * y + 1), lines(2 * y + 2), lines(2 * y + 3)];
-        let mut columns = [[0; 4], [0; 4], forward([border; 4]), column(&rows, 0, border)];
-        for (x, pixel) in output.chunks_exact_mut(layer.channels.max(1)).enumerate() {
+/// A stride of 1.
+fn tiles(
+    stem: &Conv<'_>,
+    channels: &[[i32; WORDS]],
+    image: &[i8],
+    (_, width): (usize, usize),
+    output: &mut [i8],
+) {
+    let border = border(stem);
+    let row = width / 2 * stem.layer.channels;
+    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
+        let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
+        let column = |x: usize| forward(rows.map(|row| pixel(row, x, border)));
+        let mut columns = [[0; 4], [0; 4], forward([border; 4]), column(0)];
+        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
             let [_, _, a, b] = columns;
-            columns = [a, b, column(&rows, 2 * x + 1, border), column(&rows, 2 * x + 2, border)];
+            columns = [a, b, column(2 * x + 1), column(2 * x + 2)];
             let mut points = [[0; 4]; 4];
             for row in 0..4 {
                 let along = forward(columns.map(|column| column[row]));
@@ -58,17 +92,16 @@ pub fn pooled(stem: &Conv<'_>, constants: &[i32], image: &[i8], (_, width): (usi
                     points[k][row] = along[k];
                 }
             }
-            for (out, words) in pixel.iter_mut().zip(channels) {
-                *out = largest(&points, words);
+            for (out, words) in pooled.iter_mut().zip(channels) {
+                *out = rescale(largest_of_tile(&points, words), words);
             }
         }
     }
-    clamp_all(output, (layer.act_min, layer.act_max));
 }
 
-/// The largest of a tile's four outputs.
+/// The largest of a tile's four sums.
 #[inline(always)]
-fn largest(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i8 {
+fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
     let (mut upper, mut lower) = ([0_i32; 4], [0_i32; 4]);
     for (k, [d0, d1, d2, d3]) in points.iter().enumerate() {
         let w = &words[4 * k..4 * k + 4];
@@ -80,7 +113,55 @@ fn largest(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i8 {
         let left = m[0].wrapping_add(m[1]).wrapping_add(m[2]);
         left.max(m[1].wrapping_sub(m[2]).wrapping_sub(m[3]))
     };
+    most(upper).max(most(lower))
+}
+
+/// Five rows of five pixels.
+type Patch = [[i32; 5]; 5];
+
+/// A stride of 2.
+fn patches(
+    stem: &Conv<'_>,
+    channels: &[[i32; WORDS]],
+    image: &[i8],
+    (height, width): (usize, usize),
+    output: &mut [i8],
+) {
+    let border = border(stem);
+    let (above, before) = (pad_before(height, 2), pad_before(width, 2));
+    let row = width.div_ceil(2) / 2 * stem.layer.channels;
+    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
+        let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
+        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
+            let first = (4 * x).wrapping_sub(before);
+            let patch: Patch = rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
+            for (out, words) in pooled.iter_mut().zip(channels) {
+                *out = rescale(largest_of_patch(&patch, words), words);
+            }
+        }
+    }
+}
+
+/// The largest of a patch's four sums.
+#[inline(always)]
+fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
+    let mut sums = [0_i32; 4];
+    for row in 0..3 {
+        for column in 0..3 {
+            let w = words[3 * row + column];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum = sum.wrapping_add(w.wrapping_mul(patch[row + k / 2 * 2][column + k % 2 * 2]));
+            }
+        }
+    }
+    let [a, b, c, d] = sums;
+    a.max(b).max(c.max(d))
+}
+
+/// The output for four times a sum without its start.
+#[inline(always)]
+fn rescale(most: i32, words: &[i32; WORDS]) -> i8 {
     let [.., start, multiplier, offset, shift] = *words;
     let rescale = Rescale::from_words([start, multiplier, offset, shift]);
-    rescale.apply(most(upper).max(most(lower)).wrapping_add(start))
+    rescale.apply(most.wrapping_add(start))
 }

@@ -12,6 +12,7 @@ pub struct Helium;
 // and q3. Sums live in r4, r6, r8, r10, as the instruction wants even registers. r0: inputs, r1: weights, r2: where sums
 // go, r3: their end.
 global_asm!(
+    concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_wide_group first",
     "vldrw.u32 q0, [r0], #16",
     "vldrw.u32 q1, [r0], #16",

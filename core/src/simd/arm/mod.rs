@@ -21,6 +21,7 @@ pub struct Dsp;
 // two outputs' weights) and eight dual multiply-accumulates; sums live in r2, r3, r12, lr. r0: inputs, r1: weights;
 // on the stack: where sums go, and their end.
 global_asm!(
+    concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_group first",
     "ldmia r0!, {{r4-r7}}",
     "ldmia r1!, {{r8-r11}}",
@@ -143,6 +144,7 @@ impl Pairs for Dsp {
 // Eight blocks of 125 samples, four at a time and the last alone. r0: samples, r1: reference, on the stack: where sums go,
 // and their end. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
 global_asm!(
+    concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_mix x, s",
     "smlald r2, r3, \\x, \\s",
     "smlsldx r4, r5, \\s, \\x",
