@@ -1,10 +1,10 @@
 //! Names what the compiler's target promises and stable Rust does not say, as `cfg`s.
 //!
 //! `arm_dsp`: thumbv7em, or `-C target-cpu` of a core that has the extension; `arm_mve`: of a core with Helium. Then
-//! `SDP3_ARM_CPU` is that core, for the assembler. `soft_float`: the target has no floating-point unit.
+//! `SDP3_ARM_CPU` is that core, for the assembler.
 
 fn main() {
-    println!("cargo:rustc-check-cfg=cfg(arm_dsp, arm_mve, soft_float)");
+    println!("cargo:rustc-check-cfg=cfg(arm_dsp, arm_mve)");
     println!("cargo:rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
     let read = |name| std::env::var(name).unwrap_or_default();
     let (target, flags) = (read("TARGET"), read("CARGO_ENCODED_RUSTFLAGS"));
@@ -20,9 +20,5 @@ fn main() {
             println!("cargo:rustc-cfg=arm_dsp");
             println!("cargo:rustc-env=SDP3_ARM_CPU={core}");
         }
-    }
-    let soft_arm = target.starts_with("thumb") && !target.ends_with("hf");
-    if soft_arm || ["riscv32i-", "riscv32im-", "riscv32imc-", "riscv32imac-"].iter().any(|name| target.starts_with(name)) {
-        println!("cargo:rustc-cfg=soft_float");
     }
 }

@@ -110,7 +110,7 @@ fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
         }
         let records = records(&firmware, &log);
         let has = |level: &str, text: &str| records.iter().any(|r| r.starts_with(level) && r.contains(text));
-        assert!(has("info", "suite opened: 5 cases"), "{records:?}");
+        assert!(has("info", "suite opened: 10 cases"), "{records:?}");
         assert!(has("error", "Checksum { stated: "), "{records:?}");
     }
 }

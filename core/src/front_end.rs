@@ -7,7 +7,7 @@ use crate::dechirp::dechirp;
 use crate::frame::{Beat, Complex, ROWS, Slot};
 use crate::probe::Probe;
 use crate::spectrogram::{EMPTY, levels, pixel};
-use crate::stft::{ShortTime, Stft, frames};
+use crate::stft::{NativeStft, ShortTime, frames};
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was
 /// trained on.
@@ -75,7 +75,7 @@ pub struct FrontEndBuffers<'b> {
 
 /// Raw slots in, image out; `T` is the arithmetic of the transform.
 #[derive(Debug)]
-pub struct FrontEnd<'b, T = Stft> {
+pub struct FrontEnd<'b, T = NativeStft> {
     settings: Preprocessing,
     stft: T,
     gram: Gram,
@@ -83,16 +83,9 @@ pub struct FrontEnd<'b, T = Stft> {
     buffers: FrontEndBuffers<'b>,
 }
 
-impl<'b> FrontEnd<'b> {
+impl<'b, T: ShortTime> FrontEnd<'b, T> {
     /// A front end with `settings`, or `None` if they are not valid.
     pub fn new(settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
-        Self::with_transform(settings, buffers)
-    }
-}
-
-impl<'b, T: ShortTime> FrontEnd<'b, T> {
-    /// [`FrontEnd::new`] with the transform of another arithmetic.
-    pub fn with_transform(settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
         if !settings.is_valid() {
             return None;
         }

@@ -2,15 +2,15 @@
 //!
 //! [`Station::begin`] says what the next slot is for; in a sensing slot the samples go to [`Station::sensed`].
 
-use crate::dsn::{Kernels, Portable};
+use crate::dsn::{Kernels, Tiled};
 use crate::frame::Slot;
 use crate::receiver::{Receiver, Recognition};
 use crate::schedule::{Plan, Sequencer, SlotUse};
-use crate::stft::{ShortTime, Stft};
+use crate::stft::{NativeStft, ShortTime};
 
 /// A base station's slot loop.
 #[derive(Debug)]
-pub struct Station<'m, 'b, K = Portable, T = Stft> {
+pub struct Station<'m, 'b, K = Tiled<'b>, T = NativeStft> {
     sequencer: Sequencer,
     receiver: Receiver<'m, 'b, K, T>,
 }

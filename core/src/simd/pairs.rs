@@ -38,12 +38,7 @@ pub trait Pairs: Copy {
 
     /// For each column of points the products summed over all channels, and the rows gathered: with p the sums of rows 1,
     /// 2, 0 and 3, `p1 + p2 + p0` and `p1 - p2 + p3`. Wraps.
-    fn products<const QUADS: usize>(
-        self,
-        inputs: &Points<QUADS>,
-        weights: &Points<QUADS>,
-        sums: &mut Sums,
-    );
+    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums);
 }
 
 /// Where group `quad` of tile or output `part` lies: which [`Eight`], and its first value.
@@ -133,12 +128,7 @@ impl<const WIDE: bool> Pairs for Plain<WIDE> {
     }
 
     #[inline]
-    fn products<const QUADS: usize>(
-        self,
-        inputs: &Points<QUADS>,
-        weights: &Points<QUADS>,
-        sums: &mut Sums,
-    ) {
+    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
         plain_products::<Self, QUADS>(inputs, weights, sums);
     }
 }

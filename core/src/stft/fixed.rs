@@ -1,4 +1,4 @@
-//! The transform in integers, for processors without a floating-point unit: the same bits everywhere, by construction.
+//! The transform in integers, for microcontrollers: the same bits everywhere, by construction.
 //!
 //! X[k] = sum over r of W^(rk) F_r[k mod 64], W = exp(-2 pi j / 256): four transforms of 64 samples, every fourth one
 //! each, by radix 4, of which a window of up to 128 samples leaves half of the inputs zero; and only the bins that
@@ -251,10 +251,8 @@ impl FixedStft {
 
 impl ShortTime for FixedStft {
     type Spectrum = FixedSpectrum;
-    const SILENCE: FixedSpectrum = FixedSpectrum {
-        bins: [Complex::new(0, 0); FFT_LEN],
-        parts: [[Complex::new(0, 0); PART]; PARTS],
-    };
+    const SILENCE: FixedSpectrum =
+        FixedSpectrum { bins: [Complex::new(0, 0); FFT_LEN], parts: [[Complex::new(0, 0); PART]; PARTS] };
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
         let float = Stft::new(length, beta, hop);

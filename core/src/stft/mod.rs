@@ -33,6 +33,13 @@ pub trait ShortTime {
     fn show(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
 }
 
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(not(any(target_arch = "arm", target_arch = "riscv32")))]
+pub type NativeStft = Stft;
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+pub type NativeStft = FixedStft;
+
 /// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
 pub type Spectrum = [Complex<f32>; FFT_LEN];
 

@@ -20,24 +20,20 @@ mod firmware {
     use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::DigestProbe;
     use sdp3_core::dsn::model::crc32;
-    use sdp3_core::dsn::tiled::{Tiled, TiledBuffers};
+    use sdp3_core::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
     use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
     use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::probe::Probe;
-    use sdp3_core::receiver::{Memory, Receiver};
+    use sdp3_core::receiver::{Memory, Receiver, ReceiverError};
     use sdp3_core::selftest;
-    use sdp3_core::stft::{FixedBins, FixedStft, ShortTime, Spectrum, Stft};
+    use sdp3_core::stft::{FixedBins, FixedStft, NativeStft, ShortTime, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
     /// Memory for the largest of the networks below.
-    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }>;
+    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8192, 8192>;
     static MEMORY: Single<Largest> = Single::new(Largest::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
-
-    /// Packed weights of each of the networks below.
-    type Packed = TiledBuffers<8192, 8192, 20480>;
-    static PACKED: Single<Packed> = Single::new(Packed::new());
 
     /// Sums instructions by kind of work: what was done since the last event belongs to the next.
     struct Shares {
@@ -137,49 +133,95 @@ mod firmware {
         exit(2)
     }
 
-    /// Runs a recording of noise through a network by `kernels`; all stages' values go to `probe`.
-    fn recognise<K: Kernels, T: ShortTime>(
+    /// What computes the layers.
+    #[derive(Clone, Copy, PartialEq)]
+    enum By {
+        /// Tiles, with so many places for packed convolutions.
+        Tiles(usize),
+        /// The plain loops.
+        Loops,
+    }
+
+    /// Every convolution packed ahead, for the networks of two blocks below.
+    const AHEAD: By = By::Tiles(4);
+
+    /// The part of a buffer that is wanted.
+    fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
+        let Some(part) = memory.get_mut(..length) else { fail("packed weights do not fit") };
+        part
+    }
+
+    /// Counts a recognition of noise; all stages' values go to `probe`.
+    fn count<T: ShortTime>(
         model: &Model<'_>,
         memory: &mut Largest,
-        kernels: K,
-        probe: &mut impl Probe,
-        pushed: impl Fn(&mut Shares),
-        shares: &mut Shares,
-    ) {
-        let receiver = Receiver::<K, T>::with_arithmetic(model.clone(), memory.view(), kernels);
+        by: By,
+        probe: &mut DigestProbe,
+    ) -> Shares {
+        let mut buffers = memory.view();
+        let TiledMemory { eights, words } = core::mem::take(&mut buffers.tiles);
+        let By::Tiles(places) = by else {
+            return recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, Portable), probe);
+        };
+        let sizes = TiledSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let tiles = TiledMemory { eights: part(eights, sizes.eights), words: part(words, sizes.words) };
+        let Some(kernels) = Tiled::new(model, tiles) else { fail("packed weights do not fit") };
+        recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, kernels), probe)
+    }
+
+    fn recognise<K: Kernels, T: ShortTime>(
+        receiver: Result<Receiver<'_, '_, K, T>, ReceiverError>,
+        probe: &mut DigestProbe,
+    ) -> Shares {
         let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
+        let mut shares = Shares::new();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
         let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
         while receiver.missing() > 0 {
             selftest::noise(&mut rng, &mut slot);
             shares.start();
-            let _ = receiver.push(&slot, shares);
-            pushed(shares);
+            let _ = receiver.push(&slot, &mut shares);
+            shares.add(1);
         }
         shares.start();
-        let _ = receiver.classify(shares);
+        let _ = receiver.classify(&mut shares);
         let _ = receiver.classify(probe);
+        shares
     }
 
-    /// Measures a network and compares its layers with the plain loops'.
-    fn measure<T: ShortTime>(size: Size, memory: &mut Largest, packed: &mut Packed, model: &mut [u8]) -> Shares {
-        let length = write(size, 1, Numbers::Trained, crc32, model);
-        let Ok(model) = Model::parse(model.get(..length).unwrap_or(&[])) else { fail("a network is refused") };
-        let mut shares = Shares::new();
-        let (mut found, mut expected) = (DigestProbe::new(), DigestProbe::new());
-        let Some(kernels) = Tiled::new(&model, packed.view()) else { fail("packed weights do not fit") };
-        let pushed = |shares: &mut Shares| {
-            shares.add(1);
-        };
-        recognise::<_, T>(&model, memory, kernels, &mut found, pushed, &mut shares);
-        recognise::<_, T>(&model, memory, Portable, &mut expected, |_| (), &mut Shares::new());
-        for ((stage, found), (_, expected)) in found.stages().zip(expected.stages()) {
-            if found != expected {
-                println(format_args!("error: {stage} differs from the plain loops'"));
-                exit(1);
+    /// The networks, and the memory they are computed in.
+    struct Bench {
+        memory: &'static mut Largest,
+        model: &'static mut [u8],
+    }
+
+    impl Bench {
+        /// Counts a network by tiles and by the plain loops, in this order, and compares their layers.
+        fn both<T: ShortTime>(&mut self, size: Size, by: By) -> [Shares; 2] {
+            let length = write(size, 1, Numbers::Trained, crc32, self.model);
+            let bytes = self.model.get(..length).unwrap_or(&[]);
+            let Ok(model) = Model::parse(bytes) else { fail("a network is refused") };
+            let (mut found, mut expected) = (DigestProbe::new(), DigestProbe::new());
+            let shares = count::<T>(&model, self.memory, by, &mut found);
+            let plain = count::<T>(&model, self.memory, By::Loops, &mut expected);
+            for ((stage, found), (_, expected)) in found.stages().zip(expected.stages()) {
+                if found != expected {
+                    println(format_args!("error: {stage} differs from the plain loops'"));
+                    exit(1);
+                }
             }
+            [shares, plain]
         }
-        shares
+
+        /// A network's mean convolution, packed ahead and packed when it runs, and its stem.
+        fn layers(&mut self, name: &str, channels: usize, stride: u8, frames: u16) -> u64 {
+            let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
+            let [ahead, _] = self.both::<NativeStft>(size, AHEAD);
+            let [when_run, _] = self.both::<NativeStft>(size, By::Tiles(1));
+            println(format_args!("work {name} {}", ahead.mean("convolution")));
+            println(format_args!("work {name}-packed-too {}", when_run.mean("convolution")));
+            ahead.mean("stem")
+        }
     }
 
     fn work(name: &str, instructions: u64) {
@@ -190,34 +232,25 @@ mod firmware {
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         start_counter();
-        let (Some(memory), Some(packed), Some(model)) = (MEMORY.take(), PACKED.take(), MODEL.take()) else {
-            fail("memory is taken")
-        };
-        let size = |channels, stride, blocks, frames: u16| Size {
-            channels,
-            stride,
-            blocks,
-            slots: 8 + 4 * (frames - 1),
-            window: 8,
-            hop: 4,
-        };
-        let sixteen = measure::<FixedStft>(size(16, 1, 2, 64), memory, packed, model);
-        work("conv-32x32x16-16", sixteen.mean("convolution"));
-        work("stem-64x64x1-16-pooled", sixteen.mean("stem"));
-        work("conv-16x16x32-32", measure::<FixedStft>(size(32, 2, 2, 64), memory, packed, model).mean("convolution"));
-        work("conv-32x64x8-8", measure::<FixedStft>(size(8, 1, 2, 128), memory, packed, model).mean("convolution"));
-        let whole = Size { channels: 8, stride: 1, blocks: 5, slots: 1000, window: 128, hop: 8 };
-        let shares = measure::<FixedStft>(whole, memory, packed, model);
+        let (Some(memory), Some(model)) = (MEMORY.take(), MODEL.take()) else { fail("memory is taken") };
+        let mut bench = Bench { memory, model };
+        let stem = bench.layers("conv-32x32x16-16", 16, 1, 64);
+        work("stem-64x64x1-16-pooled", stem);
+        bench.layers("conv-16x16x32-32", 32, 2, 64);
+        bench.layers("conv-32x64x8-8", 8, 1, 128);
+        // the default network, as the station computes it
+        let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
+        let [shares, plain] = bench.both::<NativeStft>(whole, By::Tiles(1));
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
-        work("stft-frame", shares.frame);
         let single = Size { slots: 144, blocks: 1, ..whole };
-        let float = measure::<Stft>(single, memory, packed, model);
-        work("stft-frame-f32", float.frame);
+        work("stft-frame", bench.both::<FixedStft>(single, By::Tiles(1))[0].frame);
+        work("stft-frame-f32", bench.both::<Stft>(single, By::Tiles(1))[0].frame);
         for (kind, count) in KINDS.iter().zip(shares.counts) {
             println(format_args!("work chain-{kind} {count}"));
         }
         work("chain", shares.counts.iter().sum());
+        work("chain-by-plain-loops", plain.counts.iter().sum());
         println(format_args!("done"));
         exit(0)
     }

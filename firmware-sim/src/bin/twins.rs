@@ -72,7 +72,8 @@ mod firmware {
             pairs.settle(sum)
         }
         for round in 0..16 * ROUNDS {
-            let values = [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
+            let values =
+                [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
             let signs = round as u32;
             let found = chain(NativePairs::default(), signs, values);
             same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
@@ -81,8 +82,7 @@ mod firmware {
 
     fn mixing(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let slot: Slot =
-                core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
+            let slot: Slot = core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
             same("mixing", round, mix::mix(&slot, &CHIRP), mix::plain(&slot, &CHIRP));
         }
     }

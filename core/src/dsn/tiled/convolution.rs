@@ -112,11 +112,7 @@ fn down<P: Pairs>(pairs: P, [a, b, c, d]: [&[[i8; 4]]; 4], strip: &mut [Column])
 
 /// Two tiles' columns, transformed along.
 #[inline(never)]
-fn along<P: Pairs, const QUADS: usize>(
-    pairs: P,
-    six: &[[Column; QUADS]; 6],
-    inputs: &mut Points<QUADS>,
-) {
+fn along<P: Pairs, const QUADS: usize>(pairs: P, six: &[[Column; QUADS]; 6], inputs: &mut Points<QUADS>) {
     for quad in 0..QUADS {
         for (order, row) in [1, 2, 0, 3].into_iter().enumerate() {
             for tile in 0..2 {

@@ -63,11 +63,7 @@ fn outputs<P: Pairs, const QUADS: usize>(
 
 /// Packs one output, the first or the second of a pair; returns the sum of its weights.
 #[inline(never)]
-fn output<P: Pairs, const QUADS: usize>(
-    taps: &Taps<QUADS>,
-    part: usize,
-    points: &mut Points<QUADS>,
-) -> i32 {
+fn output<P: Pairs, const QUADS: usize>(taps: &Taps<QUADS>, part: usize, points: &mut Points<QUADS>) -> i32 {
     let mut sum = 0;
     for quad in 0..QUADS {
         let (eight, first) = place::<P>(quad, part);

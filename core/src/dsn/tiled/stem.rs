@@ -30,7 +30,13 @@ fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
 }
 
 /// `[height, width]` to the pooled `[height, width, channels]`; false, and nothing is done, if tiles cannot compute it.
-pub fn pooled(stem: &Conv<'_>, words: &mut [i32], image: &[i8], size: (usize, usize), output: &mut [i8]) -> bool {
+pub fn pooled(
+    stem: &Conv<'_>,
+    words: &mut [i32],
+    image: &[i8],
+    size: (usize, usize),
+    output: &mut [i8],
+) -> bool {
     let layer = &stem.layer;
     let Some(words) = words.get_mut(..layer.channels * WORDS) else { return false };
     if stem.inputs != 1 || pack(stem, words).is_none() {
@@ -134,7 +140,8 @@ fn patches(
         let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
         for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
             let first = (4 * x).wrapping_sub(before);
-            let patch: Patch = rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
+            let patch: Patch =
+                rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
             for (out, words) in pooled.iter_mut().zip(channels) {
                 *out = rescale(largest_of_patch(&patch, words), words);
             }

@@ -37,7 +37,13 @@ fn refused(model: &Model<'_>) -> usize {
 }
 
 /// Compares all layers of some images, with memory for one to all convolutions; returns how many tiles refused.
-fn compare<P: Pairs + Default>(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> usize {
+fn compare<P: Pairs + Default>(
+    channels: usize,
+    stride: u8,
+    frames: u16,
+    seed: u64,
+    numbers: Numbers,
+) -> usize {
     let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
     let mut bytes = vec![0; 1 << 17];
     let length = write(size, seed, numbers, crc32, &mut bytes);
@@ -104,7 +110,8 @@ fn too_little_memory_is_refused() {
     let sizes = TiledSizes::of(&model);
     for short in 0..3 {
         let less = |k: usize, size: usize| size - usize::from(short == k);
-        let (mut eights, mut words) = (vec![Eight::ZERO; less(0, sizes.eights)], vec![0; less(1, sizes.words)]);
+        let (mut eights, mut words) =
+            (vec![Eight::ZERO; less(0, sizes.eights)], vec![0; less(1, sizes.words)]);
         let memory = TiledMemory { eights: &mut eights, words: &mut words };
         assert_eq!(Tiled::new(&model, memory).is_some(), short == 2);
     }

@@ -10,8 +10,8 @@ use crate::dsn::random_model::{Numbers, Size, write};
 use crate::probe::Probe;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
-use std::vec::Vec as List;
 use std::vec;
+use std::vec::Vec as List;
 
 /// A model file of this shape with random numbers.
 fn model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> List<u8> {

@@ -101,12 +101,7 @@ impl Pairs for Helium {
     }
 
     #[inline]
-    fn products<const QUADS: usize>(
-        self,
-        inputs: &Points<QUADS>,
-        weights: &Points<QUADS>,
-        sums: &mut Sums,
-    ) {
+    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
         // SAFETY: each reads 16 QUADS eights of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words. It saves the registers it must.

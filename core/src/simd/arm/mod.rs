@@ -105,7 +105,9 @@ impl Pairs for Dsp {
     fn add(self, a: i32, b: i32) -> i32 {
         let sum;
         // SAFETY: registers only; the target has the instruction.
-        unsafe { asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags)) };
+        unsafe {
+            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+        };
         sum
     }
 
@@ -113,7 +115,9 @@ impl Pairs for Dsp {
     fn sub(self, a: i32, b: i32) -> i32 {
         let difference;
         // SAFETY: registers only; the target has the instruction.
-        unsafe { asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags)) };
+        unsafe {
+            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+        };
         difference
     }
 
@@ -123,12 +127,7 @@ impl Pairs for Dsp {
     }
 
     #[inline]
-    fn products<const QUADS: usize>(
-        self,
-        inputs: &Points<QUADS>,
-        weights: &Points<QUADS>,
-        sums: &mut Sums,
-    ) {
+    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
         // SAFETY: each reads 16 QUADS groups of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words.
@@ -206,7 +205,9 @@ pub fn mix(samples: &Slot, reference: &Slot) -> BlockSums {
 pub fn high(a: i32, b: i32) -> i32 {
     let product;
     // SAFETY: registers only; the target has the instruction.
-    unsafe { asm!("smmul {}, {}, {}", lateout(reg) product, in(reg) a, in(reg) b, options(nomem, nostack, preserves_flags)) };
+    unsafe {
+        asm!("smmul {}, {}, {}", lateout(reg) product, in(reg) a, in(reg) b, options(nomem, nostack, preserves_flags))
+    };
     product
 }
 
@@ -215,6 +216,8 @@ pub fn high(a: i32, b: i32) -> i32 {
 pub fn add_high(sum: i32, a: i32, b: i32) -> i32 {
     let total;
     // SAFETY: registers only; the target has the instruction.
-    unsafe { asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags)) };
+    unsafe {
+        asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
+    };
     total
 }
