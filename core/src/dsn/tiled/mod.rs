@@ -66,7 +66,7 @@ const fn spare_words(frames: usize, channels: usize, stem_stride: usize) -> usiz
     let strip = convolution::strip_words(same(frames, stem_stride) / 2, channels);
     let stem = channels * stem::WORDS;
     let most = if strip > stem { strip } else { stem };
-    if most > pointwise::ADD_WORDS { most } else { pointwise::ADD_WORDS }
+    if most > pointwise::MOST_WORDS { most } else { pointwise::MOST_WORDS }
 }
 
 /// A model's convolutions by tiles.
@@ -164,7 +164,9 @@ impl<P: Pairs> Kernels for Tiled<'_, P> {
     }
 
     fn affine(&mut self, _at: usize, layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
-        pointwise::affine(layer, input, output);
+        if !pointwise::affine(layer, self.spare, input, output) {
+            layer.forward(input, output);
+        }
     }
 
     fn conv(
