@@ -261,7 +261,7 @@ impl Job {
             cases.extend(classes.iter().map(|&class| Case {
                 name: format!("{} N_s={slots}", class.name()),
                 model: bytes.clone(),
-                transform: Transform::Float,
+                transform: Transform::Fixed, // a microcontroller's
                 slots: take(class, 2),
             }));
             if index == 0 {

@@ -219,7 +219,7 @@ mod firmware {
             let [ahead, _] = self.both::<NativeStft>(size, AHEAD);
             let [when_run, _] = self.both::<NativeStft>(size, By::Tiles(1));
             println(format_args!("work {name} {}", ahead.mean("convolution")));
-            println(format_args!("work {name}-packed-too {}", when_run.mean("convolution")));
+            println(format_args!("work {name}-with-packing {}", when_run.mean("convolution")));
             ahead.mean("stem")
         }
     }
