@@ -54,7 +54,10 @@ fn counts(model: &Model<'_>, scenario: &Scenario, each: u32) -> Result<Counts> {
 fn table(each: u32, files: &[String]) -> Result<bool> {
     let scenario = Scenario::default();
     let mut good = !files.is_empty();
-    println!("{:<40}{:>12}{:>12}{:>16}{:>18}", "model", "recordings", "agreement", "right in f32", "right in integers");
+    println!(
+        "{:<40}{:>12}{:>12}{:>16}{:>18}",
+        "model", "recordings", "agreement", "right in f32", "right in integers"
+    );
     for file in files {
         let bytes = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;
         let model = Model::parse(&bytes).map_err(|error| format!("{file}: {error}"))?;

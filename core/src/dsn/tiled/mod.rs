@@ -193,8 +193,10 @@ impl<P: Pairs> Kernels for Tiled<'_, P> {
 }
 
 const _: () = assert!(2 * MAX_BLOCKS <= 64, "a bit for every convolution");
-const _: () =
-    assert!(POINTS == 16 && ROWS % 4 == 0, "tiles are 4x4 points and rows come in pairs behind the pooling");
+const _: () = assert!(
+    POINTS == 16 && ROWS.is_multiple_of(4),
+    "tiles are 4x4 points and rows come in pairs behind the pooling"
+);
 
 #[cfg(test)]
 mod tests;
