@@ -117,7 +117,7 @@ fn along<P: Pairs, const QUADS: usize>(pairs: P, six: &[[Column; QUADS]; 6], inp
         for (order, row) in [1, 2, 0, 3].into_iter().enumerate() {
             for tile in 0..2 {
                 for pair in 0..2 {
-                    let value = |column: usize| six[2 * tile + column][quad][2 * row + pair];
+                    let value = |column: usize| six[2 * tile + column][quad][(2 * row + pair) % 8];
                     let points = forward(pairs, [value(0), value(1), value(2), value(3)]);
                     let (eight, first) = place::<P>(quad, tile);
                     for column in 0..4 {
