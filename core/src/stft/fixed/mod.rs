@@ -5,37 +5,19 @@
 //! become rows are put together. Products with Q1.31 are cut to their upper word, which halves: three times on every
 //! path, made good by the eight-fold input (four-fold for a window beyond 128).
 
+mod twiddles;
+
 use super::{ShortTime, Stft};
 use crate::frame::{Complex, FFT_LEN, ROWS};
-use crate::math::sin_cos_turn;
 use crate::probe::Probe;
 use crate::simd::high::{add_high, high};
 use crate::spectrogram::{EMPTY, level_u64};
+use twiddles::{COMBINING, TURNS_16, TURNS_64, to_q31};
 
 /// Parts of the transform.
 const PARTS: usize = 4;
 /// Length of a part.
 const PART: usize = FFT_LEN / PARTS;
-
-/// exp(-2 pi j n / 256) in Q1.31; 1 is 1 - 2^-31.
-const TWIDDLES: [Complex<i32>; FFT_LEN] = twiddles();
-
-const fn twiddles() -> [Complex<i32>; FFT_LEN] {
-    let mut table = [Complex::new(0, 0); FFT_LEN];
-    let mut n = 0;
-    while n < FFT_LEN {
-        let (sine, cosine) = sin_cos_turn(n as u64, FFT_LEN as u64);
-        table[n] = Complex::new(to_q31(cosine), to_q31(-sine));
-        n += 1;
-    }
-    table
-}
-
-/// Rounds to Q1.31, halves away from zero; saturates.
-const fn to_q31(x: f64) -> i32 {
-    let scaled = x * 2_147_483_648.0;
-    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32 // saturates
-}
 
 /// Where bin k of a part lies after three stages of radix 4: its digits of two bits in reverse.
 static PLACES: [u8; PART] = places();
@@ -71,29 +53,6 @@ pub struct FixedStft {
     window: [i32; FFT_LEN],
     length: usize,
     hop: usize,
-}
-
-/// Turns W^n, W^2n and W^3n of a transform of length 4 `N`, for n in 0..`N`.
-type Turns<const N: usize> = [[Complex<i32>; 3]; N];
-
-static TURNS_64: Turns<16> = turns();
-static TURNS_16: Turns<4> = turns();
-/// The same for the whole transform, for every bin.
-static COMBINING: Turns<FFT_LEN> = turns_of(1);
-
-const fn turns<const N: usize>() -> Turns<N> {
-    turns_of(FFT_LEN / 4 / N)
-}
-
-/// Powers of W_256^`step`.
-const fn turns_of<const N: usize>(step: usize) -> Turns<N> {
-    let mut table = [[Complex::new(0, 0); 3]; N];
-    let mut n = 0;
-    while n < 3 * N {
-        table[n / 3][n % 3] = TWIDDLES[n / 3 * (n % 3 + 1) * step % FFT_LEN];
-        n += 1;
-    }
-    table
 }
 
 type Part = [Complex<i32>; PART];
@@ -298,74 +257,4 @@ impl ShortTime for FixedStft {
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use rand_core::{Rng, SeedableRng};
-    use rand_xoshiro::Xoshiro128PlusPlus;
-
-    /// The largest error of a part of a kept bin against the sum itself in f64, in LSB of the result.
-    fn error(signal: &[Complex<i32>], length: u16, bins_per_row: u8) -> f64 {
-        let stft = FixedStft::new(length, 10.0, 8);
-        let mut spectrum = FixedStft::SILENCE;
-        stft.frame(signal, 0, bins_per_row, &mut spectrum);
-        let scale = if length > 128 { 0.5 } else { 1.0 };
-        let kept = 32 * i32::from(bins_per_row);
-        let mut worst = 0.0_f64;
-        for bin in -kept..kept {
-            let (mut re, mut im) = (0.0, 0.0);
-            for (n, (y, w)) in signal.iter().zip(stft.window).enumerate() {
-                let angle = -std::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
-                let (w, (s, c)) = (f64::from(w) / 2_147_483_648.0 * scale, angle.sin_cos());
-                re += w * (f64::from(y.re) * c - f64::from(y.im) * s);
-                im += w * (f64::from(y.re) * s + f64::from(y.im) * c);
-            }
-            let found = spectrum.bins[(bin & 255) as usize];
-            worst = worst.max((f64::from(found.re) - re).abs()).max((f64::from(found.im) - im).abs());
-        }
-        worst
-    }
-
-    #[test]
-    fn the_error_is_within_its_bound() {
-        let mut random = Xoshiro128PlusPlus::seed_from_u64(11);
-        let mut worst = 0.0_f64;
-        for round in 0..60 {
-            let mut part = || match round {
-                0 => 1 << 23,
-                1 => [-(1 << 23), 1 << 23][random.next_u32() as usize % 2],
-                2 => 0,
-                _ => random.next_u32() as i32 >> (8 + round % 20),
-            };
-            let signal: [Complex<i32>; 256] = core::array::from_fn(|_| Complex::new(part(), part()));
-            for (length, bins) in [(128, 1), (100, 2), (128, 4), (129, 1), (256, 4), (2, 1)] {
-                worst = worst.max(error(&signal, length, bins));
-            }
-            // a signal that ends within the window goes on with zeros
-            worst = worst.max(error(&signal[..50], 128, 1));
-        }
-        assert!(worst < 40.0, "{worst}");
-    }
-
-    #[test]
-    fn full_scale_tones_do_not_overflow() {
-        for bin in [0, 1, 31, -32, -7] {
-            let tone: [Complex<i32>; 256] = core::array::from_fn(|n| {
-                let angle = std::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
-                let part = |x: f64| (x * f64::from(1 << 23) * std::f64::consts::SQRT_2) as i32;
-                let (re, im) = (part(angle.cos()), part(angle.sin()));
-                Complex::new(re.clamp(-(1 << 23), 1 << 23), im.clamp(-(1 << 23), 1 << 23))
-            });
-            for beta in [0.0, 10.0] {
-                for length in [128, 256] {
-                    let stft = FixedStft::new(length, beta, 8);
-                    let mut spectrum = FixedStft::SILENCE;
-                    stft.frame(&tone, 0, 1, &mut spectrum);
-                    let at = |k: i32| FixedStft::level(&spectrum, (k & 255) as usize, 1);
-                    let loudest = (-32..32).max_by_key(|&k| at(k));
-                    assert_eq!(loudest, Some(bin));
-                }
-            }
-        }
-    }
-}
+mod tests;
