@@ -6,7 +6,7 @@ use crate::frame::{BEATS, Beat, Complex, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
 use crate::math::sin_cos_turn;
 use crate::simd::mix::mix;
 
-/// The sent chirp s[n] = exp(j pi n^2 / 1000), n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
+/// The sent chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
 ///
 /// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi (n^2 mod 2000) / 2000: the phase is exact.
 pub static CHIRP: [Iq; SLOT_SAMPLES] = chirp();

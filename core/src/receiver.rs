@@ -1,7 +1,7 @@
 //! The whole street as one object: push a slot, ask for a class.
 //!
 //! [`Memory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
-//! [`memory_for!`](crate::memory_for) takes from a [`Shape`](crate::dsn::Shape).
+//! [`memory_for!`](crate::memory_for) takes from a [`Shape`].
 
 use crate::dsn::network::{Answer, Network, scratch_bytes};
 use crate::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
