@@ -16,6 +16,8 @@ use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;
+/// Slots of a period: two seconds.
+const PERIOD_SLOTS: u32 = 8000;
 
 static BUFFER: DoubleBuffer = DoubleBuffer::new();
 static CONVERTER: Owned<Converter> = Owned::new();
@@ -80,9 +82,10 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     if words.next().is_some_and(|path| !log::open(path)) {
         fail("the file for records cannot be made");
     }
-    // a period of a second: every fourth slot senses until the recording is complete; the rest go to one receiver
+    // every fourth slot senses until the recording is complete; the rest go to one receiver, and of them at least a second,
+    // 4000 slots, lies behind the recording: the time to classify it before the next begins
     let sensing = model.sensing_slots() as u32;
-    let Ok(plan) = Plan::new(4000, 3, sensing, &[4000 - sensing]) else {
+    let Ok(plan) = Plan::new(PERIOD_SLOTS, 3, sensing, &[PERIOD_SLOTS - sensing]) else {
         fail("no plan has so many sensing slots")
     };
     let mut receiver = match Receiver::new(model, buffers) {
