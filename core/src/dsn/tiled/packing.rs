@@ -68,7 +68,7 @@ fn output<P: Pairs, const QUADS: usize>(taps: &Taps<QUADS>, part: usize, points:
     for quad in 0..QUADS {
         let (eight, first) = place::<P>(quad, part);
         for (k, lane) in ORDER.into_iter().enumerate() {
-            let columns = at_points(|tap| i32::from(taps[tap][quad][lane] as i8));
+            let columns = at_points(|tap| i32::from(taps[tap][quad][lane % 4] as i8));
             sum += columns[1][1]; // both rows of G there are 1, 1, 1
             for (column, [a, b, c, d]) in columns.into_iter().enumerate() {
                 for (row, value) in [b, c, a, -d].into_iter().enumerate() {
