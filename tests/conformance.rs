@@ -8,7 +8,7 @@
 use sdp3::conformance::compare::verify_host;
 use sdp3::conformance::proof::Proof;
 use sdp3::conformance::qemu::{Firmware, machines};
-use sdp3::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
+use sdp3::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use sdp3::predictor::parameters::Architecture;
 use sdp3::results::TargetVerdict;
 use sdp3::scenario::{Class, Scenario};
@@ -38,6 +38,7 @@ fn recordings(file: &str, slots: u32, carrier_hz: f64, count: u32) -> Result<Vec
     let take = |class: Class, index: u32| Case {
         name: format!("{} {index} at {} GHz, N_s = {slots}", class.name(), carrier_hz / 1e9),
         model: model.clone(),
+        transform: if index % 2 == 0 { Transform::Float } else { Transform::Fixed },
         slots: recording(&scenario, rho, 5, Set::Demo, class, index, slots).slots,
     };
     Ok((0..count).flat_map(|index| Class::ALL.map(|class| take(class, index))).collect())
@@ -49,7 +50,7 @@ fn random_networks(count: u64) -> Result<Vec<Case>> {
     for seed in 0..count {
         let mut random = Random::new(seed);
         let architecture = Architecture {
-            channels: 4 * (1 + random.below(4)),
+            channels: [4, 8, 12, 16, 32][random.below(5)],
             blocks: 1 + random.below(3),
             stem_stride: 1 + random.below(2),
             classes: 2 + random.below(6),

@@ -9,6 +9,7 @@ use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dsn::Model;
 use sdp3_core::frame::Slot;
+use sdp3_core::stft::FixedStft;
 use sdp3_tests::program;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -62,7 +63,8 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
     let bytes = model("dsn-200.sdp3");
     let parsed = Model::parse(&bytes).expect("a model");
     let mut buffers = OwnedBuffers::for_model(&parsed);
-    let mut receiver = buffers.receiver(parsed.clone()).expect("enough memory");
+    // the arithmetic of microcontrollers
+    let mut receiver = buffers.receiver_by::<FixedStft>(parsed.clone()).expect("enough memory");
     slots.iter().for_each(|slot| {
         receiver.push(slot, &mut ()).expect("not full yet");
     });
@@ -110,7 +112,7 @@ fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
         }
         let records = records(&firmware, &log);
         let has = |level: &str, text: &str| records.iter().any(|r| r.starts_with(level) && r.contains(text));
-        assert!(has("info", "suite opened: 5 cases"), "{records:?}");
+        assert!(has("info", "suite opened: 10 cases"), "{records:?}");
         assert!(has("error", "Checksum { stated: "), "{records:?}");
     }
 }

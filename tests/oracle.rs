@@ -5,7 +5,8 @@
 use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
 use sdp3_core::dechirp::CHIRP;
 use sdp3_core::frame::{Beat, Complex};
-use sdp3_core::stft::{Stft, ZERO_SPECTRUM};
+use sdp3_core::probe::Probe;
+use sdp3_core::stft::{ShortTime, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
 use sdp3_tests::vectors::{bytes, list, signed};
 use serde_json::Value;
@@ -104,7 +105,7 @@ fn frames_are_scipys() {
         assert_eq!(frames.len(), stft.frames(signal.len()));
         let mut spectrum = ZERO_SPECTRUM;
         for (k, frame) in frames.iter().enumerate() {
-            stft.frame(&signal, k, &mut spectrum);
+            stft.frame(&signal, k, 1, &mut spectrum);
             let total: f64 = signal.iter().map(|z| f64::from(z.re).hypot(f64::from(z.im))).sum();
             for (found, expected) in spectrum.iter().zip(list(frame)) {
                 let (re, im) = pair(expected);

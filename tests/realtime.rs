@@ -18,7 +18,7 @@ const ASSUMPTIONS: &str = "\
 Instructions are counted under QEMU, exactly but for the timer's resolution. Cycles are NOT: they are instructions times 1.4, the
 ratio a Cortex-M4F model (loads 2 cycles, 1 if pipelined; taken branches +2; vdiv, vsqrt 14; no wait states of the flash) gives
 for an f32 FFT; it gives 1.2 to 1.3 for the int8 layers. Not checked on silicon. Caches, wait states and the DMA's share of the
-bus come on top; a dual-issue Cortex-M7 needs fewer. A recording is N_s = 1000 slots of noise, the network C = 8, stride 2.";
+bus come on top; a dual-issue Cortex-M7 needs fewer. A recording is N_s = 1000 slots of noise, the network C = 16, stride 2.";
 
 /// Instructions of one slot's dechirp and Gram update, and of one recognition's other stages by name.
 struct Counts {

@@ -187,7 +187,7 @@ fn rotate(a: &mut Matrix, v: &mut Matrix, p: usize, q: usize) {
 /// Significant bits kept of the slow-time signal: an f32 holds them exactly.
 pub const SLOW_TIME_BITS: u32 = 23;
 
-/// y[n] = w^H b[n] for every slot, scaled by one power of two so that the largest part has 23 bits.
+/// `y[n] = w^H b[n]` for every slot, scaled by one power of two so that the largest part has 23 bits.
 ///
 /// In: `[slow_time, BEATS]`, out: `[slow_time]` complex i32 with |re|, |im| <= 2^23. Exact i64 products; the
 /// shift rounds halves up. Returns the shift. Runs twice over the beats instead of storing i64.

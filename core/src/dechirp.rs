@@ -1,11 +1,12 @@
 //! Dechirp and decimate: the received chirp times the conjugate of the sent one, summed in blocks.
 //!
-//! Eq. (X) of the paper, conj(s~ . conj(x_j)) = conj(s~) . x_j, then a boxcar over [`BLOCK_SAMPLES`] samples.
+//! Eq. (X) of the paper, conj(s~ . conj(x_j)) = conj(s~) . x_j, then a boxcar over [`BLOCK_SAMPLES`](crate::frame::BLOCK_SAMPLES) samples.
 
-use crate::frame::{BEATS, BLOCK_SAMPLES, Beat, Complex, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use crate::frame::{BEATS, Beat, Complex, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
 use crate::math::sin_cos_turn;
+use crate::simd::mix::mix;
 
-/// The sent chirp s[n] = exp(j pi n^2 / 1000), n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
+/// The sent chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
 ///
 /// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi (n^2 mod 2000) / 2000: the phase is exact.
 pub static CHIRP: [Iq; SLOT_SAMPLES] = chirp();
@@ -38,15 +39,7 @@ pub const BEAT_SHIFT: u32 = 12;
 /// the products fit i32 (|x| |s| <= 1.52e9), the sums i64. Cost: 4000 multiply-accumulates.
 pub fn dechirp(slot: &Slot) -> Beat {
     let mut beat = ZERO_BEAT;
-    let blocks = slot.chunks_exact(BLOCK_SAMPLES).zip(CHIRP.chunks_exact(BLOCK_SAMPLES));
-    for (value, (samples, chirp)) in beat.iter_mut().zip(blocks) {
-        let (mut re, mut im) = (0_i64, 0_i64);
-        for (x, s) in samples.iter().zip(chirp) {
-            let (i, q) = (i32::from(x.i), i32::from(x.q));
-            let (c, s) = (i32::from(s.i), i32::from(s.q));
-            re += i64::from((i * c).wrapping_add(q * s));
-            im += i64::from((q * c).wrapping_sub(i * s));
-        }
+    for (value, [re, im]) in beat.iter_mut().zip(mix(slot, &CHIRP)) {
         *value = Complex::new(round_beat(re), round_beat(im));
     }
     beat

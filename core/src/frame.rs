@@ -20,7 +20,8 @@ pub const ROWS: usize = 64;
 /// Length of the Doppler FFT, N_fft.
 pub const FFT_LEN: usize = 256;
 
-/// One complex sample of the converter: in-phase and quadrature, LSB, two's complement.
+/// One complex sample of the converter: in-phase and quadrature, LSB, two's complement; one word, in-phase first.
+#[repr(C, align(4))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Iq {

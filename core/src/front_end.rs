@@ -7,7 +7,7 @@ use crate::dechirp::dechirp;
 use crate::frame::{Beat, Complex, ROWS, Slot};
 use crate::probe::Probe;
 use crate::spectrogram::{EMPTY, levels, pixel};
-use crate::stft::{Stft, ZERO_SPECTRUM, frames};
+use crate::stft::{NativeStft, ShortTime, frames};
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was
 /// trained on.
@@ -73,23 +73,23 @@ pub struct FrontEndBuffers<'b> {
     pub image: &'b mut [i8],
 }
 
-/// Raw slots in, image out.
+/// Raw slots in, image out; `T` is the arithmetic of the transform.
 #[derive(Debug)]
-pub struct FrontEnd<'b> {
+pub struct FrontEnd<'b, T = NativeStft> {
     settings: Preprocessing,
-    stft: Stft,
+    stft: T,
     gram: Gram,
     taken: usize,
     buffers: FrontEndBuffers<'b>,
 }
 
-impl<'b> FrontEnd<'b> {
+impl<'b, T: ShortTime> FrontEnd<'b, T> {
     /// A front end with `settings`, or `None` if they are not valid.
     pub fn new(settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
         if !settings.is_valid() {
             return None;
         }
-        let stft = Stft::new(settings.window, settings.beta, settings.hop);
+        let stft = T::new(settings.window, settings.beta, settings.hop);
         Some(FrontEnd { settings, stft, gram: Gram::new(), taken: 0, buffers })
     }
 
@@ -141,12 +141,13 @@ impl<'b> FrontEnd<'b> {
         project(beats, &w, slow_time);
         probe.slow_time(slow_time);
 
-        let mut spectrum = ZERO_SPECTRUM;
+        let bins = self.settings.bins_per_row;
+        let mut spectrum = T::SILENCE;
         let mut largest = EMPTY;
         for k in 0..frames {
-            self.stft.frame(slow_time, k, &mut spectrum);
-            probe.frame(k, &spectrum);
-            largest = largest.max(levels(&spectrum, self.settings.bins_per_row, k, frames, grid));
+            self.stft.frame(slow_time, k, bins, &mut spectrum);
+            T::show(&spectrum, k, probe);
+            largest = largest.max(levels::<T>(&spectrum, bins, k, frames, grid));
         }
         for (pixel_out, &level) in image.iter_mut().zip(grid.iter()) {
             *pixel_out = pixel(level, largest, self.settings.range);

@@ -9,7 +9,7 @@
 //! slot (1000 x i16 I/Q)
 //!   dechirp      times the conjugate chirp, summed in eight blocks       -> beat [8] i32
 //!   clutter      exact Gram matrix, leading eigenvectors, w; y = w^H b    -> slow time [N_s] i32
-//!   stft         Kaiser window, 256-point FFT                             -> spectrum [256] f32
+//!   stft         Kaiser window, 256-point FFT                             -> spectrum [256] f32 or i32
 //!   spectrogram  exact integer logarithm, 50 dB of grey                   -> image [64, frames] i8
 //!   dsn          int8 residual network                                    -> logits, class, confidence
 //! ```
@@ -25,11 +25,13 @@
 //!
 //! Dechirp, Gram matrix, projection, grey levels, the int8 network and the schedule are defined in integers. The
 //! eigenvectors and the FFT are f32, written with `+ - * /` and `libm` only, in one fixed order: they too have the
-//! same bits on every IEEE 754 processor with flush-to-zero off, with or without an FPU.
+//! same bits on every IEEE 754 processor with flush-to-zero off, with or without an FPU. On microcontrollers
+//! the FFT is by default another one, in integers: [`stft::NativeStft`].
 //!
 //! # Rules of the house
 //!
-//! Unsafe code is denied but in one module of [`simd`], the vector instructions of x86-64; firmware has none of it.
+//! Unsafe code is denied but in one module of [`simd`] for each family of processors, the vector instructions of x86-64
+//! and the DSP and Helium instructions of Arm; each has a portable twin and a test that runs both.
 //! Everything from outside is checked once ([`dsn::Model::parse`], [`receiver::Receiver::new`],
 //! [`schedule::Plan::new`]); after that no call can fail for reasons of data. Memory is the caller's
 //! ([`receiver::Memory`]) and its size is a constant.

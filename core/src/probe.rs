@@ -4,7 +4,7 @@
 
 use crate::clutter::{Gram, Weights};
 use crate::frame::{Beat, Complex};
-use crate::stft::Spectrum;
+use crate::stft::{FixedBins, Spectrum};
 
 /// Sees the values of every stage as they are made.
 pub trait Probe {
@@ -18,6 +18,8 @@ pub trait Probe {
     fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {}
     /// The spectrum of frame `_k`, `[doppler]`.
     fn frame(&mut self, _k: usize, _spectrum: &Spectrum) {}
+    /// The same in integers, from [`crate::stft::FixedStft`].
+    fn fixed_frame(&mut self, _k: usize, _spectrum: &FixedBins) {}
     /// The network's image, `[rows, frames]`.
     fn image(&mut self, _image: &[i8]) {}
     /// The output of a layer, `[height, width, channels]`; counted from the pooled stem, 0.

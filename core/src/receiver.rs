@@ -1,17 +1,29 @@
 //! The whole street as one object: push a slot, ask for a class.
 //!
-//! [`Memory`] is the caller's, usually a `static`; its size is a constant of its three parameters.
+//! [`Memory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
+//! [`memory_for!`](crate::memory_for) takes from a [`Shape`].
 
 use crate::dsn::network::{Answer, Network, scratch_bytes};
-use crate::dsn::{Kernels, Model, ModelError, Portable};
+use crate::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
+use crate::dsn::{Kernels, Model, ModelError, Shape};
 use crate::frame::{Beat, Complex, ROWS, Slot, ZERO_BEAT};
 use crate::front_end::{FrontEnd, FrontEndBuffers};
 use crate::probe::Probe;
+use crate::simd::pairs::Eight;
+use crate::stft::{NativeStft, ShortTime};
 
-/// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network
-/// ([`scratch_bytes`]).
+/// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network ([`scratch_bytes`]),
+/// `EIGHTS` and `WORDS` for its kernels ([`TiledSizes`]).
 #[derive(Debug)]
-pub struct Memory<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> {
+pub struct Memory<
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const EIGHTS: usize,
+    const WORDS: usize,
+> {
+    eights: [Eight; EIGHTS],
+    words: [i32; WORDS],
     beats: [Beat; SLOTS],
     slow_time: [Complex<i32>; SLOTS],
     levels: [[i16; FRAMES]; ROWS],
@@ -19,16 +31,37 @@ pub struct Memory<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize>
     scratch: [i8; SCRATCH],
 }
 
-/// Memory for the paper's largest recording (N_s = 1000, 110 frames) and eight channels.
-pub type StandardMemory = Memory<1000, 110, { scratch_bytes(110, 8, 1) }>;
+/// The [`Memory`] type for a constant [`Shape`](crate::dsn::Shape).
+#[macro_export]
+macro_rules! memory_for {
+    ($shape:expr) => {
+        $crate::receiver::Memory<
+            { $shape.sensing_slots },
+            { $shape.frames },
+            { $shape.scratch_bytes() },
+            { $shape.tiled_sizes().eights },
+            { $shape.tiled_sizes().words },
+        >
+    };
+}
 
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> Memory<SLOTS, FRAMES, SCRATCH> {
+/// The default network's: the paper's largest recording (N_s = 1000, 110 frames), 16 channels behind a stride of 2.
+pub const STANDARD: Shape = Shape { sensing_slots: 1000, frames: 110, channels: 16, stem_stride: 2 };
+
+/// Memory for [`STANDARD`].
+pub type StandardMemory = memory_for!(STANDARD);
+
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
+    Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
+{
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();
 
     /// Memory for a `static`.
     pub const fn new() -> Self {
         Memory {
+            eights: [Eight::ZERO; EIGHTS],
+            words: [0; WORDS],
             beats: [ZERO_BEAT; SLOTS],
             slow_time: [Complex::new(0, 0); SLOTS],
             levels: [[0; FRAMES]; ROWS],
@@ -47,12 +80,13 @@ impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> Memory<SLOTS
                 image: self.image.as_flattened_mut(),
             },
             scratch: &mut self.scratch,
+            tiles: TiledMemory { eights: &mut self.eights, words: &mut self.words },
         }
     }
 }
 
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize> Default
-    for Memory<SLOTS, FRAMES, SCRATCH>
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
+    Default for Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
 {
     fn default() -> Self {
         Self::new()
@@ -66,6 +100,8 @@ pub struct Buffers<'b> {
     pub front_end: FrontEndBuffers<'b>,
     /// The network's.
     pub scratch: &'b mut [i8],
+    /// Of the kernels of [`Receiver::new`]; others bring their own.
+    pub tiles: TiledMemory<'b>,
 }
 
 /// Why a receiver cannot be made or asked.
@@ -75,7 +111,7 @@ pub struct Buffers<'b> {
 pub enum ReceiverError {
     /// A buffer is too small for the model.
     Memory {
-        /// Which: `beats`, `slow_time`, `levels`, `image` or `scratch`.
+        /// Which: `beats`, `slow_time`, `levels`, `image`, `scratch`, `eights` or `words`.
         buffer: &'static str,
         /// Elements the model needs.
         need: usize,
@@ -111,26 +147,51 @@ impl core::error::Error for ReceiverError {}
 /// What a receiver recognised.
 pub type Recognition = Answer;
 
-/// Raw slots in, class out.
+/// Raw slots in, class out: the network by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
+/// a microcontroller.
 #[derive(Debug)]
-pub struct Receiver<'m, 'b, K = Portable> {
-    front_end: FrontEnd<'b>,
+pub struct Receiver<'m, 'b, K = Tiled<'b>, T = NativeStft> {
+    front_end: FrontEnd<'b, T>,
     network: Network<'m, 'b, K>,
 }
 
 impl<'m, 'b> Receiver<'m, 'b> {
-    /// Joins a model and memory.
+    /// Joins a model and memory: [`Tiled`] kernels and the target's [`NativeStft`].
     ///
     /// # Errors
     ///
     /// [`ReceiverError::Memory`] names the buffer that is too small, what it needs and what it has.
     pub fn new(model: Model<'m>, buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
-        Self::with_kernels(model, buffers, Portable)
+        Self::with_transform(model, buffers)
     }
 }
 
-impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
-    /// [`Receiver::new`] with a processor's own kernels, made for this model.
+impl<'m, 'b, T: ShortTime> Receiver<'m, 'b, Tiled<'b>, T> {
+    /// [`Receiver::new`] with the transform that `T` names.
+    ///
+    /// # Errors
+    ///
+    /// As [`Receiver::new`].
+    pub fn with_transform(model: Model<'m>, mut buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
+        let sizes = TiledSizes::of(&model);
+        let tiles = core::mem::take(&mut buffers.tiles);
+        for (buffer, need, have) in
+            [("eights", sizes.eights, tiles.eights.len()), ("words", sizes.words, tiles.words.len())]
+        {
+            if have < need {
+                return Err(ReceiverError::Memory { buffer, need, have });
+            }
+        }
+        let kernels = Tiled::new(&model, tiles).ok_or(UNREADY)?;
+        Self::with_kernels(model, buffers, kernels)
+    }
+}
+
+/// What [`Model::parse`] has ruled out.
+const UNREADY: ReceiverError = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
+
+impl<'m, 'b, K: Kernels, T: ShortTime> Receiver<'m, 'b, K, T> {
+    /// [`Receiver::with_transform`] with other kernels, made for this model.
     ///
     /// # Errors
     ///
@@ -150,9 +211,8 @@ impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
                 return Err(ReceiverError::Memory { buffer, need, have });
             }
         }
-        let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
-        let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(error)?;
-        let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(error)?;
+        let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(UNREADY)?;
+        let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(UNREADY)?;
         Ok(Receiver { front_end, network })
     }
 

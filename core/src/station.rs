@@ -2,21 +2,22 @@
 //!
 //! [`Station::begin`] says what the next slot is for; in a sensing slot the samples go to [`Station::sensed`].
 
-use crate::dsn::{Kernels, Portable};
+use crate::dsn::{Kernels, Tiled};
 use crate::frame::Slot;
 use crate::receiver::{Receiver, Recognition};
 use crate::schedule::{Plan, Sequencer, SlotUse};
+use crate::stft::{NativeStft, ShortTime};
 
 /// A base station's slot loop.
 #[derive(Debug)]
-pub struct Station<'m, 'b, K = Portable> {
+pub struct Station<'m, 'b, K = Tiled<'b>, T = NativeStft> {
     sequencer: Sequencer,
-    receiver: Receiver<'m, 'b, K>,
+    receiver: Receiver<'m, 'b, K, T>,
 }
 
-impl<'m, 'b, K: Kernels> Station<'m, 'b, K> {
+impl<'m, 'b, K: Kernels, T: ShortTime> Station<'m, 'b, K, T> {
     /// Plays `plan` and recognises with `receiver`.
-    pub fn new(plan: &Plan, receiver: Receiver<'m, 'b, K>) -> Self {
+    pub fn new(plan: &Plan, receiver: Receiver<'m, 'b, K, T>) -> Self {
         Station { sequencer: Sequencer::new(plan), receiver }
     }
 

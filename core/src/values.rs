@@ -5,7 +5,7 @@
 use crate::clutter::{Gram, Weights};
 use crate::frame::{Beat, Complex};
 use crate::probe::Probe;
-use crate::stft::Spectrum;
+use crate::stft::{FixedBins, Spectrum};
 
 /// A stage of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub enum Stage {
     Weights,
     /// Slow-time signal, i32.
     SlowTime,
-    /// Spectra, f32.
+    /// Spectra, f32, or i32 from [`crate::stft::FixedStft`].
     Frame,
     /// Image, i8.
     Image,
@@ -125,6 +125,9 @@ impl<S: Sink> Probe for Values<S> {
             self.0.value(Stage::Frame, z.re.to_bits().to_le_bytes());
             self.0.value(Stage::Frame, z.im.to_bits().to_le_bytes());
         }
+    }
+    fn fixed_frame(&mut self, _k: usize, spectrum: &FixedBins) {
+        self.complex(Stage::Frame, spectrum);
     }
     fn image(&mut self, image: &[i8]) {
         self.bytes(Stage::Image, image);

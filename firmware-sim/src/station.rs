@@ -11,7 +11,7 @@ use crate::semihosting::{File, arguments, exit, print, print_number};
 use core::sync::atomic::{AtomicU32, Ordering};
 use sdp3_core::dsn::Model;
 use sdp3_core::frame::Iq;
-use sdp3_core::receiver::{Memory, Receiver};
+use sdp3_core::receiver::{Buffers, Receiver};
 use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
@@ -71,13 +71,10 @@ fn fail(what: &str) -> ! {
     exit(2)
 }
 
-/// Recognises one recording of a model in memory of its size, prints the class, and ends the run.
+/// Recognises one recording of a model, prints the class, and ends the run.
 ///
 /// Arguments of the emulator: the file of slots, and optionally one for defmt records.
-pub fn run<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize>(
-    model: Model<'static>,
-    memory: &mut Memory<SLOTS, FRAMES, SCRATCH>,
-) -> ! {
+pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     paint_stack();
     let mut buffer = [0; 1024];
     let mut words = arguments(&mut buffer).split_ascii_whitespace();
@@ -91,7 +88,7 @@ pub fn run<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize>(
     let Ok(plan) = Plan::new(PERIOD_SLOTS, 3, sensing, &[PERIOD_SLOTS - sensing]) else {
         fail("no plan has so many sensing slots")
     };
-    let mut receiver = match Receiver::new(model, memory.view()) {
+    let mut receiver = match Receiver::new(model, buffers) {
         Ok(receiver) => receiver,
         Err(error) => {
             defmt::error!("{}", error);

@@ -7,7 +7,7 @@ use crate::conformance::compare::verify_host;
 use crate::conformance::digests::not_run;
 use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
-use crate::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
+use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::formats::measured;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
@@ -261,6 +261,7 @@ impl Job {
             cases.extend(classes.iter().map(|&class| Case {
                 name: format!("{} N_s={slots}", class.name()),
                 model: bytes.clone(),
+                transform: Transform::Fixed, // a microcontroller's
                 slots: take(class, 2),
             }));
             if index == 0 {

@@ -31,7 +31,7 @@ struct Configuration {
 const CONFIGURATIONS: [Configuration; 3] = [
     Configuration {
         program: "station",
-        words: "default: N_s = 1000, C = 8",
+        words: "default: N_s = 1000, C = 16",
         slots: 1000,
         ram_limit: 192 * 1024,
         flash_limit: 256 * 1024,

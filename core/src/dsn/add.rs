@@ -23,14 +23,17 @@ pub struct Add {
 impl Add {
     /// `x = x + branch`, in place, any shape. Cost: three requantisations a value.
     pub fn forward(&self, x: &mut [i8], branch: &[i8]) {
-        let [z1, z2] = self.zero;
-        let [m1, m2] = self.multiplier;
-        let [s1, s2] = self.shift;
         for (x, &b) in x.iter_mut().zip(branch) {
-            let left = requantize((i32::from(*x) - i32::from(z1)) << LEFT_SHIFT, m1, s1);
-            let right = requantize((i32::from(b) - i32::from(z2)) << LEFT_SHIFT, m2, s2);
+            let (left, right) = (self.term(0, *x), self.term(1, b));
             let sum = requantize(left.wrapping_add(right), self.out_multiplier, self.out_shift);
             *x = clamp_i8(sum.wrapping_add(i32::from(self.out_zp)), self.act_min, self.act_max);
         }
+    }
+
+    /// One input in the common scale; `k` is 0 for the left one, 1 for the right one.
+    pub(super) fn term(&self, k: usize, x: i8) -> i32 {
+        let k = k & 1;
+        let value = (i32::from(x) - i32::from(self.zero[k])) << LEFT_SHIFT;
+        requantize(value, self.multiplier[k], self.shift[k])
     }
 }

@@ -16,12 +16,17 @@ impl Affine<'_> {
     pub fn forward(&self, input: &[i8], output: &mut [i8]) {
         let channels = self.layer.channels.max(1);
         for (from, to) in input.chunks_exact(channels).zip(output.chunks_exact_mut(channels)) {
-            for (c, ((&x, y), &w)) in from.iter().zip(to).zip(self.layer.weights).enumerate() {
-                let product = (i32::from(x) - i32::from(self.layer.in_zp)) * i32::from(w as i8);
-                let value = self.layer.requantize(c, self.layer.bias(c).wrapping_add(product));
-                let value = value.wrapping_add(i32::from(self.layer.out_zp));
-                *y = clamp_i8(value, self.layer.act_min, self.layer.act_max);
+            for (c, (&x, y)) in from.iter().zip(to).enumerate() {
+                *y = self.value(c, x);
             }
         }
+    }
+
+    /// One value of channel `c`.
+    pub(super) fn value(&self, c: usize, x: i8) -> i8 {
+        let weight = self.layer.weights.get(c).map_or(0, |&w| i32::from(w as i8));
+        let product = (i32::from(x) - i32::from(self.layer.in_zp)) * weight;
+        let value = self.layer.requantize(c, self.layer.bias(c).wrapping_add(product));
+        clamp_i8(value.wrapping_add(i32::from(self.layer.out_zp)), self.layer.act_min, self.layer.act_max)
     }
 }

@@ -37,8 +37,16 @@ pub trait Kernels {
         layer.forward(input, output);
     }
 
-    /// [`Conv::forward`].
-    fn conv(&mut self, _at: usize, layer: &Conv<'_>, input: &[i8], size: (usize, usize), output: &mut [i8]) {
+    /// [`Conv::forward`]; `_rows` are the stem's two rows, which nothing needs any more.
+    fn conv(
+        &mut self,
+        _at: usize,
+        layer: &Conv<'_>,
+        input: &[i8],
+        size: (usize, usize),
+        _rows: &mut [i8],
+        output: &mut [i8],
+    ) {
         layer.forward(input, size.0, size.1, output);
     }
 

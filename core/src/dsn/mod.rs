@@ -16,11 +16,15 @@ pub mod kernels;
 pub mod model;
 pub mod network;
 pub mod pool;
+#[cfg(test)]
+mod random_model;
 pub mod shape;
+pub mod tiled;
 pub mod vector;
 
 pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
 pub use shape::Shape;
+pub use tiled::Tiled;
 pub use vector::Vector;

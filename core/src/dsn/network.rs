@@ -76,9 +76,9 @@ impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
             let [first, second] = &block.conv;
             kernels.affine(layer + 1, &block.affine, x, a);
             probe.layer(layer + 1, a);
-            kernels.conv(layer + 2, first, a, (height, width), b);
+            kernels.conv(layer + 2, first, a, (height, width), rows, b);
             probe.layer(layer + 2, b);
-            kernels.conv(layer + 3, second, b, (height, width), a);
+            kernels.conv(layer + 3, second, b, (height, width), rows, a);
             probe.layer(layer + 3, a);
             kernels.add(layer + 4, &block.add, x, a);
             probe.layer(layer + 4, x);

@@ -1,17 +1,18 @@
 //! The numbers that size a model's memory, readable from its file at compile time.
 //!
 //! ```
-//! use sdp3_core::{dsn::Shape, receiver::Memory};
+//! use sdp3_core::{dsn::Shape, memory_for};
 //!
 //! // of a model in flash: `const SHAPE: Shape = Shape::of(include_bytes!("model.sdp3")).expect("a model");`
 //! const SHAPE: Shape = Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1 };
-//! type Sized = Memory<{ SHAPE.sensing_slots }, { SHAPE.frames }, { SHAPE.scratch_bytes() }>;
+//! type Sized = memory_for!(SHAPE);
 //! const _: () = assert!(Sized::BYTES <= 64 * 1024, "the model does not fit this board");
 //! assert_eq!(Sized::BYTES, SHAPE.required_bytes());
 //! ```
 
 use super::format::{HEADER_LEN, MAGIC};
 use super::network::scratch_bytes;
+use super::tiled::TiledSizes;
 use crate::frame::{BEATS, ROWS};
 
 /// Sizes of a model.
@@ -52,11 +53,18 @@ impl Shape {
         scratch_bytes(self.frames, self.channels, self.stem_stride)
     }
 
+    /// Memory of its kernels, with one place for packed weights.
+    pub const fn tiled_sizes(&self) -> TiledSizes {
+        TiledSizes::new(self.frames, self.channels, self.stem_stride, 1)
+    }
+
     /// Bytes of all memory that a receiver borrows, [`Memory::BYTES`](crate::receiver::Memory::BYTES) of these sizes:
-    /// beats and slow time (72 bytes a slot), levels and image (192 bytes a frame), scratch, in whole words.
+    /// beats and slow time (72 bytes a slot), levels and image (192 bytes a frame), scratch and kernels, in whole
+    /// [`Eight`](crate::simd::pairs::Eight)s.
     pub const fn required_bytes(&self) -> usize {
         let slot = (BEATS + 1) * size_of::<crate::frame::Complex<i32>>();
         let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
-        (self.sensing_slots * slot + cells + self.scratch_bytes()).next_multiple_of(4)
+        let sum = self.sensing_slots * slot + cells + self.scratch_bytes() + self.tiled_sizes().total();
+        sum.next_multiple_of(size_of::<crate::simd::pairs::Eight>())
     }
 }

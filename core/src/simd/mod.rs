@@ -4,7 +4,13 @@
 //! AVX-512. All operations are integer, so the bits are the same on every one. Which of them this processor has is
 //! asked once ([`Isa::best`]) and carried as a value. Another processor joins with one more implementation.
 
+#[cfg(all(target_arch = "arm", arm_dsp))]
+#[allow(unsafe_code)]
+mod arm;
 pub mod arrays;
+pub mod high;
+pub mod mix;
+pub mod pairs;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod x86;
@@ -64,6 +70,16 @@ pub fn set_lane(lines: &mut Rescale, lane: usize, multiplier: i32, shift: i8, ze
     }
     true
 }
+
+/// The fastest [`pairs::Pairs`] of the target.
+#[cfg(all(target_arch = "arm", arm_dsp, not(arm_mve)))]
+pub use arm::Dsp as NativePairs;
+/// The fastest [`pairs::Pairs`] of the target.
+#[cfg(all(target_arch = "arm", arm_mve))]
+pub use arm::Helium as NativePairs;
+/// The fastest [`pairs::Pairs`] of the target.
+#[cfg(not(all(target_arch = "arm", arm_dsp)))]
+pub type NativePairs = pairs::Plain;
 
 /// What is to be done with the vectors of one instruction set.
 pub trait Job {

@@ -14,20 +14,22 @@ mod firmware {
     use rand_core::SeedableRng;
     use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::{Digest, DigestProbe};
+    use sdp3_core::dsn::tiled::Tiled;
     use sdp3_core::dsn::{Model, scratch_bytes};
     use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::probe::Probe;
     use sdp3_core::receiver::{Memory, Receiver};
     use sdp3_core::schedule::{Plan, RECEIVERS, Sequencer, SlotUse};
     use sdp3_core::selftest;
-    use sdp3_core::stft::Spectrum;
+    use sdp3_core::stft::{FixedBins, FixedStft, ShortTime, Spectrum, Stft};
     use sdp3_core::values::{Sink, Stage, Values};
     use sdp3_firmware_sim::rt::{Single, instructions, paint_stack, stack_used, start_counter};
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
     use sdp3_firmware_sim::{log, semihosting};
 
-    /// The largest configuration: 1000 slots, 110 frames, 16 channels behind a stride of 1.
-    type Standard = Memory<1000, 110, { scratch_bytes(110, 16, 1) }>;
+    /// The largest configuration: 1000 slots, 110 frames, 16 channels behind a stride of 1. Places for one convolution of 32
+    /// channels, four of 16, or 16 of 8: some are packed ahead, some when they run.
+    type Standard = Memory<1000, 110, { scratch_bytes(110, 16, 1) }, 2048, 4096>;
     static MEMORY: Single<Standard> = Single::new(Standard::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
 
@@ -90,6 +92,7 @@ mod firmware {
         weights(weights: &Weights);
         slow_time(slow_time: &[Complex<i32>]);
         frame(k: usize, spectrum: &Spectrum);
+        fixed_frame(k: usize, spectrum: &FixedBins);
         image(image: &[i8]);
         layer(index: usize, activations: &[i8]);
         logits(logits: &[i8]);
@@ -129,8 +132,8 @@ mod firmware {
         }
         let (Some(memory), Some(model)) = (MEMORY.take(), MODEL.take()) else { fail("memory is taken") };
         let mut magic = [0; 4];
-        if !file.read(&mut magic) || magic != *b"SDPS" || file.word() != Some(1) {
-            fail("not a suite file of version 1");
+        if !file.read(&mut magic) || magic != *b"SDPS" || file.word() != Some(2) {
+            fail("not a suite file of version 2");
         }
         let Some(cases) = file.word() else { fail("the suite file is truncated") };
         defmt::info!("suite opened: {=u32} cases", cases);
@@ -153,7 +156,7 @@ mod firmware {
         model: &mut [u8],
         dump: Option<&mut Values<Dump>>,
     ) {
-        let (Some(length), Some(slots)) = (file.word(), file.word()) else {
+        let (Some(length), Some(slots), Some(transform)) = (file.word(), file.word(), file.word()) else {
             fail("the suite file is truncated")
         };
         let (length, padded) = (length as usize, (length as usize).next_multiple_of(4));
@@ -169,7 +172,26 @@ mod firmware {
                 fail("the core refuses a model")
             }
         };
-        let mut receiver = match Receiver::new(parsed, memory.view()) {
+        let (digests, count) = match transform {
+            0 => recording::<Stft>(parsed, file, slots, memory, dump),
+            1 => recording::<FixedStft>(parsed, file, slots, memory, dump),
+            _ => fail("a transform is neither 0 nor 1"),
+        };
+        for (stage, digest) in digests.stages() {
+            println(format_args!("case {index} {stage} {} {:016x}", digest.count(), digest.hash()));
+        }
+        println(format_args!("case {index} instructions {count}"));
+    }
+
+    /// Reads a recording and recognises it: every stage's digest, and the instructions of it all.
+    fn recording<T: ShortTime>(
+        model: Model<'_>,
+        file: &mut File,
+        slots: u32,
+        memory: &mut Standard,
+        dump: Option<&mut Values<Dump>>,
+    ) -> (DigestProbe, u64) {
+        let mut receiver = match Receiver::<Tiled<'_>, T>::with_transform(model, memory.view()) {
             Ok(receiver) => receiver,
             Err(error) => {
                 defmt::error!("{}", error);
@@ -207,10 +229,7 @@ mod firmware {
         let _ = receiver.push(&slot, &mut ());
         count += instructions().wrapping_sub(before) * u64::from(slots);
         defmt::info!("recognised {=u8} with {=f32}", answer.class, answer.confidence);
-        for (stage, digest) in digests.stages() {
-            println(format_args!("case {index} {stage} {} {:016x}", digest.count(), digest.hash()));
-        }
-        println(format_args!("case {index} instructions {count}"));
+        (digests, count)
     }
 
     fn schedule(file: &mut File) {

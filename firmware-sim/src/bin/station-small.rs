@@ -9,7 +9,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use sdp3_core::dsn::{Model, Shape};
-    use sdp3_core::receiver::Memory;
+    use sdp3_core::memory_for;
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::exit;
     use sdp3_firmware_sim::station::run;
@@ -19,7 +19,7 @@ mod firmware {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),
     };
-    type Small = Memory<{ SHAPE.sensing_slots }, { SHAPE.frames }, { SHAPE.scratch_bytes() }>;
+    type Small = memory_for!(SHAPE);
     static MEMORY: Single<Small> = Single::new(Small::new());
 
     // 40 KiB are left for the stack and everything else
@@ -29,7 +29,7 @@ mod firmware {
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         match (Model::parse(MODEL), MEMORY.take()) {
-            (Ok(model), Some(memory)) => run(model, memory),
+            (Ok(model), Some(memory)) => run(model, memory.view()),
             _ => exit(2),
         }
     }

@@ -1,4 +1,4 @@
-//! The station with the paper's largest recording, N_s = 1000, and eight channels.
+//! The station with the default network and the paper's largest recording, N_s = 1000.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -24,7 +24,7 @@ mod firmware {
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         match (Model::parse(MODEL), MEMORY.take()) {
-            (Ok(model), Some(memory)) => run(model, memory),
+            (Ok(model), Some(memory)) => run(model, memory.view()),
             _ => exit(2),
         }
     }

@@ -6,13 +6,15 @@
 //!   [`signal::backward_error`]. The f32 Jacobi sweeps perturb the matrix (trace 1) by a few dozen eps at most.
 //! - frames: `2^-18` of the sum of the windowed magnitudes: the f32 window is off by at most 2e-6 of its value, the
 //!   radix-2 transform adds eight roundings.
+//! - frames in integers: 57 LSB beyond that, 40 in each part: see [`sdp3_core::stft::FixedStft`].
 //! - confidence: 0.6 %, twice the error of the core's fast exponential.
 
 use super::reference::{network, schedule, signal};
-use super::suite::{Case, Suite};
+use super::suite::{Case, Suite, Transform};
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::clutter::{Gram, Weights};
+use sdp3_core::dsn::tiled::TiledMemory;
 use sdp3_core::dsn::vector::{Vector, VectorMemory};
 use sdp3_core::dsn::{Model, scratch_bytes};
 use sdp3_core::frame::{Beat, Complex, ROWS, ZERO_BEAT};
@@ -21,12 +23,14 @@ use sdp3_core::probe::Probe;
 use sdp3_core::receiver::{Buffers, Receiver, ReceiverError};
 use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 use sdp3_core::simd::{Isa, Line};
-use sdp3_core::stft::Spectrum;
+use sdp3_core::stft::{FixedBins, FixedStft, NativeStft, ShortTime, Spectrum, Stft};
 
 /// Bound of the weights' backward error: see the module.
 const WEIGHT_BOUND: f64 = 64.0 / 8_388_608.0;
 /// Bound of a bin's error relative to the sum of the windowed magnitudes.
 const FRAME_BOUND: f64 = 1.0 / 262_144.0;
+/// What a bin in integers may be off beyond that, in LSB.
+const FIXED_BOUND: f64 = 57.0;
 /// Bound of the confidence's relative error.
 const CONFIDENCE_BOUND: f64 = 6e-3;
 
@@ -39,6 +43,9 @@ pub struct CaseError {
     /// What the core said.
     pub reason: String,
 }
+
+/// A receiver that computes by this processor's vectors.
+pub type HostReceiver<'m, 'b, T = NativeStft> = Receiver<'m, 'b, Vector<'b>, T>;
 
 /// Owned memory for any model.
 pub struct OwnedBuffers {
@@ -76,7 +83,19 @@ impl OwnedBuffers {
     /// # Errors
     ///
     /// [`ReceiverError`] if the memory is another model's.
-    pub fn receiver<'m>(&mut self, model: Model<'m>) -> Result<Receiver<'m, '_, Vector<'_>>, ReceiverError> {
+    pub fn receiver<'m>(&mut self, model: Model<'m>) -> Result<HostReceiver<'m, '_>, ReceiverError> {
+        self.receiver_by(model)
+    }
+
+    /// [`OwnedBuffers::receiver`] with a transform of another arithmetic.
+    ///
+    /// # Errors
+    ///
+    /// As [`OwnedBuffers::receiver`].
+    pub fn receiver_by<'m, T: ShortTime>(
+        &mut self,
+        model: Model<'m>,
+    ) -> Result<HostReceiver<'m, '_, T>, ReceiverError> {
         self.lines.resize(Vector::lines(&model), Line::ZERO);
         self.words.resize(Vector::words(&model), 0);
         let memory = VectorMemory { lines: &mut self.lines, words: &mut self.words };
@@ -91,6 +110,7 @@ impl OwnedBuffers {
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
+            tiles: TiledMemory::default(),
         };
         Receiver::with_kernels(model, buffers, kernels)
     }
@@ -105,6 +125,7 @@ impl OwnedBuffers {
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
+            tiles: TiledMemory::default(),
         }
     }
 }
@@ -115,10 +136,17 @@ impl OwnedBuffers {
 ///
 /// [`CaseError`] if the model is refused or the number of slots is not the model's.
 pub fn run_core(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
+    match case.transform {
+        Transform::Float => run_by::<Stft>(case, probe),
+        Transform::Fixed => run_by::<FixedStft>(case, probe),
+    }
+}
+
+fn run_by<T: ShortTime>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError { case: case.name.clone(), reason };
     let model = Model::parse(&case.model).map_err(|e| fail(e.to_string()))?;
     let mut buffers = OwnedBuffers::for_model(&model);
-    let mut receiver = buffers.receiver(model).map_err(|e| fail(e.to_string()))?;
+    let mut receiver = buffers.receiver_by::<T>(model).map_err(|e| fail(e.to_string()))?;
     for slot in &case.slots {
         receiver.push(slot, probe).map_err(|e| fail(e.to_string()))?;
     }
@@ -133,6 +161,7 @@ struct Recorder {
     weights: Vec<signal::Int>,
     slow_time: Vec<signal::Int>,
     frames: Vec<Vec<(f32, f32)>>,
+    fixed_frames: Vec<Vec<signal::Int>>,
     image: Vec<i8>,
     layers: Vec<Vec<i64>>,
     logits: Vec<i64>,
@@ -159,6 +188,9 @@ impl Probe for Recorder {
     }
     fn frame(&mut self, _k: usize, spectrum: &Spectrum) {
         self.frames.push(spectrum.iter().map(|z| (z.re, z.im)).collect());
+    }
+    fn fixed_frame(&mut self, _k: usize, spectrum: &FixedBins) {
+        self.fixed_frames.push(ints(spectrum));
     }
     fn image(&mut self, image: &[i8]) {
         self.image = image.to_vec();
@@ -246,19 +278,16 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let mut slow_time = Tally::bits("slow-time");
     slow_time.exact(&core.slow_time, &signal::slow_time(&core.beats, &core.weights));
 
-    let mut frame = Tally { rule: "|error| <= 2^-18 sum |x|".into(), ..Tally::bits("frame") };
-    let window = signal::kaiser(header.window, header.beta);
-    frame.exact(&[core.frames.len()], &[header.frames]);
-    for (k, found) in core.frames.iter().enumerate() {
-        let (bins, total) = signal::frame(&core.slow_time, &window, k * header.hop);
-        for (index, (found, expected)) in found.iter().zip(&bins).enumerate() {
-            let (re, im) = (f64::from(found.0) - expected.re, f64::from(found.1) - expected.im);
-            let error = (re * re + im * im).sqrt();
-            frame.bounded(256 * k + index, if total > 0.0 { error / total } else { error }, FRAME_BOUND);
-        }
-    }
+    let frame = match case.transform {
+        Transform::Float => compare_frames(&core, &header),
+        Transform::Fixed => compare_fixed_frames(&core, &header),
+    };
     let mut image = Tally::bits("image");
-    image.exact(&core.image, &signal::image(&core.frames, header.bins_per_row, header.range));
+    let levels = match case.transform {
+        Transform::Float => signal::levels(&core.frames, header.bins_per_row),
+        Transform::Fixed => signal::fixed_levels(&core.fixed_frames, header.bins_per_row),
+    };
+    image.exact(&core.image, &signal::image(&levels, header.range));
 
     let answer = network::infer(&case.model, &core.image);
     let mut layer = Tally::bits("layer");
@@ -274,6 +303,41 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let mut confidence = Tally { rule: "relative error <= 0.6 %".into(), ..Tally::bits("confidence") };
     confidence.bounded(0, (core.confidence / answer.confidence - 1.0).abs(), CONFIDENCE_BOUND);
     Ok(vec![beat, gram, weights, slow_time, frame, image, layer, logits, class, confidence])
+}
+
+fn compare_frames(core: &Recorder, header: &network::Header) -> Tally {
+    let mut frame = Tally { rule: "|error| <= 2^-18 sum |x|".into(), ..Tally::bits("frame") };
+    let window = signal::kaiser(header.window, header.beta);
+    frame.exact(&[core.frames.len()], &[header.frames]);
+    for (k, found) in core.frames.iter().enumerate() {
+        let (bins, total) = signal::frame(&core.slow_time, &window, k * header.hop);
+        for (index, (found, expected)) in found.iter().zip(&bins).enumerate() {
+            let (re, im) = (f64::from(found.0) - expected.re, f64::from(found.1) - expected.im);
+            let error = (re * re + im * im).sqrt();
+            frame.bounded(256 * k + index, if total > 0.0 { error / total } else { error }, FRAME_BOUND);
+        }
+    }
+    frame
+}
+
+/// The bins that become rows; half of them for a window of more than half the transform.
+fn compare_fixed_frames(core: &Recorder, header: &network::Header) -> Tally {
+    let mut frame =
+        Tally { rule: "|error| <= 2^-18 sum |x| + 57".into(), ..Tally::bits("frame in integers") };
+    let window = signal::kaiser(header.window, header.beta);
+    let scale = if header.window > 128 { 0.5 } else { 1.0 };
+    frame.exact(&[core.fixed_frames.len()], &[header.frames]);
+    for (k, found) in core.fixed_frames.iter().enumerate() {
+        let (bins, total) = signal::frame(&core.slow_time, &window, k * header.hop);
+        let kept = 32 * header.bins_per_row;
+        for bin in (0..kept).chain(256 - kept..256) {
+            let (found, expected) = (found[bin], bins[bin]);
+            let (re, im) = (found.0 as f64 - scale * expected.re, found.1 as f64 - scale * expected.im);
+            let bound = FRAME_BOUND * scale * total + FIXED_BOUND;
+            frame.bounded(256 * k + bin, (re * re + im * im).sqrt() / bound, 1.0);
+        }
+    }
+    frame
 }
 
 /// One period of the core's scheduler: 255 sensing, else the receiver; empty if the plan is refused.

@@ -1,19 +1,31 @@
 //! The inputs of the conformance suite, and the file in which firmware reads them.
 //!
-//! Little-endian: `SDPS`, u32 version 1, u32 cases; per case u32 model length, u32 slots, the model padded to four
-//! bytes, the slots (interleaved i16 I/Q, 4000 bytes each); then u32 period, spacing, sensing, K and K shares.
+//! Little-endian: `SDPS`, u32 version 2, u32 cases; per case u32 model length, u32 slots, u32 transform (0 floats, 1
+//! integers), the model padded to four bytes, the slots (interleaved i16 I/Q, 4000 bytes each); then u32 period, spacing,
+//! sensing, K and K shares.
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
 
-/// One recording and the model that recognises it.
+/// The arithmetic of a spectrogram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transform {
+    /// [`sdp3_core::stft::Stft`].
+    Float,
+    /// [`sdp3_core::stft::FixedStft`].
+    Fixed,
+}
+
+/// One recording, the model that recognises it and the transform between them.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// What the recording is.
     pub name: String,
     /// Model file.
     pub model: Vec<u8>,
+    /// By which arithmetic.
+    pub transform: Transform,
     /// Sensing slots.
     pub slots: Vec<Slot>,
 }
@@ -45,11 +57,12 @@ impl Suite {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = b"SDPS".to_vec();
         let word = |bytes: &mut Vec<u8>, value: u32| bytes.extend(value.to_le_bytes());
-        word(&mut bytes, 1);
+        word(&mut bytes, 2);
         word(&mut bytes, self.cases.len() as u32);
         for case in &self.cases {
             word(&mut bytes, case.model.len() as u32);
             word(&mut bytes, case.slots.len() as u32);
+            word(&mut bytes, u32::from(case.transform == Transform::Fixed));
             bytes.extend(&case.model);
             bytes.resize(bytes.len().next_multiple_of(4), 0);
             for sample in case.slots.iter().flatten() {
@@ -65,12 +78,13 @@ impl Suite {
     }
 }
 
-/// Inputs no room produces: silence, full scale, saturation, noise and a single moving echo.
+/// Inputs no room produces, by both transforms: silence, full scale, saturation, noise and a single moving echo.
 pub fn stimuli(model: &[u8], slots: usize, seed: u64) -> Vec<Case> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let make = |name: &str, sample: &mut dyn FnMut(usize, usize) -> Iq| Case {
         name: name.to_owned(),
         model: model.to_vec(),
+        transform: Transform::Float,
         slots: (0..slots).map(|slot| std::array::from_fn(|n| sample(slot, n))).collect(),
     };
     let echo = |slot: usize, n: usize, amplitude: f64| {
@@ -81,7 +95,7 @@ pub fn stimuli(model: &[u8], slots: usize, seed: u64) -> Vec<Case> {
         let round = |x: f64| libm::round(amplitude * x).clamp(-32768.0, 32767.0) as i16;
         Iq { i: round(libm::cos(phase)), q: round(libm::sin(phase)) }
     };
-    vec![
+    let cases = vec![
         make("silence", &mut |_, _| Iq::default()),
         make("full-scale-alternating", &mut |slot, n| {
             let value = if (slot + n).is_multiple_of(2) { i16::MAX } else { i16::MIN };
@@ -93,7 +107,13 @@ pub fn stimuli(model: &[u8], slots: usize, seed: u64) -> Vec<Case> {
             Iq { i: word as i16, q: (word >> 16) as i16 }
         }),
         make("moving-echo", &mut |slot, n| echo(slot, n, 3_000.0)),
-    ]
+    ];
+    let fixed = cases.iter().map(|case| Case {
+        name: format!("{}, in integers", case.name),
+        transform: Transform::Fixed,
+        ..case.clone()
+    });
+    cases.iter().cloned().chain(fixed).collect()
 }
 
 const _: () = assert!(SLOT_SAMPLES == 1000, "the suite file states 4000 bytes a slot");

@@ -1,13 +1,15 @@
-//! The core's layers, by plain loops and by every instruction set there is, against the reference, which is naive and
+//! The core's layers, by plain loops, by tiles and by every instruction set there is, against the reference, which is naive and
 //! shares no code with them: the same bits for any weights, shapes, scales and images.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::conformance::reference::network::infer;
+use sdp3_core::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
 use sdp3_core::dsn::vector::VectorMemory;
 use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector};
 use sdp3_core::frame::ROWS;
 use sdp3_core::probe::Probe;
+use sdp3_core::simd::pairs::Eight;
 use sdp3_core::simd::{Isa, Line};
 use sdp3_fuzz::{Bytes, Sizes, model};
 
@@ -48,6 +50,13 @@ fuzz_target!(|data: &[u8]| {
     let expected = Layers(reference.layers.into_iter().chain([reference.logits]).collect());
     let model = Model::parse(&file).expect("a sound model");
     assert_eq!(layers(model.clone(), &image, Portable), expected);
+    for places in [1, 2 * model.blocks()] {
+        let sizes = TiledSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let (mut eights, mut words) = (vec![Eight::ZERO; sizes.eights], vec![0; sizes.words]);
+        let memory = TiledMemory { eights: &mut eights, words: &mut words };
+        let kernels = Tiled::new(&model, memory).expect("enough memory");
+        assert_eq!(layers(model.clone(), &image, kernels), expected, "tiles, {places} places");
+    }
     for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
         let (mut lines, mut words) = (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
         let memory = VectorMemory { lines: &mut lines, words: &mut words };

@@ -2,13 +2,15 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::dsn::{Model, scratch_bytes};
+use sdp3_core::dsn::{Model, Shape};
 use sdp3_core::frame::{Iq, Slot};
-use sdp3_core::receiver::{Memory, Receiver, ReceiverError};
+use sdp3_core::memory_for;
+use sdp3_core::receiver::{Receiver, ReceiverError};
 use sdp3_fuzz::{Bytes, Sizes, model};
 
 /// Memory for every model made here: at most 9 frames, 24 slots.
-type Largest = Memory<24, 9, { scratch_bytes(9, 4, 1) }>;
+const LARGEST: Shape = Shape { sensing_slots: 24, frames: 9, channels: 4, stem_stride: 1 };
+type Largest = memory_for!(LARGEST);
 
 /// A slot of constant, alternating, ramped or pseudo-random samples.
 fn slot(bytes: &mut Bytes<'_>) -> Slot {

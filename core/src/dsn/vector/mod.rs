@@ -126,7 +126,15 @@ impl Kernels for Vector<'_> {
         unit.run(PointwiseAffine { layer, lines, input, output });
     }
 
-    fn conv(&mut self, at: usize, layer: &Conv<'_>, input: &[i8], size: (usize, usize), output: &mut [i8]) {
+    fn conv(
+        &mut self,
+        at: usize,
+        layer: &Conv<'_>,
+        input: &[i8],
+        size: (usize, usize),
+        _rows: &mut [i8],
+        output: &mut [i8],
+    ) {
         let Some((unit, lines)) = self.packed(at) else {
             return layer.forward(input, size.0, size.1, output);
         };

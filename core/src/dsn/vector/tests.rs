@@ -6,130 +6,20 @@ use super::*;
 use crate::dsn::Network;
 use crate::dsn::model::crc32;
 use crate::dsn::network::scratch_bytes;
+use crate::dsn::random_model::{Numbers, Size, write};
 use crate::probe::Probe;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use std::vec;
 use std::vec::Vec as List;
-use std::{format, vec};
-
-/// How a network's numbers are drawn.
-#[derive(Clone, Copy, PartialEq, Debug)]
-enum Numbers {
-    /// Scales that keep values in range, as training leaves them.
-    Usual,
-    /// All weights and zero points at an end of their range.
-    Extreme,
-    /// Any legal multiplier, shift and bias.
-    Any,
-}
-
-struct Writer {
-    bytes: List<u8>,
-    random: Xoshiro128PlusPlus,
-    numbers: Numbers,
-}
-
-impl Writer {
-    fn below(&mut self, n: u32) -> u32 {
-        self.random.next_u32() % n
-    }
-
-    fn byte(&mut self) -> i8 {
-        match self.numbers {
-            Numbers::Extreme => [-128, 127][self.below(2) as usize],
-            _ => self.random.next_u32() as i8,
-        }
-    }
-
-    fn put(&mut self, bytes: &[u8]) {
-        self.bytes.extend_from_slice(bytes);
-    }
-
-    /// Zero points and range; some with a ReLU.
-    fn begin(&mut self, kind: u8) {
-        let (input, output, second) = (self.byte(), self.byte(), self.byte());
-        let low = [-128, output, self.byte()][self.below(3) as usize];
-        let high = if self.below(2) == 0 { 127 } else { self.byte().max(low) };
-        self.put(&[kind, input as u8, output as u8, low as u8, high as u8, second as u8, 0, 0]);
-    }
-
-    fn scale(&mut self, gain: i8) -> (i32, i8) {
-        let multiplier = (1 << 30) + self.below(1 << 30) as i32;
-        match self.numbers {
-            Numbers::Any => (multiplier, self.below(39) as i8 - 31),
-            _ => (multiplier, -gain - self.below(3) as i8),
-        }
-    }
-
-    fn channelwise(&mut self, kind: u8, channels: usize, taps: usize) {
-        self.begin(kind);
-        (0..2).for_each(|_| self.put(&1_f32.to_le_bytes()));
-        let gain = if taps == 1 { 6 } else { 8 + taps.ilog2() as i8 / 2 };
-        let scales: List<(i32, i8)> = (0..channels).map(|_| self.scale(gain)).collect();
-        scales.iter().for_each(|(multiplier, _)| self.put(&multiplier.to_le_bytes()));
-        for _ in 0..channels {
-            let bias = match self.numbers {
-                Numbers::Any => self.random.next_u32() as i32 >> self.below(16),
-                _ => self.below(20_001) as i32 - 10_000,
-            };
-            self.put(&bias.to_le_bytes());
-        }
-        scales.iter().for_each(|&(_, shift)| self.put(&[shift as u8]));
-        (channels..channels.next_multiple_of(4)).for_each(|_| self.put(&[0]));
-        let length = (channels * taps).next_multiple_of(4);
-        for _ in 0..length {
-            let w = self.byte();
-            self.put(&[w as u8]);
-        }
-    }
-
-    fn add(&mut self) {
-        self.begin(3);
-        (0..3).for_each(|_| self.put(&1_f32.to_le_bytes()));
-        let half = (1 << 30, 0);
-        let scales = match self.below(3) {
-            0 => [half, self.scale(1), self.scale(18)],
-            1 => [self.scale(1), half, self.scale(18)],
-            _ => [self.scale(1), self.scale(1), self.scale(18)],
-        };
-        scales.iter().for_each(|(multiplier, _)| self.put(&multiplier.to_le_bytes()));
-        scales.iter().for_each(|&(_, shift)| self.put(&[shift as u8]));
-        self.put(&[0]);
-    }
-}
 
 /// A model file of this shape with random numbers.
 fn model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> List<u8> {
-    let random = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut w = Writer { bytes: vec![], random, numbers };
-    w.put(b"SDP3\x01\x00\x40\x00\0\0\0\0");
-    w.put(&(8 + 4 * (frames - 1)).to_le_bytes());
-    w.put(&[2, 8]);
-    for value in [8_u16, 4, 64] {
-        w.put(&value.to_le_bytes());
-    }
-    w.put(&[1, stride]);
-    w.put(&1063_u16.to_le_bytes());
-    w.put(&frames.to_le_bytes());
-    w.put(&10_f32.to_le_bytes());
-    w.put(&[channels as u8, 2, 3, 0]);
-    w.put(&[0; 28]);
-    for name in ["a", "b", "c"] {
-        w.put(format!("{name:\0<24}").as_bytes());
-    }
-    w.channelwise(1, channels, 9);
-    for _ in 0..2 {
-        w.channelwise(2, channels, 1);
-        w.channelwise(1, channels, 9 * channels);
-        w.channelwise(1, channels, 9 * channels);
-        w.add();
-    }
-    w.channelwise(4, 3, channels);
-    let length = w.bytes.len() as u32 + 4;
-    w.bytes[8..12].copy_from_slice(&length.to_le_bytes());
-    let checksum = crc32(&w.bytes);
-    w.put(&checksum.to_le_bytes());
-    w.bytes
+    let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
+    let mut bytes = vec![0; 1 << 17];
+    let length = write(size, seed, numbers, crc32, &mut bytes);
+    bytes.truncate(length);
+    bytes
 }
 
 #[derive(Default, PartialEq)]

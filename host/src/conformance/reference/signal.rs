@@ -210,25 +210,55 @@ pub fn level(p: f32) -> Option<i64> {
     Some((libm::log2(f64::from(p)) * 64.0).floor() as i64)
 }
 
-/// The image of the frames' f32 spectra, `[64][frames]`.
-pub fn image(spectra: &[Vec<(f32, f32)>], bins_per_row: usize, range: i64) -> Vec<i8> {
+/// `floor(64 log2 p)` of the leading 32 bits of a positive p, or `None`: f64 holds them exactly.
+pub fn fixed_level(p: u64) -> Option<i64> {
+    let below = p.checked_ilog2()?.saturating_sub(31);
+    Some((libm::log2((p >> below << below) as f64) * 64.0).floor() as i64)
+}
+
+/// Bin `t` of an image's row.
+fn bin(row: usize, t: usize, bins_per_row: usize) -> usize {
+    ((row as i64 - 32) * bins_per_row as i64 + t as i64).rem_euclid(256) as usize
+}
+
+/// The levels of the frames' f32 spectra, `[64][frames]`.
+pub fn levels(spectra: &[Vec<(f32, f32)>], bins_per_row: usize) -> Vec<Option<i64>> {
     let mut levels = vec![None; 64 * spectra.len()];
     for (k, spectrum) in spectra.iter().enumerate() {
         for row in 0..64 {
             let mut power: Option<f32> = None;
             for t in 0..bins_per_row {
-                let bin = ((row as i64 - 32) * bins_per_row as i64 + t as i64).rem_euclid(256) as usize;
-                let (re, im) = spectrum[bin];
+                let (re, im) = spectrum[bin(row, t, bins_per_row)];
                 let term = re * re + im * im;
                 power = Some(power.map_or(term, |power| power + term));
             }
             levels[row * spectra.len() + k] = power.and_then(level);
         }
     }
+    levels
+}
+
+/// The levels of spectra in integers, `[64][frames]`.
+pub fn fixed_levels(spectra: &[Vec<Int>], bins_per_row: usize) -> Vec<Option<i64>> {
+    let mut levels = vec![None; 64 * spectra.len()];
+    for (k, spectrum) in spectra.iter().enumerate() {
+        for row in 0..64 {
+            let powers = (0..bins_per_row).map(|t| {
+                let (re, im) = spectrum[bin(row, t, bins_per_row)];
+                (re * re + im * im) as u64
+            });
+            levels[row * spectra.len() + k] = fixed_level(powers.sum());
+        }
+    }
+    levels
+}
+
+/// The image of levels.
+pub fn image(levels: &[Option<i64>], range: i64) -> Vec<i8> {
     let largest = levels.iter().flatten().copied().max();
     levels
-        .into_iter()
-        .map(|level| match (level, largest) {
+        .iter()
+        .map(|level| match (*level, largest) {
             (Some(level), Some(largest)) if largest - level < range => {
                 (255 - (largest - level) * 255 / range - 128) as i8
             }

@@ -2,8 +2,43 @@
 //!
 //! Eq. (z) of the paper, with N_fft in the exponent's denominator.
 
+mod fixed;
+
 use crate::frame::{Complex, FFT_LEN};
 use crate::math::{bessel_i0f, sqrtf};
+use crate::probe::Probe;
+use crate::spectrogram::level;
+pub use fixed::{FixedBins, FixedSpectrum, FixedStft};
+
+/// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
+pub trait ShortTime {
+    /// Spectrum of one frame, `[doppler]`.
+    type Spectrum;
+    /// A spectrum of zeros.
+    const SILENCE: Self::Spectrum;
+
+    /// A Kaiser window of `length` (2..=256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
+    ///
+    /// Out-of-range arguments are taken to the nearest legal value. The window's error against exact arithmetic is
+    /// below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.
+    fn new(length: u16, beta: f32, hop: u16) -> Self;
+    /// Frames in `slots` slow-time samples: floor((N_s - N_w) / hop) + 1, or 0.
+    fn frames(&self, slots: usize) -> usize;
+    /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `bins_per_row` bins. A frame beyond the
+    /// end of the signal is transformed as if the signal went on with zeros.
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, bins_per_row: u8, spectrum: &mut Self::Spectrum);
+    /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
+    fn level(spectrum: &Self::Spectrum, first: usize, count: usize) -> i16;
+    /// Shows a spectrum to an observer.
+    fn show(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
+}
+
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(not(any(target_arch = "arm", target_arch = "riscv32")))]
+pub type NativeStft = Stft;
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+pub type NativeStft = FixedStft;
 
 /// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
 pub type Spectrum = [Complex<f32>; FFT_LEN];
@@ -11,7 +46,7 @@ pub type Spectrum = [Complex<f32>; FFT_LEN];
 /// A spectrum of zeros.
 pub const ZERO_SPECTRUM: Spectrum = [Complex::new(0.0, 0.0); FFT_LEN];
 
-/// Window and hop of the transform.
+/// Window and hop of the transform. In f32: microfft's radix 2.
 #[derive(Debug, Clone)]
 pub struct Stft {
     window: [f32; FFT_LEN],
@@ -20,11 +55,17 @@ pub struct Stft {
 }
 
 impl Stft {
-    /// A Kaiser window of `length` (2..=256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
-    ///
-    /// Out-of-range arguments are taken to the nearest legal value. The window's error against exact arithmetic is
-    /// below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.
-    pub fn new(length: u16, beta: f32, hop: u16) -> Self {
+    /// The window, `[slow_time]`.
+    pub fn window(&self) -> &[f32] {
+        self.window.get(..self.length).unwrap_or(&self.window)
+    }
+}
+
+impl ShortTime for Stft {
+    type Spectrum = Spectrum;
+    const SILENCE: Spectrum = ZERO_SPECTRUM;
+
+    fn new(length: u16, beta: f32, hop: u16) -> Self {
         let length = usize::from(length).clamp(2, FFT_LEN);
         let mut window = [0.0; FFT_LEN];
         let centre = (length - 1) as f32 / 2.0;
@@ -37,27 +78,32 @@ impl Stft {
         Stft { window, length, hop: usize::from(hop).max(1) }
     }
 
-    /// The window, `[slow_time]`.
-    pub fn window(&self) -> &[f32] {
-        self.window.get(..self.length).unwrap_or(&self.window)
-    }
-
-    /// Frames in `slots` slow-time samples: floor((N_s - N_w) / hop) + 1, or 0.
-    pub fn frames(&self, slots: usize) -> usize {
+    fn frames(&self, slots: usize) -> usize {
         frames(slots, self.length, self.hop)
     }
 
-    /// Frame `k` of the slow-time signal into `spectrum`.
-    ///
-    /// f32, microfft's radix-2 transform: error below 2^-20 of the sum of the windowed magnitudes. A frame beyond the
-    /// end of the signal is transformed as if the signal went on with zeros. Cost: one 256-point complex FFT.
-    pub fn frame(&self, slow_time: &[Complex<i32>], k: usize, spectrum: &mut Spectrum) {
+    /// All bins. Error below 2^-20 of the sum of the windowed magnitudes. Cost: one 256-point complex FFT.
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, _bins_per_row: u8, spectrum: &mut Spectrum) {
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         *spectrum = ZERO_SPECTRUM;
         for ((out, y), w) in spectrum.iter_mut().zip(signal).zip(self.window()) {
             *out = Complex::new(y.re as f32 * w, y.im as f32 * w);
         }
         let _: &mut Spectrum = microfft::complex::cfft_256(spectrum); // in place
+    }
+
+    /// Powers are summed in ascending order of the bins.
+    fn level(spectrum: &Spectrum, first: usize, count: usize) -> i16 {
+        let mut power = 0.0_f32;
+        for k in 0..count {
+            let z = spectrum[first.wrapping_add(k) % FFT_LEN];
+            power += z.re * z.re + z.im * z.im;
+        }
+        level(power)
+    }
+
+    fn show(spectrum: &Spectrum, k: usize, probe: &mut impl Probe) {
+        probe.frame(k, spectrum);
     }
 }
 
@@ -86,7 +132,7 @@ mod tests {
         });
         let mut spectrum = ZERO_SPECTRUM;
         for k in 0..stft.frames(tone.len()) {
-            stft.frame(&tone, k, &mut spectrum);
+            stft.frame(&tone, k, 1, &mut spectrum);
             let loudest = (0..256).max_by(|&a, &b| spectrum[a].norm_sqr().total_cmp(&spectrum[b].norm_sqr()));
             assert_eq!(loudest, Some(20));
         }

@@ -1,0 +1,223 @@
+//! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
+//! [`Pairs`].
+//!
+//! The module is compiled only where the target promises the extension; that is what every `unsafe` below stands on.
+
+#[cfg(arm_mve)]
+mod helium;
+#[cfg(arm_mve)]
+pub use helium::Helium;
+
+use crate::frame::{BEATS, Iq, Slot};
+use crate::simd::mix::BlockSums;
+use crate::simd::pairs::{Eight, Pairs, Points, Sums, plain_products};
+use core::arch::{asm, global_asm};
+
+/// The DSP extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Dsp;
+
+// Products of `quads` groups of four channels at sixteen points. A group is two loads of four words (two tiles' inputs,
+// two outputs' weights) and eight dual multiply-accumulates; sums live in r2, r3, r12, lr. r0: inputs, r1: weights;
+// on the stack: where sums go, and their end.
+global_asm!(
+    concat!(".cpu ", env!("SDP3_ARM_CPU")),
+    ".macro sdp3_group first",
+    "ldmia r0!, {{r4-r7}}",
+    "ldmia r1!, {{r8-r11}}",
+    ".if \\first",
+    "smuad r2, r4, r8",
+    "smuad r3, r6, r8",
+    "smuad r12, r4, r10",
+    "smuad lr, r6, r10",
+    ".else",
+    "smlad r2, r4, r8, r2",
+    "smlad r3, r6, r8, r3",
+    "smlad r12, r4, r10, r12",
+    "smlad lr, r6, r10, lr",
+    ".endif",
+    "smlad r2, r5, r9, r2",
+    "smlad r3, r7, r9, r3",
+    "smlad r12, r5, r11, r12",
+    "smlad lr, r7, r11, lr",
+    ".endm",
+    ".macro sdp3_point quads, first",
+    "sdp3_group \\first",
+    ".rept \\quads - 1",
+    "sdp3_group 0",
+    ".endr",
+    ".endm",
+    ".macro sdp3_products quads",
+    ".pushsection .text.sdp3_products_\\quads, \"ax\", %progbits",
+    ".global sdp3_products_\\quads",
+    ".type sdp3_products_\\quads, %function",
+    ".p2align 2",
+    ".thumb_func",
+    "sdp3_products_\\quads:",
+    "push {{r4-r11, lr}}",
+    "add r3, r2, #128",
+    "push {{r2, r3}}",
+    "1:",
+    "sdp3_point \\quads, 1", // row 1
+    "ldr r4, [sp]",
+    "stm r4, {{r2, r3, r12, lr}}",
+    "sdp3_point \\quads, 1", // row 2
+    "ldr r4, [sp]",
+    "ldmia r4!, {{r5-r8}}",
+    "sub r5, r5, r2", // the difference, and from it the sum
+    "add r2, r5, r2, lsl #1",
+    "sub r6, r6, r3",
+    "add r3, r6, r3, lsl #1",
+    "sub r7, r7, r12",
+    "add r12, r7, r12, lsl #1",
+    "sub r8, r8, lr",
+    "add lr, r8, lr, lsl #1",
+    "stm r4, {{r5-r8}}",
+    "sdp3_point \\quads, 0", // row 0
+    "ldr r4, [sp]",
+    "stmia r4!, {{r2, r3, r12, lr}}",
+    "ldm r4, {{r2, r3, r12, lr}}",
+    "sdp3_point \\quads, 0", // row 3
+    "pop {{r4, r5}}",
+    "add r4, r4, #16",
+    "stmia r4!, {{r2, r3, r12, lr}}",
+    "push {{r4, r5}}",
+    "cmp r4, r5",
+    "bne 1b",
+    "add sp, sp, #8",
+    "pop {{r4-r11, pc}}",
+    ".size sdp3_products_\\quads, . - sdp3_products_\\quads",
+    ".popsection",
+    ".endm",
+    "sdp3_products 2",
+    "sdp3_products 4",
+    "sdp3_products 8",
+);
+
+unsafe extern "C" {
+    fn sdp3_products_2(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
+    fn sdp3_products_4(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
+    fn sdp3_products_8(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
+}
+
+impl Pairs for Dsp {
+    #[inline(always)]
+    fn add(self, a: i32, b: i32) -> i32 {
+        let sum;
+        // SAFETY: registers only; the target has the instruction.
+        unsafe {
+            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+        };
+        sum
+    }
+
+    #[inline(always)]
+    fn sub(self, a: i32, b: i32) -> i32 {
+        let difference;
+        // SAFETY: registers only; the target has the instruction.
+        unsafe {
+            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+        };
+        difference
+    }
+
+    #[inline(always)]
+    fn settle(self, pair: i32) -> [i16; 2] {
+        [pair as i16, (pair >> 16) as i16]
+    }
+
+    #[inline]
+    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
+        let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
+        // SAFETY: each reads 16 QUADS groups of inputs and of weights, which is what both arrays hold, and writes 128
+        // bytes, which is what the sums are; all are aligned to words.
+        match QUADS {
+            2 => unsafe { sdp3_products_2(x, w, sums) },
+            4 => unsafe { sdp3_products_4(x, w, sums) },
+            8 => unsafe { sdp3_products_8(x, w, sums) },
+            _ => plain_products::<Self, QUADS>(inputs, weights, sums),
+        }
+    }
+}
+
+// Eight blocks of 125 samples, four at a time and the last alone. r0: samples, r1: reference, on the stack: where sums go,
+// and their end. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
+global_asm!(
+    concat!(".cpu ", env!("SDP3_ARM_CPU")),
+    ".macro sdp3_mix x, s",
+    "smlald r2, r3, \\x, \\s",
+    "smlsldx r4, r5, \\s, \\x",
+    ".endm",
+    ".pushsection .text.sdp3_mix_blocks, \"ax\", %progbits",
+    ".global sdp3_mix_blocks",
+    ".type sdp3_mix_blocks, %function",
+    ".p2align 2",
+    ".thumb_func",
+    "sdp3_mix_blocks:",
+    "push {{r4-r11, lr}}",
+    "add r3, r2, #128",
+    "push {{r2, r3}}",
+    "1:",
+    "movs r2, #0",
+    "movs r3, #0",
+    "movs r4, #0",
+    "movs r5, #0",
+    ".rept 31",
+    "ldmia r0!, {{r6-r9}}",
+    "ldmia r1!, {{r10-r12, lr}}",
+    "sdp3_mix r6, r10",
+    "sdp3_mix r7, r11",
+    "sdp3_mix r8, r12",
+    "sdp3_mix r9, lr",
+    ".endr",
+    "ldr r6, [r0], #4",
+    "ldr r10, [r1], #4",
+    "sdp3_mix r6, r10",
+    "pop {{r6, r7}}",
+    "stmia r6!, {{r2-r5}}",
+    "push {{r6, r7}}",
+    "cmp r6, r7",
+    "bne 1b",
+    "add sp, sp, #8",
+    "pop {{r4-r11, pc}}",
+    ".size sdp3_mix_blocks, . - sdp3_mix_blocks",
+    ".popsection",
+);
+
+unsafe extern "C" {
+    fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut BlockSums);
+}
+
+/// [`crate::simd::mix::plain`] by dual multiply-accumulates with 64-bit sums.
+#[inline]
+pub fn mix(samples: &Slot, reference: &Slot) -> BlockSums {
+    let mut sums = [[0; 2]; BEATS];
+    // SAFETY: it reads 1000 samples, words of in-phase and quadrature, of each and writes 128 bytes, which is what the sums
+    // are; all are aligned to words.
+    unsafe { sdp3_mix_blocks(samples.as_ptr(), reference.as_ptr(), &mut sums) };
+    sums
+}
+
+// not `pure`: kept in the order of the source, they need fewer registers at a time
+
+/// [`crate::simd::high::high`].
+#[inline(always)]
+pub fn high(a: i32, b: i32) -> i32 {
+    let product;
+    // SAFETY: registers only; the target has the instruction.
+    unsafe {
+        asm!("smmul {}, {}, {}", lateout(reg) product, in(reg) a, in(reg) b, options(nomem, nostack, preserves_flags))
+    };
+    product
+}
+
+/// [`crate::simd::high::add_high`].
+#[inline(always)]
+pub fn add_high(sum: i32, a: i32, b: i32) -> i32 {
+    let total;
+    // SAFETY: registers only; the target has the instruction.
+    unsafe {
+        asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
+    };
+    total
+}

@@ -1,0 +1,257 @@
+//! Counts the instructions of each stage of the chain and prints them, one `work <name> <instructions>` a line.
+//!
+//! Networks have random numbers of the sizes that peers are measured at. Every layer is also computed by the plain
+//! loops, and an output that differs ends the run.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: build it with firmware-sim/build");
+}
+
+#[cfg(target_os = "none")]
+#[path = "../../../core/src/dsn/random_model.rs"]
+mod random_model;
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use super::random_model::{Numbers, Size, write};
+    use rand_core::SeedableRng;
+    use sdp3_core::clutter::{Gram, Weights};
+    use sdp3_core::digest::DigestProbe;
+    use sdp3_core::dsn::model::crc32;
+    use sdp3_core::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
+    use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
+    use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::probe::Probe;
+    use sdp3_core::receiver::{Memory, Receiver, ReceiverError};
+    use sdp3_core::selftest;
+    use sdp3_core::stft::{FixedBins, FixedStft, NativeStft, ShortTime, Spectrum, Stft};
+    use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
+    use sdp3_firmware_sim::semihosting::{exit, println};
+
+    /// Memory for the largest of the networks below.
+    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8192, 8192>;
+    static MEMORY: Single<Largest> = Single::new(Largest::new());
+    static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
+
+    /// Sums instructions by kind of work: what was done since the last event belongs to the next.
+    struct Shares {
+        last: u64,
+        empty: u64,
+        counts: [u64; KINDS.len()],
+        /// Events of each kind.
+        events: [u64; KINDS.len()],
+        /// The last frame: the grey levels of the frame before it are part of the count.
+        frame: u64,
+    }
+
+    const KINDS: [&str; 12] = [
+        "dechirp",
+        "gram",
+        "weights",
+        "projection",
+        "frames",
+        "grey",
+        "stem",
+        "affine",
+        "convolution",
+        "addition",
+        "head",
+        "softmax",
+    ];
+
+    impl Shares {
+        fn new() -> Self {
+            let none = [0; KINDS.len()];
+            let mut shares = Shares { last: 0, empty: 0, counts: none, events: none, frame: 0 };
+            shares.start();
+            shares.add(0);
+            shares.empty = shares.counts[0];
+            (shares.counts, shares.events) = (none, none);
+            shares.start();
+            shares
+        }
+
+        /// Forgets what was done since the last event.
+        fn start(&mut self) {
+            self.last = instructions();
+        }
+
+        fn add(&mut self, kind: usize) -> u64 {
+            let spent = instructions().wrapping_sub(self.last).saturating_sub(self.empty);
+            self.counts[kind] += spent;
+            self.events[kind] += 1;
+            self.last = instructions();
+            spent
+        }
+
+        /// Mean of a kind's events.
+        fn mean(&self, kind: &str) -> u64 {
+            let kind = KINDS.iter().position(|k| *k == kind).unwrap_or(0);
+            self.counts[kind] / self.events[kind].max(1)
+        }
+    }
+
+    impl Probe for Shares {
+        fn beat(&mut self, _beat: &Beat) {
+            self.add(0);
+        }
+        fn gram(&mut self, _gram: &Gram) {
+            self.start();
+        }
+        fn weights(&mut self, _weights: &Weights) {
+            self.add(2);
+        }
+        fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {
+            self.add(3);
+        }
+        fn frame(&mut self, _k: usize, _spectrum: &Spectrum) {
+            self.frame = self.add(4);
+        }
+        fn fixed_frame(&mut self, _k: usize, _spectrum: &FixedBins) {
+            self.frame = self.add(4);
+        }
+        fn image(&mut self, _image: &[i8]) {
+            self.add(5);
+        }
+        fn layer(&mut self, index: usize, activations: &[i8]) {
+            let head = activations.len() <= 32;
+            let kind = if index == 0 { 6 } else { [9, 7, 8, 8][index % 4] };
+            self.add(if head { 10 } else { kind });
+        }
+        fn logits(&mut self, _logits: &[i8]) {
+            self.add(10);
+        }
+        fn confidence(&mut self, _confidence: f32) {
+            self.add(11);
+        }
+    }
+
+    fn fail(what: &str) -> ! {
+        println(format_args!("error: {what}"));
+        exit(2)
+    }
+
+    /// What computes the layers.
+    #[derive(Clone, Copy, PartialEq)]
+    enum By {
+        /// Tiles, with so many places for packed convolutions.
+        Tiles(usize),
+        /// The plain loops.
+        Loops,
+    }
+
+    /// Every convolution packed ahead, for the networks of two blocks below.
+    const AHEAD: By = By::Tiles(4);
+
+    /// The part of a buffer that is wanted.
+    fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
+        let Some(part) = memory.get_mut(..length) else { fail("packed weights do not fit") };
+        part
+    }
+
+    /// Counts a recognition of noise; all stages' values go to `probe`.
+    fn count<T: ShortTime>(
+        model: &Model<'_>,
+        memory: &mut Largest,
+        by: By,
+        probe: &mut DigestProbe,
+    ) -> Shares {
+        let mut buffers = memory.view();
+        let TiledMemory { eights, words } = core::mem::take(&mut buffers.tiles);
+        let By::Tiles(places) = by else {
+            return recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, Portable), probe);
+        };
+        let sizes = TiledSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let tiles = TiledMemory { eights: part(eights, sizes.eights), words: part(words, sizes.words) };
+        let Some(kernels) = Tiled::new(model, tiles) else { fail("packed weights do not fit") };
+        recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, kernels), probe)
+    }
+
+    fn recognise<K: Kernels, T: ShortTime>(
+        receiver: Result<Receiver<'_, '_, K, T>, ReceiverError>,
+        probe: &mut DigestProbe,
+    ) -> Shares {
+        let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
+        let mut shares = Shares::new();
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+        while receiver.missing() > 0 {
+            selftest::noise(&mut rng, &mut slot);
+            shares.start();
+            let _ = receiver.push(&slot, &mut shares);
+            shares.add(1);
+        }
+        shares.start();
+        let _ = receiver.classify(&mut shares);
+        let _ = receiver.classify(probe);
+        shares
+    }
+
+    /// The networks, and the memory they are computed in.
+    struct Bench {
+        memory: &'static mut Largest,
+        model: &'static mut [u8],
+    }
+
+    impl Bench {
+        /// Counts a network by tiles and by the plain loops, in this order, and compares their layers.
+        fn both<T: ShortTime>(&mut self, size: Size, by: By) -> [Shares; 2] {
+            let length = write(size, 1, Numbers::Trained, crc32, self.model);
+            let bytes = self.model.get(..length).unwrap_or(&[]);
+            let Ok(model) = Model::parse(bytes) else { fail("a network is refused") };
+            let (mut found, mut expected) = (DigestProbe::new(), DigestProbe::new());
+            let shares = count::<T>(&model, self.memory, by, &mut found);
+            let plain = count::<T>(&model, self.memory, By::Loops, &mut expected);
+            for ((stage, found), (_, expected)) in found.stages().zip(expected.stages()) {
+                if found != expected {
+                    println(format_args!("error: {stage} differs from the plain loops'"));
+                    exit(1);
+                }
+            }
+            [shares, plain]
+        }
+
+        /// A network's mean convolution, packed ahead and packed when it runs, and its stem.
+        fn layers(&mut self, name: &str, channels: usize, stride: u8, frames: u16) -> u64 {
+            let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
+            let [ahead, _] = self.both::<NativeStft>(size, AHEAD);
+            let [when_run, _] = self.both::<NativeStft>(size, By::Tiles(1));
+            println(format_args!("work {name} {}", ahead.mean("convolution")));
+            println(format_args!("work {name}-with-packing {}", when_run.mean("convolution")));
+            ahead.mean("stem")
+        }
+    }
+
+    fn work(name: &str, instructions: u64) {
+        println(format_args!("work {name} {instructions}"));
+    }
+
+    #[allow(unsafe_code)] // the symbol that start-up calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_main() -> ! {
+        start_counter();
+        let (Some(memory), Some(model)) = (MEMORY.take(), MODEL.take()) else { fail("memory is taken") };
+        let mut bench = Bench { memory, model };
+        let stem = bench.layers("conv-32x32x16-16", 16, 1, 64);
+        work("stem-64x64x1-16-pooled", stem);
+        bench.layers("conv-16x16x32-32", 32, 2, 64);
+        bench.layers("conv-32x64x8-8", 8, 1, 128);
+        // the default network, as the station computes it
+        let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
+        let [shares, plain] = bench.both::<NativeStft>(whole, By::Tiles(1));
+        work("dechirp-slot", shares.mean("dechirp"));
+        work("gram-slot", shares.mean("gram"));
+        let single = Size { slots: 144, blocks: 1, ..whole };
+        work("stft-frame", bench.both::<FixedStft>(single, By::Tiles(1))[0].frame);
+        work("stft-frame-f32", bench.both::<Stft>(single, By::Tiles(1))[0].frame);
+        for (kind, count) in KINDS.iter().zip(shares.counts) {
+            println(format_args!("work chain-{kind} {count}"));
+        }
+        work("chain", shares.counts.iter().sum());
+        work("chain-by-plain-loops", plain.counts.iter().sum());
+        println(format_args!("done"));
+        exit(0)
+    }
+}

@@ -1,0 +1,112 @@
+//! Runs every processor-specific kernel beside its portable twin, on extreme and random inputs, and compares the bits.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: build it with firmware-sim/build");
+}
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use rand_core::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro128PlusPlus;
+    use sdp3_core::dechirp::CHIRP;
+    use sdp3_core::frame::{Iq, Slot};
+    use sdp3_core::simd::NativePairs;
+    use sdp3_core::simd::pairs::{Eight, POINTS, Pairs, Plain, Points, plain_products, unpack};
+    use sdp3_core::simd::{high, mix};
+    use sdp3_firmware_sim::semihosting::{exit, println};
+
+    /// Inputs of each kernel.
+    const ROUNDS: usize = 200;
+
+    /// The first rounds are extreme, the others random with ever fewer bits.
+    fn draw(random: &mut impl Rng, round: usize) -> i32 {
+        let bits = random.next_u32();
+        match round {
+            0 => i32::MIN,
+            1 => i32::MAX,
+            2 => [i32::MIN, i32::MAX][(bits & 1) as usize],
+            3 => -1,
+            4 => 0,
+            _ => bits as i32 >> (round % 32),
+        }
+    }
+
+    fn half(random: &mut impl Rng, round: usize) -> i16 {
+        (draw(random, round) >> 16) as i16
+    }
+
+    fn same<T: PartialEq>(kernel: &str, round: usize, found: T, expected: T) {
+        if found != expected {
+            println(format_args!("error: {kernel} differs from its portable twin in round {round}"));
+            exit(1);
+        }
+    }
+
+    /// Products of `QUADS` groups of four channels.
+    fn products<const QUADS: usize>(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let mut draw = |points: &mut Points<QUADS>| {
+                points.as_flattened_mut().iter_mut().for_each(|Eight(values)| {
+                    values.iter_mut().for_each(|value| *value = half(random, round));
+                });
+            };
+            let (mut inputs, mut weights) = ([[Eight::ZERO; QUADS]; POINTS], [[Eight::ZERO; QUADS]; POINTS]);
+            draw(&mut inputs);
+            draw(&mut weights);
+            let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
+            NativePairs::default().products(&inputs, &weights, &mut found);
+            plain_products::<NativePairs, QUADS>(&inputs, &weights, &mut expected);
+            same("products", round, found, expected);
+        }
+    }
+
+    /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
+    fn sums(random: &mut impl Rng) {
+        fn chain<P: Pairs>(pairs: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
+            let mut sum = 0;
+            for (k, value) in values.into_iter().enumerate() {
+                sum = if signs >> k & 1 == 0 { pairs.add(sum, value) } else { pairs.sub(sum, value) };
+            }
+            pairs.settle(sum)
+        }
+        for round in 0..16 * ROUNDS {
+            let values =
+                [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
+            let signs = round as u32;
+            let found = chain(NativePairs::default(), signs, values);
+            same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
+        }
+    }
+
+    fn mixing(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let slot: Slot = core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
+            same("mixing", round, mix::mix(&slot, &CHIRP), mix::plain(&slot, &CHIRP));
+        }
+    }
+
+    fn upper_words(random: &mut impl Rng) {
+        for round in 0..16 * ROUNDS {
+            let [a, b, sum] = [0; 3].map(|_: i32| draw(random, round / 16));
+            same("upper word", round, high::high(a, b), high::plain(a, b));
+            let expected = sum.wrapping_add(high::plain(a, b));
+            same("sum of upper words", round, high::add_high(sum, a, b), expected);
+        }
+    }
+
+    #[allow(unsafe_code)] // the symbol that start-up calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_main() -> ! {
+        let mut random = Xoshiro128PlusPlus::seed_from_u64(9);
+        products::<2>(&mut random);
+        products::<4>(&mut random);
+        products::<8>(&mut random);
+        sums(&mut random);
+        mixing(&mut random);
+        upper_words(&mut random);
+        println(format_args!("twins agree"));
+        exit(0)
+    }
+}
