@@ -263,14 +263,14 @@ pub enum Command {
     },
     /// Fit the seven learning curves to accuracies.
     Predict {
-        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
-        #[arg(long, value_name = "FILE.csv")]
+        /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE")]
         points: Option<PathBuf>,
     },
     /// Draw the accuracy-throughput region and choose a point on it.
     Optimize {
-        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
-        #[arg(long, value_name = "FILE.csv")]
+        /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE")]
         points: Option<PathBuf>,
         #[command(flatten)]
         rule: RuleArgs,

@@ -14,13 +14,13 @@ use sdp3::formats::measured::Stated;
 use sdp3::formats::points;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
-use sdp3::pipeline::{Failure, Job, Measured, TARGETS, best_curve};
+use sdp3::pipeline::{Failure, Job, Measured, TARGETS};
 use sdp3::predictor::interchange::{self, Exchange};
-use sdp3::predictor::learning_curve::fit_all;
+use sdp3::predictor::learning_curve::{best_curve, fit_all, predict};
 use sdp3::predictor::spectrograms::gallery;
 use sdp3::progress::Progress;
 use sdp3::report;
-use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
+use sdp3::results::{CurvePoint, Figures, Run, Verify};
 use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;
 use sdp3::simulator::channel::properties;
@@ -85,8 +85,9 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
     });
     if let Command::Predict { points: Some(file) } = &command {
         // needs no output folder
-        let prediction = fit_all(&points::read(file)?).map_err(|e| format!("{}: {e}", file.display()))?;
-        print_prediction(&prediction, json);
+        let points = points::read(file)?;
+        let prediction = predict(&points, common.seed).map_err(|e| format!("{}: {e}", file.display()))?;
+        print(json, &prediction, || report::tables::prediction(&prediction));
         return Ok(true);
     }
     match &command {
@@ -183,8 +184,8 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         // answered above
         Command::Export { .. } | Command::Import { .. } => Ok(true),
         Command::Predict { .. } => {
-            let prediction = fit_all(&stored_points(&job)?)?;
-            print_prediction(&prediction, json);
+            let prediction = predict(&stored_points(&job)?, job.seed)?;
+            print(json, &prediction, || report::tables::prediction(&prediction));
             Ok(true)
         }
         Command::Optimize { points: file, rule } => {
@@ -395,18 +396,6 @@ fn report(job: &Job, run: &Run, figures: &Figures) -> Result<String, Failure> {
         job.output.write(&format!("figures/{name}"), svg.as_bytes())?;
     }
     Ok(job.output.write("report.html", page.as_bytes())?.display().to_string())
-}
-
-fn print_prediction(prediction: &Prediction, json: bool) {
-    if json {
-        println!("{}", to_json(prediction));
-        return;
-    }
-    println!("{:<16}{:>12}{:>10}{:>10}{:>10}", "model", "sse", "rmse", "aicc", "loo");
-    let show = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
-    for m in &prediction.models {
-        println!("{:<16}{:>12.3e}{:>10.4}{:>10}{:>10}", m.name, m.sse, m.rmse, show(m.aicc), show(m.loo));
-    }
 }
 
 fn print_verify(verify: &Verify) {

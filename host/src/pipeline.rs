@@ -10,7 +10,7 @@ use crate::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
 use crate::formats::measured;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
-use crate::predictor::learning_curve::fit_all;
+use crate::predictor::learning_curve::{best_curve, predict};
 use crate::predictor::spectrograms::{images_of, picture};
 use crate::progress::Progress;
 use crate::results::{
@@ -145,7 +145,7 @@ impl Job {
                 tested: Some(f64::from(a.tested)),
             })
             .collect();
-        let prediction = fit_all(&points)?;
+        let prediction = predict(&points, self.seed)?;
         let curve = best_curve(&prediction);
         let text = format!("A(N_s) by {}, rmse {:.4}", curve.model, curve.rmse);
         self.progress.note("predict", &text);
@@ -306,15 +306,5 @@ impl Job {
             mismatches: verdicts.iter().map(|v| v.mismatches).sum(),
             targets: verdicts,
         })
-    }
-}
-
-/// The best model of a prediction as a curve.
-pub fn best_curve(prediction: &Prediction) -> Curve {
-    let best = prediction.models.first();
-    Curve {
-        model: prediction.best.clone(),
-        parameters: best.map(|m| m.parameters).unwrap_or_default(),
-        rmse: best.map_or(0.0, |m| m.rmse),
     }
 }

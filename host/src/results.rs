@@ -73,12 +73,58 @@ pub struct Parameters {
 /// All learning curves through one set of points: what `sdp3 predict --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
-    /// Name of the model with the smallest squared error.
+    /// Name of the model with the least Mallows' C_p.
     pub best: String,
     /// The points fitted.
     pub points: Vec<CurvePoint>,
     /// Every model, best first.
     pub models: Vec<FittedCurve>,
+    /// The models in the order of each figure of merit.
+    #[serde(default)]
+    pub ranking: Ranking,
+    /// Confidence band of the best model.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub band: Option<Band>,
+}
+
+/// Names of the models, best first.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Ranking {
+    /// By sum of squared errors.
+    pub sse: Vec<String>,
+    /// By corrected Akaike criterion, those that have one.
+    pub aicc: Vec<String>,
+    /// By leave-one-out error, those that have one.
+    pub loo: Vec<String>,
+    /// By Mallows' C_p, which chooses.
+    #[serde(default)]
+    pub cp: Vec<String>,
+}
+
+/// A confidence band of a learning curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// Model.
+    pub model: String,
+    /// Share of redrawn curves within it.
+    pub coverage: f64,
+    /// Redrawn curves.
+    pub draws: u32,
+    /// What they were redrawn from: `test counts`, or `residuals` where a point has no count.
+    pub source: String,
+    /// The band, N_s ascending.
+    pub points: Vec<BandPoint>,
+}
+
+/// A confidence band at one N_s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BandPoint {
+    /// `N_s`.
+    pub sensing_slots: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
 }
 
 /// A measured accuracy.
