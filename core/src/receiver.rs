@@ -68,6 +68,25 @@ pub struct Buffers<'b> {
     pub scratch: &'b mut [i8],
 }
 
+impl Buffers<'_> {
+    /// Whether there is room for `slots` slots, `cells` cells of the image and `scratch` bytes for the network.
+    pub(crate) fn check(&self, slots: usize, cells: usize, scratch: usize) -> Result<(), ReceiverError> {
+        let f = &self.front_end;
+        for (buffer, need, have) in [
+            ("beats", slots, f.beats.len()),
+            ("slow_time", slots, f.slow_time.len()),
+            ("levels", cells, f.levels.len()),
+            ("image", cells, f.image.len()),
+            ("scratch", scratch, self.scratch.len()),
+        ] {
+            if have < need {
+                return Err(ReceiverError::Memory { buffer, need, have });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Why a receiver cannot be made or asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -84,6 +103,8 @@ pub enum ReceiverError {
     },
     /// The model's preprocessing is not valid.
     Model(ModelError),
+    /// Exits of an anytime receiver that do not go together.
+    Exits,
     /// The recording is complete: classify or reset first.
     Full,
     /// The recording is not complete yet.
@@ -100,6 +121,12 @@ impl core::fmt::Display for ReceiverError {
                 write!(f, "buffer {buffer} has {have} elements, the model needs {need}")
             }
             ReceiverError::Model(error) => write!(f, "{error}"),
+            ReceiverError::Exits => {
+                write!(
+                    f,
+                    "exits need ascending numbers of slots, one preprocessing, the same classes and weights of at most 8 nat"
+                )
+            }
             ReceiverError::Full => write!(f, "the recording is complete"),
             ReceiverError::Incomplete { missing } => write!(f, "{missing} sensing slots are missing"),
         }
@@ -138,18 +165,7 @@ impl<'m, 'b, K: Kernels> Receiver<'m, 'b, K> {
     pub fn with_kernels(model: Model<'m>, buffers: Buffers<'b>, kernels: K) -> Result<Self, ReceiverError> {
         let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-        let f = &buffers.front_end;
-        for (buffer, need, have) in [
-            ("beats", slots, f.beats.len()),
-            ("slow_time", slots, f.slow_time.len()),
-            ("levels", cells, f.levels.len()),
-            ("image", cells, f.image.len()),
-            ("scratch", scratch, buffers.scratch.len()),
-        ] {
-            if have < need {
-                return Err(ReceiverError::Memory { buffer, need, have });
-            }
-        }
+        buffers.check(slots, cells, scratch)?;
         let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
         let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(error)?;
         let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(error)?;

@@ -2,6 +2,7 @@
 //!
 //! Paper, section V. Only `network`, `training` and `trunk` need burn (the feature `train`).
 pub mod accuracy;
+pub mod anytime;
 pub mod calibration;
 #[cfg(feature = "train")]
 pub mod checkpoint;

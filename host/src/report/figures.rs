@@ -2,7 +2,7 @@
 
 use super::plot::{Axis, COLOURS, Plot, number};
 use crate::predictor::learning_curve::Model;
-use crate::results::{Calibration, Figures, Run, Zone};
+use crate::results::{Calibration, Figures, RegionPoint, Run, Zone};
 use std::fmt::Write;
 
 /// KL divergence over rho.
@@ -103,34 +103,59 @@ fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
     }
 }
 
-/// The accuracy-throughput region: boundaries of the cases, coloured by zone, and the operating point.
-pub fn region(run: &Run) -> String {
+/// The accuracy-throughput region: the cases' boundaries with their bands and the borders of their zones, and the operating point.
+pub fn region(run: &Run, figures: &Figures) -> String {
     let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
     let y = Axis::around(
         run.region.iter().map(|p| p.throughput_bit / 1e6),
         "worst throughput R (Mbit per period)",
     );
-
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
     cases.dedup();
+    let zones = [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation];
     for (index, case) in cases.iter().enumerate() {
-        let points: Vec<_> = run.region.iter().filter(|p| p.case == *case).collect();
-        let line: Vec<_> = points.iter().map(|p| (p.accuracy, p.throughput_bit / 1e6)).collect();
-        plot.line(&line, COLOURS[if index == 0 { 0 } else { 1 }], 2.0, &format!("case {case}"));
-        for p in points {
-            let (colour, name) = zone_colour(p.zone);
+        let points: Vec<&RegionPoint> = run.region.iter().filter(|p| p.case == *case).collect();
+        let at = |accuracy: f64, p: &RegionPoint| (accuracy, p.throughput_bit / 1e6);
+        if index == 0 {
+            let edge = |end: fn(&RegionPoint) -> Option<f64>| -> Vec<(f64, f64)> {
+                points.iter().filter_map(|p| Some(at(end(p)?, p))).collect()
+            };
+            plot.band(&edge(|p| p.accuracy_low), &edge(|p| p.accuracy_high), COLOURS[0]);
+        }
+        // each zone's part of the line, joined to the next one's first point
+        for zone in zones {
+            let line: Vec<_> = (0..points.len())
+                .filter(|&k| points[k].zone == zone || (k > 0 && points[k - 1].zone == zone))
+                .map(|k| at(points[k].accuracy, points[k]))
+                .collect();
+            plot.line(&line, zone_colour(zone).0, if index == 0 { 3.5 } else { 2.0 }, "");
+        }
+        for p in &points {
             let says = format!(
-                "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {name}",
-                p.sensing_slots, p.accuracy, p.throughput_bit
+                "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {}",
+                p.sensing_slots,
+                p.accuracy,
+                p.throughput_bit,
+                zone_colour(p.zone).1
             );
-            plot.dot(p.accuracy, p.throughput_bit / 1e6, 3.0, colour, &says);
+            plot.dot(p.accuracy, p.throughput_bit / 1e6, 1.5, zone_colour(p.zone).0, &says);
+        }
+        for border in figures.cases.iter().filter(|c| c.case == *case).flat_map(|c| &c.borders) {
+            let nearest = points.iter().min_by_key(|p| p.sensing_slots.abs_diff(border.sensing_slots));
+            if let Some(p) = nearest {
+                let says =
+                    format!("case {case}: {} from N_s = {}", zone_colour(border.to).1, border.sensing_slots);
+                let label = if index == 0 { border.sensing_slots.to_string() } else { String::new() };
+                plot.border(at(p.accuracy, p), &label, &says);
+            }
         }
     }
-    for zone in [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation] {
+    for zone in zones {
         let (colour, name) = zone_colour(zone);
         plot.entry(name, colour);
     }
+    plot.entry("case 1 thick, with its 95 % band", COLOURS[0]);
     let p = &run.operating_point;
     let (px, py) = plot.at(p.accuracy, p.throughput_bit / 1e6);
     plot.raw(&format!(
@@ -147,11 +172,11 @@ pub fn region(run: &Run) -> String {
 pub fn timeline(run: &Run) -> String {
     let s = &run.schedule;
     let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 170\" role=\"img\" font-size=\"12\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 206\" role=\"img\" font-size=\"12\" \
          font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>",
     );
     for (y, first, text) in
-        [(20.0, s.period_slots, "whole period"), (90.0, 80.min(s.period_slots), "first slots")]
+        [(20.0, s.period_slots, "whole period"), (106.0, 80.min(s.period_slots), "first slots")]
     {
         let width = 600.0 / f64::from(first.max(1));
         let _ = write!(svg, "<text x=\"20\" y=\"{}\">{text}: slots 1 to {first}</text>", y - 6.0);
@@ -169,12 +194,23 @@ pub fn timeline(run: &Run) -> String {
             );
             at += shown;
         }
+        for tick in 0..=4 {
+            let slot = u64::from(first) * tick / 4;
+            let x = 20.0 + slot as f64 * width;
+            let _ = write!(
+                svg,
+                "<path d=\"M{x:.2} {}v5\" stroke=\"var(--ink,#222)\"/><text x=\"{x:.2}\" y=\"{}\" text-anchor=\"middle\" \
+                 font-size=\"11\">{slot}</text>",
+                y + 34.0,
+                y + 50.0
+            );
+        }
     }
     let entry = |svg: &mut String, k: usize, name: &str, colour: &str| {
         let x = 20 + k * 130;
         let _ = write!(
             svg,
-            "<rect x=\"{x}\" y=\"144\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"155\">{name}</text>",
+            "<rect x=\"{x}\" y=\"180\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"191\">{name}</text>",
             x + 18
         );
     };

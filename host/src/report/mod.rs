@@ -2,6 +2,7 @@
 //!
 //! [`page`] is one self-contained HTML file: no script, no font, no address outside it.
 
+pub mod anytime;
 #[cfg(feature = "train")]
 pub mod fidelity;
 pub mod figures;
@@ -115,7 +116,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
              operating point: {}.",
             escape(&p.rule)
         ),
-        &format!("<figure>{}</figure>", figures::region(run)),
+        &format!("<figure>{}</figure>", figures::region(run, figures)),
     );
     let recognised = run.schedule.recognised.as_ref().map_or_else(String::new, |r| {
         format!(
@@ -157,18 +158,15 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
 
 /// Every vector figure as a file of its own.
 pub fn svgs(run: &Run, figures: &Figures) -> Vec<(String, String)> {
-    let white = |svg: String| {
-        svg.replacen("<style>", "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/><style>", 1)
-    };
     let mut files = vec![
-        ("region.svg".into(), white(figures::region(run))),
-        ("learning-curve.svg".into(), white(figures::learning_curve(run, figures))),
-        ("training-loss.svg".into(), white(figures::losses(figures))),
-        ("grey-levels.svg".into(), white(figures::pmf(&figures.calibration))),
-        ("timeline.svg".into(), figures::timeline(run)),
+        ("region.svg".into(), plot::on_white(figures::region(run, figures))),
+        ("learning-curve.svg".into(), plot::on_white(figures::learning_curve(run, figures))),
+        ("training-loss.svg".into(), plot::on_white(figures::losses(figures))),
+        ("grey-levels.svg".into(), plot::on_white(figures::pmf(&figures.calibration))),
+        ("timeline.svg".into(), plot::on_white(figures::timeline(run))),
     ];
     if !figures.calibration.curve.is_empty() {
-        files.push(("kl-curve.svg".into(), white(figures::kl_curve(&figures.calibration))));
+        files.push(("kl-curve.svg".into(), plot::on_white(figures::kl_curve(&figures.calibration))));
     }
     files
 }

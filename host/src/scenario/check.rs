@@ -169,6 +169,12 @@ impl Scenario {
             "1, 2 or 4",
         )?;
         c.within("spectrogram.range_db", s.range_db, 1.0, 190.0)?;
+        let one_window = u32::from(s.window) * (f.spacing_slots + 1);
+        let legal = format!(
+            "at least {one_window}: one STFT window of {} sensing slots, N_m = {} slots apart",
+            s.window, f.spacing_slots
+        );
+        c.legal("frame.period_slots", f.period_slots, f.period_slots >= one_window, &legal)?;
         let shown = format!("{:?}", f.sensing_slots);
         let ascending = f.sensing_slots.windows(2).all(|pair| pair[0] < pair[1]);
         c.legal(
