@@ -15,7 +15,9 @@ fn refused(arguments: &[&str], prepare: impl Fn(&Path), words: &[&str]) {
     for word in words {
         assert!(stderr.contains(word), "{arguments:?}: {word:?} is not in: {stderr}");
     }
-    for name in ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json", "campaign.json"] {
+    for name in
+        ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json", "campaign.json"]
+    {
         assert!(!folder.path().join("out").join(name).exists(), "{arguments:?} wrote {name}");
     }
 }
@@ -174,7 +176,11 @@ fn trades_that_cannot_be() {
     refused(&optimize(&[]), nobody, &["s.toml", "communication.cases[0] (receivers) = 0", "1..=8"]);
     let short = trade("[frame]\nperiod_slots = 500\n");
     refused(&optimize(&[]), short, &["s.toml", "frame.period_slots = 500", "at least 512", "STFT window"]);
-    refused(&optimize(&["--accuracy", "0.99"]), trade(""), &["no point", "accuracy at least 0.99", "accuracies"]);
+    refused(
+        &optimize(&["--accuracy", "0.99"]),
+        trade(""),
+        &["no point", "accuracy at least 0.99", "accuracies"],
+    );
     refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy = 1.5", "0..=1"]);
     refused(&optimize(&["--throughput", "1e12"]), trade(""), &["no point", "throughput at least"]);
     refused(&optimize(&["--weights", "1"]), trade(""), &["--weights", "two numbers"]);

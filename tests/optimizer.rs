@@ -79,7 +79,10 @@ fn whole_slots_are_the_optimum_found_by_trying_all() {
         for (n, best) in throughput {
             let p = point(period, &curve, &bits, n.parse().expect("N_s"));
             assert_eq!(p.shares.iter().sum::<u32>() + p.sensing_slots, period);
-            assert!((p.throughput_bit - number(best)).abs() <= 1e-12 * number(best), "{p:?} {best} {instance}");
+            assert!(
+                (p.throughput_bit - number(best)).abs() <= 1e-12 * number(best),
+                "{p:?} {best} {instance}"
+            );
             points.push(p);
         }
         points.sort_by_key(|p| p.sensing_slots);
@@ -101,7 +104,8 @@ fn case_two_contains_case_one_at_every_number_of_slots() {
                   600,0.9292,500\n1000,0.9554,500\n";
     std::fs::write(file("p.csv"), points).expect("points");
     let optimize = |rule: &[&str]| {
-        let fixed = ["optimize", "--json", "--points", &file("p.csv"), "--out", &file("out")].map(String::from);
+        let fixed =
+            ["optimize", "--json", "--points", &file("p.csv"), "--out", &file("out")].map(String::from);
         let arguments: Vec<&str> = fixed.iter().map(String::as_str).chain(rule.iter().copied()).collect();
         let (code, stdout, stderr) = outcome(&call(&program(), &arguments));
         assert_eq!(code, 0, "{stderr}");

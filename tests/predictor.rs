@@ -35,7 +35,10 @@ fn no_fit_is_worse_than_scipys() {
             }
         }
     }
-    println!("1400 fits: {better} better than scipy's by 0.1 % or more; worst ratio {:.6} ({})", worst.1, worst.0);
+    println!(
+        "1400 fits: {better} better than scipy's by 0.1 % or more; worst ratio {:.6} ({})",
+        worst.1, worst.0
+    );
 }
 
 #[test]

@@ -287,7 +287,8 @@ mod tests {
 
     #[test]
     fn a_receiver_that_hears_nothing_is_named() {
-        let error = throughput::slot_bits(&Scenario::default(), &[vec![1e-9; 64], vec![0.0; 64]]).unwrap_err();
+        let error =
+            throughput::slot_bits(&Scenario::default(), &[vec![1e-9; 64], vec![0.0; 64]]).unwrap_err();
         assert!(error.to_string().contains("receiver 1 gets 0 bits"), "{error}");
     }
 
