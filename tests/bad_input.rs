@@ -53,6 +53,33 @@ fn a_file_that_is_no_wav() {
     refused(&calibrate, |_| (), &["x.wav"]);
 }
 
+/// A NumPy array of doubles, one dimension.
+fn npy(values: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", values.len());
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{header:<117}\n").bytes());
+    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn samples_that_are_no_numbers() {
+    let calibrate =
+        ["calibrate", "--measured", "@/x.npy", "--carrier", "24e9", "--rate", "1e3", "--out", "@/out"];
+    let mut values = vec![0.5; 4000];
+    values[1234] = f64::NAN;
+    let prepare = |folder: &Path| std::fs::write(folder.join("x.npy"), npy(&values)).expect("a file");
+    refused(&calibrate, prepare, &["x.npy", "sample 1234 = NaN", "finite"]);
+}
+
+#[test]
+fn too_few_recordings_to_learn_from_or_to_test() {
+    let one = "[learning]\ntest_per_class = 1\n";
+    refused(&RUN, scenario(one), &["s.toml", "learning.test_per_class", "1", "2..=100000"]);
+    let one = "[learning]\ntrain_per_class = 1\n";
+    refused(&RUN, scenario(one), &["s.toml", "learning.train_per_class", "1", "2..=100000"]);
+}
+
 #[test]
 fn measured_signals_that_cannot_be() {
     let silence = |seconds: usize| {
@@ -152,6 +179,11 @@ fn points_out_of_range() {
         &["p.csv", "line 2", "accuracy", "1.5", "0..=1"],
     );
     refused(&predict, points("sensing_slots,accuracy\n200,NaN\n"), &["line 2", "NaN"]);
+    refused(
+        &predict,
+        points("sensing_slots,accuracy,tested\n200,1.0,1\n"),
+        &["p.csv", "line 2", "tested", "\"1\"", "at least 2"],
+    );
     refused(&predict, points("a,b\n"), &["header", "sensing_slots,accuracy"]);
     refused(&predict, points("sensing_slots,accuracy\n200,0.5\n"), &["p.csv", "at least 2"]);
 }

@@ -2,43 +2,23 @@
 //!
 //! The vectors and the Python program that made them lie in `tests/oracles`; `tests/oracle tflite` compares far more.
 
-use base64::Engine;
 use sdp3::formats::model_file::{Preprocessing, QuantizedNetwork};
 use sdp3::formats::tflite::{Surroundings, export, import};
+use sdp3::predictor::interchange::header;
 use sdp3::predictor::parameters::Architecture;
 use sdp3::predictor::safetensors;
+use sdp3::scenario::Scenario;
 use sdp3_core::dsn::Model;
 use sdp3_tests::networks::{Random, images, layers, parameters, quantized};
+use sdp3_tests::vectors::{bytes, list, signed};
 use sdp3_tests::{call, outcome, program};
 use serde_json::Value;
 use std::path::Path;
 
-fn bytes(value: &Value) -> Vec<u8> {
-    base64::engine::general_purpose::STANDARD.decode(value.as_str().expect("base64 text")).expect("base64")
-}
-
-fn signed(value: &Value) -> Vec<i8> {
-    bytes(value).into_iter().map(|b| b as i8).collect()
-}
-
-fn list(value: &Value) -> &Vec<Value> {
-    value.as_array().expect("a list")
-}
-
 /// The preprocessing of the networks that say nothing of their own.
 fn surroundings() -> Surroundings {
-    let preprocessing = Preprocessing {
-        sensing_slots: 0,
-        first_kept: 2,
-        last_kept: 8,
-        window_len: 32,
-        hop: 4,
-        bins_per_row: 1,
-        range: 1063,
-        kaiser_beta: 10.0,
-        carrier_khz: 3_500_000,
-        slow_time_us: 1000,
-    };
+    let preprocessing =
+        Preprocessing { window_len: 32, hop: 4, kaiser_beta: 10.0, ..header(&Scenario::default(), 0) };
     Surroundings { preprocessing, sensing_slots: vec![200], classes: Vec::new() }
 }
 
@@ -176,6 +156,15 @@ fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
     outcome(&call(&program(), &arguments))
 }
 
+/// Runs a command that must be refused in these words.
+fn refused(folder: &Path, arguments: &str, words: &[&str]) {
+    let (code, stdout, stderr) = run(folder, arguments);
+    assert_eq!(code, 2, "{arguments}: {stdout}{stderr}");
+    for word in words {
+        assert!(stderr.contains(word), "{arguments}: {word:?} is not in: {stderr}");
+    }
+}
+
 #[test]
 fn the_commands_exchange_int8_networks() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -205,11 +194,7 @@ fn the_commands_exchange_int8_networks() {
         ("export @/sub/a.tflite --to @/c.sdp3", [".tflite to .sdp3", "FILE.tflite"]),
         ("export @/half.tflite.sdp3 --to @/c.tflite", ["half.tflite.sdp3", "No such file"]),
     ] {
-        let (code, stdout, stderr) = run(here, arguments);
-        assert_eq!(code, 2, "{arguments}: {stdout}{stderr}");
-        for word in words {
-            assert!(stderr.contains(word), "{arguments}: {word:?} is not in: {stderr}");
-        }
+        refused(here, arguments, &words);
         assert!(!here.join("c.sdp3").exists() && !here.join("c.tflite").exists());
     }
 }
@@ -265,11 +250,7 @@ fn the_commands_quantise_a_float_network() {
         ("import @/a.safetensors --to @/c.sdp3", ["a.safetensors", "--slots"]),
         ("import @/a.safetensors --to @/c.sdp3 --slots 65000", ["frame.sensing_slots", "65000"]),
     ] {
-        let (code, stdout, stderr) = run(here, arguments);
-        assert_eq!(code, 2, "{arguments}: {stdout}{stderr}");
-        for word in words {
-            assert!(stderr.contains(word), "{arguments}: {word:?} is not in: {stderr}");
-        }
+        refused(here, arguments, &words);
         assert!(!here.join("c.sdp3").exists());
     }
 }

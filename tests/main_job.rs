@@ -27,6 +27,7 @@ fn every_target_agrees_and_the_json_has_its_fields() {
             "image",
             "layer",
             "logits",
+            "class",
             "confidence",
             "schedule",
         ];
@@ -140,6 +141,8 @@ fn one_flipped_bit_in_the_firmware_is_found() {
     let built = program().ancestors().nth(2).expect("target").join("firmware");
     for machine in ["cortex-m4f", "riscv32imac"] {
         std::fs::create_dir_all(folder.path().join(machine)).expect("a folder");
+        std::fs::copy(built.join(machine).join("emulator"), folder.path().join(machine).join("emulator"))
+            .expect("the emulator's command");
         flip_a_bit(
             &built.join(machine).join("conformance"),
             &folder.path().join(machine).join("conformance"),
@@ -150,6 +153,9 @@ fn one_flipped_bit_in_the_firmware_is_found() {
     assert_eq!(code, 1);
     for target in &verdict.targets {
         assert!(target.compared > 50 && target.mismatches > 0, "{target:?}");
+        let detail = target.detail.as_deref().unwrap_or_default();
+        let located = ["stage beat", "slot 0, index", "expected", "found"].iter().all(|w| detail.contains(w));
+        assert!(located, "{detail}");
     }
 }
 

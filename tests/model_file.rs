@@ -2,6 +2,7 @@
 
 use sdp3_core::dsn::{Model, ModelError};
 use sdp3_tests::{call, outcome, program, small_run};
+use std::path::Path;
 
 fn model() -> Vec<u8> {
     let (folder, _, code, stderr) = small_run();
@@ -19,19 +20,34 @@ fn the_core_reads_what_the_host_wrote() {
 }
 
 #[test]
-fn every_truncation_and_every_flipped_bit_is_refused() {
-    let bytes = model();
-    for length in 0..bytes.len() {
-        let error = Model::parse(&bytes[..length]).expect_err("refused");
-        let right = matches!(error, ModelError::Truncated { .. } | ModelError::Length { .. });
-        assert!(right, "{length}: {error}");
-    }
-    let mut damaged = bytes.clone();
-    for at in 0..bytes.len() {
-        for bit in 0..8 {
-            damaged[at] ^= 1 << bit;
-            assert!(Model::parse(&damaged).is_err(), "byte {at} bit {bit}");
-            damaged[at] ^= 1 << bit;
+fn every_truncation_and_every_flipped_bit_is_refused_with_the_right_error() {
+    for name in ["dsn-200.sdp3", "dsn-200-signed.sdp3"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models").join(name);
+        let bytes = std::fs::read(path).expect("a committed model");
+        Model::parse(&bytes).expect("a model");
+        for length in 0..bytes.len() {
+            let error = Model::parse(&bytes[..length]).expect_err("refused");
+            let right = match length {
+                0..68 => error == ModelError::Truncated { need: 68, have: length },
+                _ => error == ModelError::Length { stated: bytes.len(), have: length },
+            };
+            assert!(right, "{name}, {length} bytes: {error}");
+        }
+        let mut damaged = bytes.clone();
+        for at in 0..bytes.len() {
+            for bit in 0..8 {
+                damaged[at] ^= 1 << bit;
+                let error = Model::parse(&damaged).expect_err("refused");
+                let right = match at {
+                    0..4 => error == ModelError::Magic,
+                    4..6 => matches!(error, ModelError::Version { .. }),
+                    6..8 => matches!(error, ModelError::Field { name: "header_len", .. }),
+                    8..12 => matches!(error, ModelError::Length { have, .. } if have == bytes.len()),
+                    _ => matches!(error, ModelError::Checksum { .. }),
+                };
+                assert!(right, "{name}, byte {at} bit {bit}: {error}");
+                damaged[at] ^= 1 << bit;
+            }
         }
     }
 }

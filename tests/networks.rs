@@ -3,9 +3,11 @@
 //! Nothing of the simulator or the training floor: weights are He's, normalisations are shaken, images are chirped
 //! stripes, noise and extremes.
 
-use sdp3::formats::model_file::{Preprocessing, QuantizedNetwork};
+use sdp3::formats::model_file::QuantizedNetwork;
+use sdp3::predictor::interchange::header;
 use sdp3::predictor::parameters::{Architecture, Images, Norm, Parameters};
 use sdp3::predictor::quantization::quantize;
+use sdp3::scenario::Scenario;
 use sdp3_core::dsn::{Model, Network, scratch_bytes};
 use sdp3_core::probe::Probe;
 
@@ -93,18 +95,7 @@ pub fn images(frames: usize, count: usize, classes: usize, seed: u64) -> Images 
 ///
 /// If it cannot be quantised.
 pub fn quantized(architecture: Architecture, frames: u16, seed: u64) -> QuantizedNetwork {
-    let preprocessing = Preprocessing {
-        sensing_slots: 128 + 8 * (frames - 1),
-        first_kept: 2,
-        last_kept: 8,
-        window_len: 128,
-        hop: 8,
-        bins_per_row: 1,
-        range: 1063,
-        kaiser_beta: 10.0,
-        carrier_khz: 3_500_000,
-        slow_time_us: 1000,
-    };
+    let preprocessing = header(&Scenario::default(), u32::from(128 + 8 * (frames - 1)));
     let names: Vec<String> = (0..architecture.classes).map(|k| format!("class {k}")).collect();
     let calibration = images(usize::from(frames), 16, architecture.classes, seed ^ 0xCA11);
     let found = quantize(&parameters(architecture, seed), preprocessing, &names, &calibration);

@@ -2,42 +2,17 @@
 //!
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
-use base64::Engine;
 use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
 use sdp3_core::dechirp::CHIRP;
-use sdp3_core::dsn::{Model, Network, scratch_bytes};
 use sdp3_core::frame::{Beat, Complex};
-use sdp3_core::probe::Probe;
 use sdp3_core::stft::{Stft, ZERO_SPECTRUM};
+use sdp3_tests::networks::layers;
+use sdp3_tests::vectors::{bytes, list, signed};
 use serde_json::Value;
-
-fn bytes(value: &Value) -> Vec<u8> {
-    base64::engine::general_purpose::STANDARD.decode(value.as_str().expect("base64 text")).expect("base64")
-}
-
-fn signed(value: &Value) -> Vec<i8> {
-    bytes(value).into_iter().map(|b| b as i8).collect()
-}
-
-fn list(value: &Value) -> &Vec<Value> {
-    value.as_array().expect("a list")
-}
 
 fn pair(value: &Value) -> (f64, f64) {
     let number = |k: usize| value[k].as_f64().expect("a number");
     (number(0), number(1))
-}
-
-#[derive(Default)]
-struct Layers(Vec<Vec<i8>>);
-
-impl Probe for Layers {
-    fn layer(&mut self, _index: usize, activations: &[i8]) {
-        self.0.push(activations.to_vec());
-    }
-    fn logits(&mut self, logits: &[i8]) {
-        self.0.push(logits.to_vec());
-    }
 }
 
 #[test]
@@ -46,14 +21,11 @@ fn every_layer_has_the_bits_of_tflites_reference_kernels() {
     let mut compared = 0;
     for network in list(&vectors["networks"]) {
         let (file, image) = (bytes(&network["model"]), signed(&network["image"]));
-        let model = Model::parse(&file).expect("a model");
-        let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
-        let mut layers = Layers::default();
-        Network::new(model, &mut scratch).expect("enough scratch").infer(&image, &mut layers);
+        let layers = layers(&file, &image);
         // the oracle also keeps the stem before its pooling, which the core never holds as a whole
         let expected = &list(&network["tensors"])[1..];
-        assert_eq!(layers.0.len(), expected.len());
-        for (found, expected) in layers.0.iter().zip(expected) {
+        assert_eq!(layers.len(), expected.len());
+        for (found, expected) in layers.iter().zip(expected) {
             let values = signed(&expected["values"]);
             assert_eq!(found, &values, "{} {}", network["name"], expected["layer"]);
             compared += values.len();

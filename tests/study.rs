@@ -4,13 +4,12 @@ use sdp3_tests::{SMALL, call, outcome, program};
 use serde_json::Value;
 use std::path::Path;
 
-fn study(folder: &Path, options: &[&str]) -> (i32, String, String) {
+fn study(folder: &Path, name: &str, options: &[&str]) -> (i32, String, String) {
     let scenario = folder.join("s.toml");
     std::fs::write(&scenario, SMALL).expect("a scenario");
     let (scenario, out) = (scenario.to_string_lossy(), folder.join("out"));
     let out = out.to_string_lossy();
-    let mut arguments =
-        vec!["study", "learning-curve", "--scenario", &scenario, "--out", &out, "--json", "-q"];
+    let mut arguments = vec!["study", name, "--scenario", &scenario, "--out", &out, "--json", "-q"];
     arguments.extend(options);
     outcome(&call(&program(), &arguments))
 }
@@ -18,7 +17,7 @@ fn study(folder: &Path, options: &[&str]) -> (i32, String, String) {
 #[test]
 fn a_learning_curve_is_kept_cell_by_cell() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (code, first, stderr) = study(folder.path(), &["--seeds", "2", "--threads", "1"]);
+    let (code, first, stderr) = study(folder.path(), "learning-curve", &["--seeds", "2", "--threads", "1"]);
     assert_eq!(code, 0, "{stderr}");
     let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
     let rows = found["rows"].as_array().expect("rows");
@@ -42,12 +41,41 @@ fn a_learning_curve_is_kept_cell_by_cell() {
     std::fs::remove_file(&cell).expect("removed");
     let kept = out.join("cells/seed-1.json");
     let time = std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time");
-    let (code, second, stderr) = study(folder.path(), &["--seeds", "2", "--threads", "2"]);
+    let (code, second, stderr) = study(folder.path(), "learning-curve", &["--seeds", "2", "--threads", "2"]);
     assert_eq!((code, &second), (0, &first), "{stderr}");
     assert_eq!(std::fs::read(&cell).expect("a cell"), before);
     assert_eq!(std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time"), time, "made twice");
     // another study does not touch the folder
-    let (code, _, stderr) = study(folder.path(), &["--seeds", "3"]);
+    let (code, _, stderr) = study(folder.path(), "learning-curve", &["--seeds", "3"]);
     assert_eq!(code, 2, "{stderr}");
     assert!(stderr.contains("study.json") && stderr.contains("--out"), "{stderr}");
+}
+
+#[test]
+fn baselines_are_the_same_after_an_interruption() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (code, first, stderr) = study(folder.path(), "baselines", &["--seeds", "2", "--threads", "1"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
+    let rows = found["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2);
+    for row in rows {
+        for method in 0..3 {
+            let each: Vec<f64> =
+                row["each"][method].as_array().expect("seeds").iter().filter_map(Value::as_f64).collect();
+            assert_eq!(each.len(), 2);
+            let mean = row["accuracy"][method]["mean"].as_f64().expect("a mean");
+            assert!((mean - (each[0] + each[1]) / 2.0).abs() < 1e-12 && (0.0..=1.0).contains(&mean));
+        }
+        assert_eq!(row["tested"], 20);
+    }
+    let out = folder.path().join("out");
+    for name in ["baselines.json", "baselines.md", "baselines.svg"] {
+        assert!(out.join(name).is_file(), "{name} is missing");
+    }
+    for cell in ["cnn-rate", "seed-2-dsn", "seed-1-cnn-300", "seed-2-svm-200"] {
+        std::fs::remove_file(out.join(format!("cells/{cell}.json"))).expect("a cell");
+    }
+    let (code, second, stderr) = study(folder.path(), "baselines", &["--seeds", "2", "--threads", "2"]);
+    assert_eq!((code, &second), (0, &first), "{stderr}");
 }

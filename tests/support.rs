@@ -1,6 +1,7 @@
 //! Helpers shared by the cross-crate tests: the built command, a small scenario, and one run of it.
 
 pub mod networks;
+pub mod vectors;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -14,6 +15,7 @@ sensing_slots = [200, 300]
 [learning]
 train_per_class = 8
 test_per_class = 4
+windows = 2
 epochs = 3
 batch = 10
 channels = 4

@@ -2,10 +2,7 @@
 //!
 //! Equal digests on two processors mean equal values; floats go in by their bits.
 
-use crate::clutter::{Gram, Weights};
-use crate::frame::{Beat, Complex};
-use crate::probe::Probe;
-use crate::stft::Spectrum;
+use crate::values::{Sink, Stage, Values};
 
 /// A running FNV-1a hash and the number of values it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,104 +43,30 @@ impl Digest {
     }
 }
 
-/// The stages of the street in their order, by name.
-pub const STAGES: [&str; 9] =
-    ["beat", "gram", "weights", "slow-time", "frame", "image", "layer", "logits", "confidence"];
+/// One digest for every stage.
+#[derive(Debug, Clone)]
+pub struct StageDigests([Digest; Stage::ALL.len()]);
+
+impl Sink for StageDigests {
+    fn value<const N: usize>(&mut self, stage: Stage, bytes: [u8; N]) {
+        if let Some(digest) = self.0.get_mut(stage as usize) {
+            digest.value(bytes);
+        }
+    }
+}
 
 /// Digests every stage it sees.
-#[derive(Debug, Clone, Default)]
-pub struct DigestProbe {
-    beat: Digest,
-    gram: Digest,
-    weights: Digest,
-    slow_time: Digest,
-    frame: Digest,
-    image: Digest,
-    layer: Digest,
-    logits: Digest,
-    confidence: Digest,
-}
+pub type DigestProbe = Values<StageDigests>;
 
 impl DigestProbe {
     /// A probe that has seen nothing.
     pub const fn new() -> Self {
-        let none = Digest::new();
-        DigestProbe {
-            beat: none,
-            gram: none,
-            weights: none,
-            slow_time: none,
-            frame: none,
-            image: none,
-            layer: none,
-            logits: none,
-            confidence: none,
-        }
+        Values(StageDigests([Digest::new(); Stage::ALL.len()]))
     }
 
-    /// Name and digest of every stage, in the order of [`STAGES`].
+    /// Name and digest of every stage, in the order of [`Stage::ALL`].
     pub fn stages(&self) -> impl Iterator<Item = (&'static str, Digest)> {
-        let digests = [
-            self.beat,
-            self.gram,
-            self.weights,
-            self.slow_time,
-            self.frame,
-            self.image,
-            self.layer,
-            self.logits,
-            self.confidence,
-        ];
-        STAGES.into_iter().zip(digests)
-    }
-}
-
-fn complex_i32<'a>(digest: &mut Digest, values: impl IntoIterator<Item = &'a Complex<i32>>) {
-    for z in values {
-        digest.value(z.re.to_le_bytes());
-        digest.value(z.im.to_le_bytes());
-    }
-}
-
-fn bytes(digest: &mut Digest, values: &[i8]) {
-    for value in values {
-        digest.value(value.to_le_bytes());
-    }
-}
-
-impl Probe for DigestProbe {
-    fn beat(&mut self, beat: &Beat) {
-        complex_i32(&mut self.beat, beat);
-    }
-    fn gram(&mut self, gram: &Gram) {
-        for z in gram.upper() {
-            self.gram.value(z.re.to_le_bytes());
-            self.gram.value(z.im.to_le_bytes());
-        }
-    }
-    fn weights(&mut self, weights: &Weights) {
-        complex_i32(&mut self.weights, weights);
-    }
-    fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
-        complex_i32(&mut self.slow_time, slow_time);
-    }
-    fn frame(&mut self, _k: usize, spectrum: &Spectrum) {
-        for z in spectrum {
-            self.frame.value(z.re.to_bits().to_le_bytes());
-            self.frame.value(z.im.to_bits().to_le_bytes());
-        }
-    }
-    fn image(&mut self, image: &[i8]) {
-        bytes(&mut self.image, image);
-    }
-    fn layer(&mut self, _index: usize, activations: &[i8]) {
-        bytes(&mut self.layer, activations);
-    }
-    fn logits(&mut self, logits: &[i8]) {
-        bytes(&mut self.logits, logits);
-    }
-    fn confidence(&mut self, confidence: f32) {
-        self.confidence.value(confidence.to_bits().to_le_bytes());
+        Stage::ALL.into_iter().map(Stage::name).zip(self.0.0)
     }
 }
 

@@ -24,6 +24,8 @@ pub trait Probe {
     fn layer(&mut self, _index: usize, _activations: &[i8]) {}
     /// The network's answer before the softmax, `[classes]`.
     fn logits(&mut self, _logits: &[i8]) {}
+    /// The answer.
+    fn class(&mut self, _class: u8) {}
     /// Probability of the answer.
     fn confidence(&mut self, _confidence: f32) {}
 }

@@ -11,7 +11,7 @@ use rand_core::Rng;
 pub const SLOTS: usize = 136;
 
 /// Digest of all stages for `rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3)`, on every processor.
-pub const KNOWN_ANSWER: u64 = 0x0ba8_0aa6_e02f_79c8;
+pub const KNOWN_ANSWER: u64 = 0xab4d_1384_c502_acf1;
 
 /// Fills a slot with seeded noise over a tenth of the converter's range.
 pub fn noise(rng: &mut impl Rng, slot: &mut Slot) {

@@ -24,30 +24,39 @@ pub fn open(path: &str) -> bool {
     true
 }
 
-fn with(f: impl FnOnce(&mut defmt::Encoder, &mut dyn FnMut(&[u8]))) {
+/// The encoder and where its bytes go.
+fn with(f: impl FnOnce(&mut defmt::Encoder, &mut File)) {
     let sink = CURRENT.load(Ordering::Acquire);
     // SAFETY: the pointer is null or the one owner's; there is one core and no interrupt handler logs.
-    let Some(Sink { file, encoder }) = (unsafe { sink.as_mut() }) else { return };
-    f(encoder, &mut |bytes| {
-        if let Some(file) = file {
-            file.write(bytes);
-        }
-    });
+    let Some(Sink { file: Some(file), encoder }) = (unsafe { sink.as_mut() }) else { return };
+    f(encoder, file);
 }
 
 #[defmt::global_logger]
 struct Logger;
 
-// SAFETY: one core, no interrupts: acquire and release cannot nest.
+// SAFETY: one core, no interrupts that log: acquire and release cannot nest.
 unsafe impl defmt::Logger for Logger {
     fn acquire() {
-        with(|encoder, write| encoder.start_frame(|b| write(b)));
+        with(|encoder, file| {
+            encoder.start_frame(|bytes| {
+                file.write(bytes);
+            });
+        });
     }
     unsafe fn flush() {}
     unsafe fn release() {
-        with(|encoder, write| encoder.end_frame(|b| write(b)));
+        with(|encoder, file| {
+            encoder.end_frame(|bytes| {
+                file.write(bytes);
+            });
+        });
     }
     unsafe fn write(bytes: &[u8]) {
-        with(|encoder, write| encoder.write(bytes, |b| write(b)));
+        with(|encoder, file| {
+            encoder.write(bytes, |bytes| {
+                file.write(bytes);
+            });
+        });
     }
 }

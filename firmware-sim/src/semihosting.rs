@@ -69,6 +69,21 @@ pub fn print(text: &str) {
     }
 }
 
+/// Prints a number in decimal.
+pub fn print_number(mut value: usize) {
+    let mut digits = [0_u8; 20];
+    let mut first = digits.len();
+    for (at, digit) in digits.iter_mut().enumerate().rev() {
+        *digit = b'0' + (value % 10) as u8;
+        first = at;
+        value /= 10;
+        if value == 0 {
+            break;
+        }
+    }
+    print(digits.get(first..).and_then(|text| core::str::from_utf8(text).ok()).unwrap_or_default());
+}
+
 /// Prints formatted text and a newline.
 pub fn println(text: Arguments) {
     struct Out;

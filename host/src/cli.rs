@@ -87,8 +87,11 @@ pub struct MeasuredArgs {
 }
 
 /// How to train.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct TrainArgs {
+    /// A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
     /// Optimiser, learning rate and batch in one; absent: the scenario's.
     #[arg(long, value_enum)]
     pub recipe: Option<Recipe>,
@@ -120,6 +123,8 @@ pub enum Study {
     Robustness,
     /// Divergence and recognition against ray tracing, a richer model and measured recordings.
     Fidelity,
+    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
+    Baselines,
 }
 
 /// Where to train.
@@ -278,7 +283,11 @@ pub enum Command {
         rate: Option<f64>,
     },
     /// Turn trained networks into int8 model files.
-    Quantize,
+    Quantize {
+        /// The dataset they were trained on, to measure ranges on; absent: training recordings are simulated.
+        #[arg(long, value_name = "DIR")]
+        data: Option<PathBuf>,
+    },
     /// Write a network for other programs: a model file as .tflite, float parameters as .safetensors.
     Export {
         /// MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it.
@@ -299,6 +308,33 @@ pub enum Command {
         /// Sensing slots it was trained with, where the file does not say.
         #[arg(long, value_name = "N")]
         slots: Option<u16>,
+    },
+    /// Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it.
+    Model {
+        /// MODEL.sdp3.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Public key that must have signed it.
+        #[arg(long, value_name = "NAME.pub")]
+        key: Option<PathBuf>,
+    },
+    /// Sign a model file, for firmware that takes signed models only.
+    Sign {
+        /// MODEL.sdp3.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+        /// Secret key.
+        #[arg(long, value_name = "NAME.key")]
+        key: PathBuf,
+        /// Where the signed model goes.
+        #[arg(long, value_name = "FILE")]
+        to: PathBuf,
+    },
+    /// Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with.
+    Key {
+        /// NAME; existing files are kept.
+        #[arg(value_name = "NAME")]
+        name: PathBuf,
     },
     /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
     Verify {

@@ -10,10 +10,13 @@ mod trainer;
 
 use clap::Parser;
 use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, Study};
+use sdp3::conformance::qemu::MACHINES;
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
+use sdp3::formats::model_file::Summary;
+use sdp3::formats::model_file::signature::{new_key, read_key, sign};
 use sdp3::output::{Output, to_json};
-use sdp3::pipeline::{Failure, Job, Measured, TARGETS};
+use sdp3::pipeline::{Failure, Job, Measured, REFERENCE, TARGETS};
 use sdp3::predictor::interchange::{self, Exchange};
 use sdp3::predictor::learning_curve::predict;
 use sdp3::predictor::spectrograms::gallery;
@@ -93,6 +96,22 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             print(json, &done, || done.describe());
             return Ok(true);
         }
+        Command::Model { file, key } => {
+            let found = Summary::read(file, key.as_deref())?;
+            print(json, &found, || found.describe());
+            return Ok(found.signature_holds != Some(false));
+        }
+        Command::Sign { file, key, to } => {
+            let model = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
+            let signed = sign(&model, read_key(key)?).map_err(|e| format!("{}: {e}", file.display()))?;
+            Output::create(&folder_of(to))?.write(&name_of(to), &signed)?;
+            return Ok(true);
+        }
+        Command::Key { name } => {
+            let [secret, public] = new_key(name)?;
+            print(json, &[&secret, &public], || format!("{}, {}", secret.display(), public.display()));
+            return Ok(true);
+        }
         Command::Import { from, to, slots } => {
             let exchange =
                 Exchange { scenario: &scenario, seed: common.seed, sensing_slots: *slots, progress };
@@ -150,7 +169,9 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             }
             Ok(true)
         }
-        Command::Train { how, .. } => trainer::train(job, how, common.threads, json),
+        Command::Train { how, .. } => {
+            trainer::train(job, how, (common.scenario.is_some(), common.threads), json)
+        }
         Command::Study { name, seeds, measured, carrier, rate } => {
             if measured.is_some() && name != Study::Fidelity {
                 return Err("command line: --measured belongs to the study fidelity".into());
@@ -164,7 +185,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
                 json,
             )
         }
-        Command::Quantize => trainer::quantize(&job, json),
+        Command::Quantize { data } => trainer::quantize(&job, data.as_deref(), json),
         Command::Verify { proof } => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
             job.scenario = resolved(&job)?;
@@ -178,7 +199,11 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
             Ok(verify.mismatches == 0)
         }
         // answered above
-        Command::Export { .. } | Command::Import { .. } => Ok(true),
+        Command::Export { .. }
+        | Command::Import { .. }
+        | Command::Model { .. }
+        | Command::Sign { .. }
+        | Command::Key { .. } => Ok(true),
         Command::Predict { .. } => {
             let prediction = predict(&trader::stored_points(&job)?, job.seed)?;
             print(json, &prediction, || report::tables::prediction(&prediction));
@@ -227,8 +252,9 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
         let learning = &mut job.scenario.learning;
         learning.train_per_class = 100;
         learning.test_per_class = 60;
-        learning.epochs = 30;
-        learning.stem_stride = 2;
+        learning.windows = 4;
+        learning.epochs = 12;
+        learning.channels = 8;
     }
 }
 
@@ -282,8 +308,12 @@ fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
 }
 
 fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
-    match proof.targets.iter().find(|t| !TARGETS.contains(&t.as_str())) {
-        Some(unknown) => Err(format!("command line: --targets = {unknown} is none of {TARGETS:?}").into()),
+    let legal = || [REFERENCE].into_iter().chain(MACHINES);
+    match proof.targets.iter().find(|target| legal().all(|name| name != *target)) {
+        Some(unknown) => {
+            let names: Vec<&str> = legal().collect();
+            Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
+        }
         None => Ok(()),
     }
 }

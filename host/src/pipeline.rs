@@ -3,8 +3,9 @@
 //! simulate, calibrate, learn, run, prove, trade, schedule, report. Every stage is also a command of its own and uses the
 //! functions here.
 
-use crate::conformance::compare::{CaseError, OwnedBuffers, verify_host};
-use crate::conformance::digests::{compare, digests, not_run};
+use crate::conformance::compare::{OwnedBuffers, verify_host};
+use crate::conformance::digests::not_run;
+use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, stimuli};
 use crate::formats::measured;
@@ -59,8 +60,14 @@ pub struct Measured {
     pub motion: Class,
 }
 
-/// The targets of `verify`, by name.
-pub const TARGETS: [&str; 3] = ["host-reference", "cortex-m4f", "riscv32imac"];
+/// A standard deviation of an accuracy, in points, that needs no warning.
+const MOST_UNCERTAIN_POINTS: f64 = 5.0;
+
+/// The target of `verify` that needs no emulator: the core against its reference on this machine. The others are
+/// [`qemu::MACHINES`].
+pub const REFERENCE: &str = "host-reference";
+/// The targets of `verify` unless others are named: the reference, a processor with an FPU and one without.
+pub const TARGETS: [&str; 3] = [REFERENCE, "cortex-m4f", "riscv32imac"];
 
 /// Networks and how well they recognise.
 pub struct Learned {
@@ -120,6 +127,20 @@ impl Job {
                 a.limb_m_s, a.unambiguous_m_s
             );
             self.progress.note("simulate", &text);
+        }
+    }
+
+    /// A warning if so few recordings are tested that an accuracy says little.
+    pub fn warn_of_few_tests(&self) {
+        let tested = self.scenario.learning.test_per_class * Class::ALL.len() as u32;
+        // a share of n is uncertain by at most 0.5 / sqrt(n), one standard deviation
+        let points = 50.0 / f64::from(tested).sqrt();
+        if points > MOST_UNCERTAIN_POINTS {
+            let text = format!(
+                "warning: an accuracy over {tested} test recordings is uncertain by up to {points:.0} points; with \
+                 learning.test_per_class = 100 by up to 2"
+            );
+            self.progress.note("test", &text);
         }
     }
 
@@ -292,40 +313,31 @@ impl Job {
     ) -> Result<Verify, Failure> {
         let mut verdicts = Vec::new();
         let wanted = |name: &str| targets.iter().any(|t| t == name);
-        if wanted(TARGETS[0]) {
+        if wanted(REFERENCE) {
             let stage = self.progress.stage("prove", "the core against the reference");
             let verdict = verify_host(suite)?;
             stage.finish(&format!("{} values, {} mismatches", verdict.compared, verdict.mismatches));
             verdicts.push(verdict);
         }
-        if TARGETS[1..].iter().any(|name| wanted(name)) {
+        let names: Vec<&str> = qemu::MACHINES.into_iter().filter(|name| wanted(name)).collect();
+        if !names.is_empty() {
             let folder = qemu::folder(firmware);
             let built = match firmware {
                 Some(_) => Ok(()),
-                None => qemu::build(&folder, &mut |line| self.progress.note("prove", line)),
+                None => {
+                    qemu::build(&folder, "conformance", &names, &mut |line| self.progress.note("prove", line))
+                }
             };
-            let here = digests(suite).map_err(|e: CaseError| e.to_string())?;
-            // a name of its own: another process may prove in the same folder
-            let name = format!("conformance-{}.sdps", std::process::id());
-            let file = self.output.write(&name, &suite.to_bytes())?;
-            let run = |machine: &qemu::Firmware| match &built {
-                Err(error) => not_run(machine.name, error.to_string()),
-                Ok(()) => match qemu::run(machine, &file, Duration::from_secs(240)) {
-                    Err(error) => not_run(machine.name, error.to_string()),
-                    Ok(report) => {
-                        let cases: Vec<_> = report.cases.iter().map(|case| case.stages.clone()).collect();
-                        let most = report.cases.iter().filter_map(|case| case.instructions).max();
-                        compare(machine.name, &here, &cases, report.schedule, most)
-                    }
-                },
-            };
-            let machines: Vec<_> = qemu::targets(&folder).into_iter().filter(|m| wanted(m.name)).collect();
             let stage = self.progress.stage("prove", "firmware under QEMU");
-            let found: Vec<_> = std::thread::scope(|scope| {
-                let running: Vec<_> = machines.iter().map(|m| scope.spawn(|| run(m))).collect();
-                running.into_iter().filter_map(|thread| thread.join().ok()).collect()
-            });
-            let _ = std::fs::remove_file(&file);
+            let found = match built {
+                Err(error) => names.iter().map(|name| not_run(name, error.to_string())).collect(),
+                Ok(()) => {
+                    let machines = qemu::machines(&folder, "conformance");
+                    let machines: Vec<_> = machines.into_iter().filter(|m| wanted(m.name)).collect();
+                    let proof = Proof::new(suite, self.output.folder(), Duration::from_secs(240))?;
+                    proof.firmware(&machines, &|_| ())?
+                }
+            };
             let words: Vec<String> =
                 found.iter().map(|v| format!("{} {}/{} differ", v.name, v.mismatches, v.compared)).collect();
             stage.finish(&words.join(", "));

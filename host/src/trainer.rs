@@ -2,12 +2,17 @@
 
 use crate::cli::{self, MeasuredArgs, ProofArgs, Study, TrainArgs};
 use crate::{check_targets, measurement, model_name, print, print_verify, report, resolved, schedule_case};
+use sdp3::formats::dataset::Stored;
 use sdp3::formats::measured::Stated;
 use sdp3::optimizer::Rule;
 use sdp3::output::to_json;
 use sdp3::pipeline::{Failure, Job};
+use sdp3::predictor::parameters::Parameters;
+use sdp3::predictor::safetensors;
+use sdp3::predictor::spectrograms::Collected;
 use sdp3::results::{Figures, Run, Verify};
 use sdp3::simulator::calibration;
+use sdp3::simulator::dataset::Set;
 use std::path::Path;
 
 pub fn run(
@@ -20,6 +25,7 @@ pub fn run(
     use sdp3::results::OperatingPoint;
     check_targets(proof)?;
     job.warn_of_aliasing();
+    job.warn_of_few_tests();
     job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
     let measured = measurement(measured)?;
     let calibration = job.calibrate(measured.as_ref())?;
@@ -81,11 +87,15 @@ pub fn run(
     Ok(result.verify.mismatches == 0)
 }
 
-pub fn train(mut job: Job, args: TrainArgs, threads: usize, json: bool) -> Result<bool, Failure> {
+pub fn train(
+    mut job: Job,
+    args: TrainArgs,
+    (from_file, threads): (bool, usize),
+    json: bool,
+) -> Result<bool, Failure> {
     use sdp3::predictor::learn::{How, history};
     use sdp3::predictor::recipe::Recipe;
     use sdp3::predictor::training::Backend;
-    use sdp3::simulator::dataset::Set;
     let backend = match args.backend {
         cli::Backend::Flex => Backend::Flex,
         #[cfg(feature = "wgpu")]
@@ -106,9 +116,21 @@ pub fn train(mut job: Job, args: TrainArgs, threads: usize, json: bool) -> Resul
         };
         recipe.apply(&mut job.scenario.learning);
     }
-    job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
-    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
-    let images = job.collect(rho, Set::Train, "training recordings");
+    let images = match &args.data {
+        Some(folder) => {
+            let stored = Stored::open(folder)?;
+            let asked = job.scenario.learning.windows;
+            job.scenario = stored.scenario(&job.scenario, from_file)?;
+            if job.scenario.learning.windows != asked {
+                let slots = stored.slots();
+                let text =
+                    format!("recordings of {slots} slots have no room for {asked} windows: one of each");
+                job.progress.note("read", &text);
+            }
+            job.collect_stored(&stored)?
+        }
+        None => simulated(&job),
+    };
     let how = How { backend, checkpoints: true, resume: args.resume };
     let trained = job.train(&images, workers(threads), how)?;
     job.output.write("training.csv", history(&trained.training).as_bytes())?;
@@ -122,8 +144,13 @@ pub fn train(mut job: Job, args: TrainArgs, threads: usize, json: bool) -> Resul
     Ok(true)
 }
 
-pub fn quantize(job: &Job, json: bool) -> Result<bool, Failure> {
-    use sdp3::simulator::dataset::Set;
+/// Images of the training recordings that a scenario asks for.
+fn simulated(job: &Job) -> Collected {
+    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
+    job.collect(rho, Set::Train, "training recordings")
+}
+
+pub fn quantize(job: &Job, data: Option<&Path>, json: bool) -> Result<bool, Failure> {
     const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
     let job = Job { scenario: resolved(job)?, ..job.clone() };
     let networks = job
@@ -131,10 +158,22 @@ pub fn quantize(job: &Job, json: bool) -> Result<bool, Failure> {
         .frame
         .sensing_slots
         .iter()
-        .map(|n| job.output.read_json(&format!("models/dsn-{n}.json"), TRAIN_FIRST))
-        .collect::<Result<Vec<_>, _>>()?;
-    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
-    let images = job.collect(rho, Set::Train, "training recordings");
+        .map(|n| {
+            let name = format!("models/dsn-{n}.json");
+            let network: Parameters = job.output.read_json(&name, TRAIN_FIRST)?;
+            let checked = safetensors::check(&network);
+            checked.map_err(|e| format!("{}: {e}", job.output.path(&name).display()))?;
+            Ok(network)
+        })
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let images = match data {
+        Some(folder) => {
+            let stored = Stored::open(folder)?;
+            stored.scenario(&job.scenario, true)?;
+            job.collect_stored(&stored)?
+        }
+        None => simulated(&job),
+    };
     let models = job.quantize(&networks, &images)?;
     let mut files = Vec::new();
     for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
@@ -151,11 +190,13 @@ pub fn study(
     threads: usize,
     json: bool,
 ) -> Result<bool, Failure> {
-    use sdp3::studies::{Request, Workshop, cells::Cells, fidelity, learning_curve, recordings, robustness};
+    use sdp3::studies::cells::Cells;
+    use sdp3::studies::{Request, Workshop, baselines, fidelity, learning_curve, recordings, robustness};
     let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
     let study = name_of(name).unwrap_or_default();
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
     let cells = Cells::open(&job.output, &request)?;
+    job.warn_of_few_tests();
     let workshop = Workshop { progress: job.progress, workers: workers(threads) };
     let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
     match name {
@@ -177,6 +218,11 @@ pub fn study(
             let found = fidelity::study(&request, &cells, recordings, workshop)?;
             draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
             print(json, &found, || fidelity::table(&request, &found));
+        }
+        Study::Baselines => {
+            let found = baselines::study(&request, &cells, workshop)?;
+            draw("baselines.svg", sdp3::report::studies::baselines(&found))?;
+            print(json, &found, || baselines::table(&request, &found));
         }
     }
     Ok(true)

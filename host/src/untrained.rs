@@ -13,11 +13,11 @@ pub fn run(_: &Job, _: MeasuredArgs, _: &ProofArgs, _: usize, _: bool) -> Result
     refusal("train")
 }
 
-pub fn train(_: Job, _: TrainArgs, _: usize, _: bool) -> Result<bool, Failure> {
+pub fn train(_: Job, _: TrainArgs, _: (bool, usize), _: bool) -> Result<bool, Failure> {
     refusal("train")
 }
 
-pub fn quantize(_: &Job, _: bool) -> Result<bool, Failure> {
+pub fn quantize(_: &Job, _: Option<&Path>, _: bool) -> Result<bool, Failure> {
     refusal("quantize")
 }
 

@@ -2,7 +2,7 @@
 //!
 //! TFLite 8-bit specification, DEPTHWISE_CONV_2D with a 1x1 kernel: acc = bias_c + (x - z_x) w_c.
 
-use super::model::Channelwise;
+use super::channelwise::Channelwise;
 use crate::fixed::clamp_i8;
 
 /// A per-channel scale and offset; weights `[channels]`.

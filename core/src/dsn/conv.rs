@@ -2,7 +2,7 @@
 //!
 //! TFLite 8-bit specification, CONV_2D: acc = bias + sum (x - z_x) w, y = requantize(acc) + z_y, clamped.
 
-use super::model::Channelwise;
+use super::channelwise::Channelwise;
 use crate::fixed::clamp_i8;
 
 /// Most input channels of a convolution.

@@ -2,7 +2,7 @@
 //!
 //! The layer is a 1x1 convolution of a one-pixel image (TFLite CONV_2D, per-channel); softmax as in the paper.
 
-use super::model::Channelwise;
+use super::channelwise::Channelwise;
 use crate::fixed::clamp_i8;
 use crate::math::fast_expf;
 

@@ -8,15 +8,19 @@
 
 pub mod add;
 pub mod affine;
+pub mod channelwise;
 pub mod conv;
+pub mod format;
 pub mod head;
 pub mod kernels;
 pub mod model;
 pub mod network;
 pub mod pool;
+pub mod shape;
 pub mod vector;
 
 pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
+pub use shape::Shape;
 pub use vector::Vector;

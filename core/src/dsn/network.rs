@@ -19,6 +19,7 @@ pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -
 
 /// The network's answer.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
     /// Class with the largest logit, the first of equals.
     pub class: u8,
@@ -93,6 +94,7 @@ impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
         model.head.forward(features, &mut logits);
         probe.logits(&logits);
         let class = arg_max(&logits);
+        probe.class(class as u8);
         let confidence = model.head.confidence(&logits, class);
         probe.confidence(confidence);
         Answer { class: class as u8, confidence, logits }

@@ -4,10 +4,11 @@
 
 /// The maximum over pairs of columns of two rows: `[width, channels]` twice to `[width / 2, channels]`.
 pub fn max_rows(upper: &[i8], lower: &[i8], channels: usize, output: &mut [i8]) {
-    let pairs = upper.chunks_exact(2 * channels.max(1)).zip(lower.chunks_exact(2 * channels.max(1)));
-    for ((up, low), out) in pairs.zip(output.chunks_exact_mut(channels.max(1))) {
-        let (up_left, up_right) = up.split_at(channels);
-        let (low_left, low_right) = low.split_at(channels);
+    let channels = channels.max(1);
+    let (mut upper, mut lower) = (upper.chunks_exact(channels), lower.chunks_exact(channels));
+    for out in output.chunks_exact_mut(channels) {
+        let pixels = (upper.next(), upper.next(), lower.next(), lower.next());
+        let (Some(up_left), Some(up_right), Some(low_left), Some(low_right)) = pixels else { return };
         let four = up_left.iter().zip(up_right).zip(low_left.iter().zip(low_right));
         for (out, ((a, b), (c, d))) in out.iter_mut().zip(four) {
             *out = *a.max(b).max(c.max(d));

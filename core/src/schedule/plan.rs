@@ -110,6 +110,7 @@ impl Sensing {
 
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     sensing: Sensing,
     shares: Vec<u32, RECEIVERS>,

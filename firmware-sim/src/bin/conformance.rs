@@ -1,6 +1,7 @@
 //! Runs every case of a suite through the core and prints the digest of every stage.
 //!
-//! Arguments: the suite file, and optionally a file for defmt records. One slot of samples is in memory at a time.
+//! Arguments: the suite file; `log=FILE` for defmt records; `dump=STAGE:FILE` for all values of one stage, little-endian.
+//! One slot of samples is in memory at a time.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -11,12 +12,16 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
+    use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::{Digest, DigestProbe};
     use sdp3_core::dsn::{Model, scratch_bytes};
-    use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::probe::Probe;
     use sdp3_core::receiver::{Memory, Receiver};
     use sdp3_core::schedule::{Plan, RECEIVERS, Sequencer, SlotUse};
     use sdp3_core::selftest;
+    use sdp3_core::stft::Spectrum;
+    use sdp3_core::values::{Sink, Stage, Values};
     use sdp3_firmware_sim::rt::{Single, instructions, paint_stack, stack_used, start_counter};
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
     use sdp3_firmware_sim::{log, semihosting};
@@ -25,6 +30,72 @@ mod firmware {
     type Standard = Memory<1000, 110, { scratch_bytes(110, 16, 1) }>;
     static MEMORY: Single<Standard> = Single::new(Standard::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
+
+    /// One stage's values on their way to a file.
+    struct Dump {
+        stage: Stage,
+        file: File,
+        buffer: heapless::Vec<u8, 4096>,
+    }
+
+    impl Dump {
+        fn flush(&mut self) {
+            if !self.file.write(&self.buffer) {
+                fail("the values cannot be written");
+            }
+            self.buffer.clear();
+        }
+    }
+
+    impl Sink for Dump {
+        fn value<const N: usize>(&mut self, stage: Stage, bytes: [u8; N]) {
+            if stage != self.stage {
+                return;
+            }
+            if self.buffer.extend_from_slice(&bytes).is_err() {
+                self.flush();
+                let _ = self.buffer.extend_from_slice(&bytes); // it is empty now
+            }
+        }
+    }
+
+    /// `STAGE:FILE`.
+    fn dump(text: &str) -> Dump {
+        let Some((stage, path)) = text.split_once(':') else { fail("dump=STAGE:FILE has no colon") };
+        let Some(stage) = Stage::named(stage) else { fail("no such stage") };
+        let Some(file) = File::create(path) else { fail("the file for values cannot be made") };
+        Dump { stage, file, buffer: heapless::Vec::new() }
+    }
+
+    /// Digests and, if wanted, values.
+    struct Both<'a>(&'a mut DigestProbe, Option<&'a mut Values<Dump>>);
+
+    /// The methods of [`Probe`], each for both.
+    macro_rules! both {
+        ($($method:ident($($name:ident: $type:ty),*);)*) => {
+            impl Probe for Both<'_> {
+                $(fn $method(&mut self, $($name: $type),*) {
+                    self.0.$method($($name),*);
+                    if let Some(values) = &mut self.1 {
+                        values.$method($($name),*);
+                    }
+                })*
+            }
+        };
+    }
+
+    both! {
+        beat(beat: &Beat);
+        gram(gram: &Gram);
+        weights(weights: &Weights);
+        slow_time(slow_time: &[Complex<i32>]);
+        frame(k: usize, spectrum: &Spectrum);
+        image(image: &[i8]);
+        layer(index: usize, activations: &[i8]);
+        logits(logits: &[i8]);
+        class(class: u8);
+        confidence(confidence: f32);
+    }
 
     /// Ends the run with a message and exit code 2.
     fn fail(what: &str) -> ! {
@@ -41,8 +112,13 @@ mod firmware {
         let mut buffer = [0; 1024];
         let mut words = arguments(&mut buffer).split_ascii_whitespace();
         let Some(path) = words.next() else { fail("no suite file given") };
-        if let Some(path) = words.next() {
-            log::open(path);
+        let mut wanted = None;
+        for word in words {
+            match word.split_once('=') {
+                Some(("log", path)) if log::open(path) => (),
+                Some(("dump", text)) => wanted = Some(Values(dump(text))),
+                _ => fail("an argument is neither log=FILE nor dump=STAGE:FILE"),
+            }
         }
         let Some(mut file) = File::open(path) else { fail("the suite file cannot be opened") };
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
@@ -59,7 +135,10 @@ mod firmware {
         let Some(cases) = file.word() else { fail("the suite file is truncated") };
         defmt::info!("suite opened: {=u32} cases", cases);
         for index in 0..cases {
-            case(index, &mut file, memory, model);
+            case(index, &mut file, memory, model, wanted.as_mut());
+        }
+        if let Some(Values(dump)) = &mut wanted {
+            dump.flush();
         }
         schedule(&mut file);
         println(format_args!("stack {}", stack_used()));
@@ -67,7 +146,13 @@ mod firmware {
         exit(0)
     }
 
-    fn case(index: u32, file: &mut File, memory: &mut Standard, model: &mut [u8]) {
+    fn case(
+        index: u32,
+        file: &mut File,
+        memory: &mut Standard,
+        model: &mut [u8],
+        dump: Option<&mut Values<Dump>>,
+    ) {
         let (Some(length), Some(slots)) = (file.word(), file.word()) else {
             fail("the suite file is truncated")
         };
@@ -91,7 +176,8 @@ mod firmware {
                 fail("a model needs more memory than there is")
             }
         };
-        let mut probe = DigestProbe::new();
+        let mut digests = DigestProbe::new();
+        let mut probe = Both(&mut digests, dump);
         let mut count = 0;
         let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
         let mut raw = [0_u8; 4 * SLOT_SAMPLES];
@@ -121,7 +207,7 @@ mod firmware {
         let _ = receiver.push(&slot, &mut ());
         count += instructions().wrapping_sub(before) * u64::from(slots);
         defmt::info!("recognised {=u8} with {=f32}", answer.class, answer.confidence);
-        for (stage, digest) in probe.stages() {
+        for (stage, digest) in digests.stages() {
             println(format_args!("case {index} {stage} {} {:016x}", digest.count(), digest.hash()));
         }
         println(format_args!("case {index} instructions {count}"));

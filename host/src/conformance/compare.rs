@@ -2,9 +2,8 @@
 //!
 //! Each stage's reference takes the core's previous output, so that each stage is judged alone. Integer stages must
 //! agree bit for bit. Float stages are held to these bounds:
-//! - weights: `64 eps / gap + 8 eps` with eps = 2^-23 and `gap` the smallest distance between a dropped and a kept
-//!   eigenvalue over the trace. The f32 Jacobi sweeps perturb the matrix (trace 1) by a few dozen eps at most, and
-//!   a perturbation E turns an invariant subspace by |E| / gap (Davis-Kahan).
+//! - weights: a backward error of 64 eps, eps = 2^-23, whatever the gaps between eigenvalues: see
+//!   [`signal::backward_error`]. The f32 Jacobi sweeps perturb the matrix (trace 1) by a few dozen eps at most.
 //! - frames: `2^-18` of the sum of the windowed magnitudes: the f32 window is off by at most 2e-6 of its value, the
 //!   radix-2 transform adds eight roundings.
 //! - confidence: 0.6 %, twice the error of the core's fast exponential.
@@ -24,8 +23,8 @@ use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 use sdp3_core::simd::{Isa, Line};
 use sdp3_core::stft::Spectrum;
 
-/// Bound of the weights' error: see the module.
-const WEIGHT_EPS: f64 = 64.0 / 8_388_608.0;
+/// Bound of the weights' backward error: see the module.
+const WEIGHT_BOUND: f64 = 64.0 / 8_388_608.0;
 /// Bound of a bin's error relative to the sum of the windowed magnitudes.
 const FRAME_BOUND: f64 = 1.0 / 262_144.0;
 /// Bound of the confidence's relative error.
@@ -167,6 +166,7 @@ struct Recorder {
     image: Vec<i8>,
     layers: Vec<Vec<i64>>,
     logits: Vec<i64>,
+    class: Option<usize>,
     confidence: f64,
 }
 
@@ -198,6 +198,9 @@ impl Probe for Recorder {
     }
     fn logits(&mut self, logits: &[i8]) {
         self.logits = logits.iter().map(|&a| i64::from(a)).collect();
+    }
+    fn class(&mut self, class: u8) {
+        self.class = Some(usize::from(class));
     }
     fn confidence(&mut self, confidence: f32) {
         self.confidence = f64::from(confidence);
@@ -261,13 +264,13 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let mut gram = Tally::bits("gram");
     gram.exact(&core.gram, &signal::gram(&core.beats));
 
-    let mut weights = Tally { rule: "|error| <= 2^-17 / gap + 2^-20".into(), ..Tally::bits("weights") };
-    let expected = signal::weights(&core.gram, header.first, header.last);
-    let bound = WEIGHT_EPS / expected.gap + WEIGHT_EPS / 8.0;
-    for (index, (found, expected)) in core.weights.iter().zip(&expected.w).enumerate() {
-        let scale = f64::from(1 << 28);
-        let (re, im) = (found.0 as f64 / scale - expected.re, found.1 as f64 / scale - expected.im);
-        weights.bounded(index, (re * re + im * im).sqrt(), bound);
+    let mut weights = Tally { rule: "backward error <= 2^-17".into(), ..Tally::bits("weights") };
+    let scale = f64::from(1 << 28);
+    let found: Vec<_> =
+        core.weights.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
+    let errors = signal::backward_error(&core.gram, header.first, header.last, &found);
+    for (index, error) in errors.into_iter().enumerate() {
+        weights.bounded(index, error, WEIGHT_BOUND);
     }
 
     let mut slow_time = Tally::bits("slow-time");
@@ -292,9 +295,15 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     layer.exact(&core.layers.concat(), &answer.layers.concat());
     let mut logits = Tally::bits("logits");
     logits.exact(&core.logits, &answer.logits);
+    let mut class = Tally::bits("class");
+    let first_of_largest = |logits: &[i64]| {
+        let most = logits.iter().max()?;
+        logits.iter().position(|logit| logit == most)
+    };
+    class.exact(&[core.class], &[first_of_largest(&answer.logits)]);
     let mut confidence = Tally { rule: "relative error <= 0.6 %".into(), ..Tally::bits("confidence") };
     confidence.bounded(0, (core.confidence / answer.confidence - 1.0).abs(), CONFIDENCE_BOUND);
-    Ok(vec![beat, gram, weights, slow_time, frame, image, layer, logits, confidence])
+    Ok(vec![beat, gram, weights, slow_time, frame, image, layer, logits, class, confidence])
 }
 
 /// One period of the core's scheduler: 255 sensing, else the receiver; empty if the plan is refused.

@@ -2,18 +2,16 @@
 
 use super::compare::{CaseError, play_schedule, run_core};
 use super::suite::Suite;
+use super::transcript::{StageDigest, Transcript};
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::digest::{Digest, DigestProbe};
-
-/// Name, number of values and digest of a stage.
-pub type Stage = (String, u64, u64);
 
 /// What the core on this machine computes for a suite.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Digests {
     /// Stages of every case.
-    pub cases: Vec<Vec<Stage>>,
+    pub cases: Vec<Vec<StageDigest>>,
     /// Number of slots and digest of the schedule.
     pub schedule: (u64, u64),
 }
@@ -35,19 +33,17 @@ pub fn digests(suite: &Suite) -> Result<Digests, CaseError> {
     Ok(Digests { cases, schedule: (schedule.count(), schedule.hash()) })
 }
 
+/// A verdict on a target, and the first case and stage that differ.
+pub type Compared = (TargetVerdict, Option<(usize, String)>);
+
 /// Holds a target's digests to this machine's.
-pub fn compare(
-    name: &str,
-    here: &Digests,
-    cases: &[Vec<Stage>],
-    schedule: Option<(u64, u64)>,
-    instructions: Option<u64>,
-) -> TargetVerdict {
+pub fn compare(name: &str, here: &Digests, there: &Transcript) -> Compared {
+    let mut first = None;
     let mut detail = None;
     let mut stages: Vec<StageVerdict> = Vec::new();
-    let mut count = |stage: &str, place: String, equal: bool, found: String| {
+    let mut count = |stage: &str, equal: bool, difference: &dyn Fn() -> String| {
         if !equal {
-            detail.get_or_insert_with(|| format!("{place}, stage {stage}: {found}"));
+            detail.get_or_insert_with(|| format!("stage {stage}, {}", difference()));
         }
         let mismatch = u64::from(!equal);
         match stages.iter_mut().find(|s| s.stage == stage) {
@@ -66,26 +62,33 @@ pub fn compare(
     };
     for (index, expected) in here.cases.iter().enumerate() {
         for (position, stage) in expected.iter().enumerate() {
-            let found = cases.get(index).and_then(|case| case.get(position));
-            let text = match found {
-                Some((name, n, digest)) => {
-                    format!("expected {:016x}, found {name} {n} {digest:016x}", stage.2)
+            let found = there.cases.get(index).and_then(|case| case.stages.get(position));
+            let equal = found == Some(stage);
+            count(&stage.0, equal, &|| match found {
+                Some((_, n, digest)) => {
+                    format!(
+                        "case {index}: expected {} values {:016x}, found {n} values {digest:016x}",
+                        stage.1, stage.2
+                    )
                 }
-                None => "nothing came back".to_owned(),
-            };
-            count(&stage.0, format!("case {index}"), found == Some(stage), text);
+                None => format!("case {index}: nothing came back"),
+            });
+            if !equal {
+                first.get_or_insert_with(|| (index, stage.0.clone()));
+            }
         }
     }
-    let text = format!("expected {:?}, found {schedule:?}", here.schedule);
-    count("schedule", "one period".into(), schedule == Some(here.schedule), text);
-    TargetVerdict {
+    let (expected, found) = (here.schedule, there.schedule);
+    count("schedule", found == expected, &|| format!("one period: expected {expected:x?}, found {found:x?}"));
+    let verdict = TargetVerdict {
         name: name.to_owned(),
         compared: stages.iter().map(|s| s.compared).sum(),
         mismatches: stages.iter().map(|s| s.mismatches).sum(),
-        instructions,
+        instructions: there.cases.iter().map(|case| case.instructions).max(),
         detail,
         stages,
-    }
+    };
+    (verdict, first)
 }
 
 /// The verdict on a target that could not run: it counts as a mismatch.

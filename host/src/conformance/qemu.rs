@@ -1,45 +1,31 @@
 //! Firmware in QEMU: build it, run a suite on it, read what it prints.
 //!
-//! Lines: `case <i> <stage> <count> <digest>`, `case <i> instructions <n>`, `schedule <count> <digest>`,
-//! `selftest <digest>`, `stack <bytes>`, and `done` last. Anything cut short is refused.
+//! The folder of a machine holds its programs and `emulator`, the command that runs them: `firmware-sim/build` makes it.
 
-use super::digests::Stage;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// An emulated machine and the program for it.
+/// The emulated machines, by name: those of the table `firmware-sim/machines`.
+pub const MACHINES: [&str; 8] = [
+    "cortex-m3",
+    "cortex-m4f",
+    "cortex-m7",
+    "cortex-m33",
+    "cortex-m55",
+    "riscv32imac",
+    "riscv32imafc",
+    "cortex-a53",
+];
+
+/// An emulated machine and a program for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Firmware {
     /// Name of the target.
     pub name: &'static str,
     /// The program.
     pub elf: PathBuf,
-    emulator: &'static str,
-    machine: &'static [&'static str],
-}
-
-/// What firmware printed.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct FirmwareReport {
-    /// Each case.
-    pub cases: Vec<CaseReport>,
-    /// Slots and digest of the schedule.
-    pub schedule: Option<(u64, u64)>,
-    /// Most stack used, in bytes.
-    pub stack_bytes: Option<u64>,
-    /// Digest of the power-on self test.
-    pub selftest: Option<u64>,
-}
-
-/// One case.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct CaseReport {
-    /// Stages in order.
-    pub stages: Vec<Stage>,
-    /// Instructions of one recognition.
-    pub instructions: Option<u64>,
 }
 
 /// Why a target could not run.
@@ -52,7 +38,7 @@ pub enum QemuError {
     #[error("{emulator}: cannot be started: {source}; firmware-sim/build installs it")]
     Start {
         /// The command.
-        emulator: &'static str,
+        emulator: String,
         /// What the system says.
         source: std::io::Error,
     },
@@ -64,7 +50,7 @@ pub enum QemuError {
         /// The limit.
         seconds: u64,
     },
-    /// It ended without saying `done`, or said something else.
+    /// It ended badly, or said something that cannot be understood.
     #[error("{name}: {reason}")]
     Output {
         /// The target.
@@ -77,23 +63,9 @@ pub enum QemuError {
     Build(String),
 }
 
-/// The machines whose firmware lies in `folder`.
-pub fn targets(folder: &Path) -> Vec<Firmware> {
-    let elf = |name: &str| folder.join(name).join("conformance");
-    vec![
-        Firmware {
-            name: "cortex-m4f",
-            elf: elf("cortex-m4f"),
-            emulator: "qemu-system-arm",
-            machine: &["-M", "mps2-an386", "-icount", "shift=6"],
-        },
-        Firmware {
-            name: "riscv32imac",
-            elf: elf("riscv32imac"),
-            emulator: "qemu-system-riscv32",
-            machine: &["-M", "virt", "-cpu", "rv32,f=false,d=false", "-bios", "none", "-icount", "shift=0"],
-        },
-    ]
+/// A program of the firmware in `folder`, on every machine.
+pub fn machines(folder: &Path, program: &str) -> Vec<Firmware> {
+    MACHINES.map(|name| Firmware { name, elf: folder.join(name).join(program) }).into()
 }
 
 /// Where the firmware is or will be built: an explicit folder, `SDP3_FIRMWARE`, or beside this program's profile.
@@ -110,12 +82,18 @@ pub fn folder(explicit: Option<&Path>) -> PathBuf {
     candidates.find(|dir| dir.is_dir()).or_else(|| above.into_iter().next()).unwrap_or_default()
 }
 
-/// Builds the firmware from the repository this program was built in; every line it prints goes to `line`.
+/// Builds a program of the firmware for some machines, from the repository this program was built in; every line that
+/// the script prints goes to `line`.
 ///
 /// # Errors
 ///
 /// [`QemuError::Build`] with the script's last words.
-pub fn build(out: &Path, line: &mut dyn FnMut(&str)) -> Result<(), QemuError> {
+pub fn build(
+    out: &Path,
+    program: &str,
+    machines: &[&str],
+    line: &mut dyn FnMut(&str),
+) -> Result<(), QemuError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let script = root.join("firmware-sim").join("build");
     if !script.is_file() {
@@ -126,7 +104,14 @@ pub fn build(out: &Path, line: &mut dyn FnMut(&str)) -> Result<(), QemuError> {
     std::fs::create_dir_all(out).map_err(fail)?;
     let out = out.canonicalize().map_err(fail)?;
     let mut command = Command::new(&script);
-    command.arg("--out").arg(out).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+        .arg("--out")
+        .arg(out)
+        .args(["--program", program])
+        .args(machines)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     // what cargo set for this program would steer the cross build
     for (name, _) in std::env::vars_os() {
         if name.to_string_lossy().starts_with("CARGO_PKG") || name == "RUSTUP_TOOLCHAIN" {
@@ -155,35 +140,33 @@ fn tail(text: &str) -> String {
     lines[lines.len().saturating_sub(12)..].join("\n")
 }
 
-/// Runs a suite file on a target.
+/// Runs a program with arguments and returns all it prints.
 ///
 /// # Errors
 ///
-/// [`QemuError`].
-pub fn run(firmware: &Firmware, suite: &Path, limit: Duration) -> Result<FirmwareReport, QemuError> {
+/// [`QemuError`]; a program that does not end with exit code 0 in time counts as not run.
+pub fn run(firmware: &Firmware, arguments: &[String], limit: Duration) -> Result<String, QemuError> {
+    let command = firmware.elf.with_file_name("emulator");
+    let command = std::fs::read_to_string(&command).map_err(|_| QemuError::Missing(command))?;
     if !firmware.elf.is_file() {
         return Err(QemuError::Missing(firmware.elf.clone()));
     }
     let name = firmware.name;
-    let arguments = format!("enable=on,target=native,arg={}", suite.display().to_string().replace(',', ",,"));
-    let mut child = Command::new(firmware.emulator)
-        .args(firmware.machine)
-        .args([
-            "-nographic",
-            "-monitor",
-            "none",
-            "-serial",
-            "none",
-            "-semihosting-config",
-            &arguments,
-            "-kernel",
-        ])
+    let mut words = command.split_ascii_whitespace();
+    let emulator = words.next().unwrap_or_default();
+    let given: Vec<String> =
+        arguments.iter().map(|text| format!(",arg={}", text.replace(',', ",,"))).collect();
+    let mut child = Command::new(emulator)
+        .args(words)
+        .args(["-nographic", "-monitor", "none", "-serial", "none", "-semihosting-config"])
+        .arg(format!("enable=on,target=native{}", given.concat()))
+        .arg("-kernel")
         .arg(&firmware.elf)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .map_err(|source| QemuError::Start { emulator: firmware.emulator, source })?;
+        .map_err(|source| QemuError::Start { emulator: emulator.to_owned(), source })?;
     // semihosting text comes on stderr or stdout, by machine: both are read
     let pipes: Vec<Box<dyn Read + Send>> = [
         child.stdout.take().map(|p| Box::new(p) as Box<dyn Read + Send>),
@@ -212,67 +195,14 @@ pub fn run(firmware: &Firmware, suite: &Path, limit: Duration) -> Result<Firmwar
                 break Err(QemuError::TimeOut { name, seconds: limit.as_secs() });
             }
             Ok(None) => std::thread::sleep(Duration::from_millis(20)),
-            Err(source) => break Err(QemuError::Start { emulator: firmware.emulator, source }),
+            Err(source) => break Err(QemuError::Start { emulator: emulator.to_owned(), source }),
         }
     }?;
     let text: Vec<String> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
     let text = text.join("\n");
-    let report = parse(&text);
-    match report {
-        Some(report) if status.success() => Ok(report),
-        _ => {
-            let reason = format!("ended with {status} before it was done; its last words:\n{}", tail(&text));
-            Err(QemuError::Output { name, reason })
-        }
+    if status.success() {
+        return Ok(text);
     }
-}
-
-/// Reads the lines firmware prints; `None` unless they end with `done` and every line is understood.
-pub fn parse(text: &str) -> Option<FirmwareReport> {
-    let mut report = FirmwareReport::default();
-    let mut done = false;
-    for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let hex = |digits: &str| u64::from_str_radix(digits, 16).ok();
-        match words[..] {
-            ["case", index, "instructions", n] => {
-                let index: usize = index.parse().ok()?;
-                report.cases.get_mut(index)?.instructions = Some(n.parse().ok()?);
-            }
-            ["case", index, stage, count, digest] => {
-                let index: usize = index.parse().ok()?;
-                if index == report.cases.len() {
-                    report.cases.push(CaseReport::default());
-                }
-                let stage = (stage.to_owned(), count.parse().ok()?, hex(digest)?);
-                report.cases.get_mut(index)?.stages.push(stage);
-            }
-            ["schedule", count, digest] => report.schedule = Some((count.parse().ok()?, hex(digest)?)),
-            ["selftest", digest] => report.selftest = Some(hex(digest)?),
-            ["stack", bytes] => report.stack_bytes = Some(bytes.parse().ok()?),
-            ["done"] => done = true,
-            _ => return None,
-        }
-    }
-    done.then_some(report)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const GOOD: &str = "selftest 0ba80aa6e02f79c8\ncase 0 beat 16000 00000000000000ff\ncase 0 gram 72 0a\n\
-                        case 0 instructions 123\nschedule 40 71e32feb3f4cd392\nstack 26228\ndone\n";
-
-    #[test]
-    fn whole_outputs_are_read_and_others_refused() {
-        let report = parse(GOOD).unwrap();
-        assert_eq!(report.cases.len(), 1);
-        assert_eq!(report.cases[0].stages[0], ("beat".into(), 16000, 255));
-        assert_eq!((report.cases[0].instructions, report.stack_bytes), (Some(123), Some(26228)));
-        assert_eq!(parse(GOOD.trim_end_matches("done\n")), None);
-        assert_eq!(parse("case 0 beat x 00\ndone"), None);
-        assert_eq!(parse("panicked at core\ndone"), None);
-        assert_eq!(parse("case 3 beat 1 00\ndone"), None);
-    }
+    let reason = format!("ended with {status}; its last words:\n{}", tail(&text));
+    Err(QemuError::Output { name, reason })
 }

@@ -1,7 +1,8 @@
 //! The model file: an int8 network with everything the radar module needs to use it, as bytes.
 //!
 //! Little endian: a header of 64 bytes, class names of 24 bytes, the layers in the order they run (stem; per block
-//! affine, conv1, conv2, add; head), and a CRC-32 (IEEE 802.3) of all that. `sdp3_core::dsn::model` reads it.
+//! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
+//! `sdp3_core::dsn::model` reads it.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,8 +10,11 @@ use std::path::Path;
 mod check;
 mod read;
 pub mod rescale;
+pub mod signature;
+mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
+pub use summary::Summary;
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;
@@ -323,6 +327,8 @@ fn padded(values: &[i8], out: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predictor::interchange::header;
+    use crate::scenario::Scenario;
 
     fn weighted(outputs: usize, inputs: usize, seed: i32) -> Weighted {
         let o = outputs as i32;
@@ -359,18 +365,7 @@ mod tests {
             },
         };
         QuantizedNetwork {
-            preprocessing: Preprocessing {
-                sensing_slots: 200,
-                first_kept: 2,
-                last_kept: 8,
-                window_len: 128,
-                hop: 8,
-                bins_per_row: 1,
-                range: 1063,
-                kaiser_beta: 10.0,
-                carrier_khz: 3_500_000,
-                slow_time_us: 1000,
-            },
+            preprocessing: header(&Scenario::default(), 200),
             classes: ["standing", "child-walking", "adult-pacing"].map(String::from).to_vec(),
             stem_stride: 2,
             stem: weighted(4, 9, 3),

@@ -34,7 +34,8 @@ pub enum PointsError {
 
 const SLOTS: &str = "a number of slots above 1";
 const ACCURACY: &str = "0..=1";
-const TESTED: &str = "a number of recordings, at least 1";
+const TESTED: &str = "a number of recordings, at least 2";
+const LEAST_TESTED: f64 = 2.0;
 
 /// Reads points; a file that begins with `{` or `[` is JSON.
 ///
@@ -70,7 +71,7 @@ fn csv(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
             let cell = |k: usize| cells.get(k).copied().unwrap_or("");
             let number = |k: usize| cell(k).parse::<f64>().ok().filter(|x| x.is_finite());
             let refuse = |k: usize, field, legal| refuse(place(), field, &format!("{:?}", cell(k)), legal);
-            let tested = number(2).filter(|&n| n >= 1.0);
+            let tested = number(2).filter(|&n| n >= LEAST_TESTED);
             if cells.len() > 2 && tested.is_none() {
                 return Err(refuse(2, "tested", TESTED));
             }
@@ -105,7 +106,7 @@ fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
             let number = |value: Option<&Value>| value.and_then(Value::as_f64);
             let shown = |value: Option<&Value>| value.map_or("(absent)".into(), Value::to_string);
             let refuse = |field, value, legal| refuse(place(), field, &shown(value), legal);
-            if tested.is_some() && number(tested).is_none_or(|n| n < 1.0) {
+            if tested.is_some() && number(tested).is_none_or(|n| n < LEAST_TESTED) {
                 return Err(refuse("tested", tested, TESTED));
             }
             let legal_accuracy = number(accuracy).filter(|a| (0.0..=1.0).contains(a));

@@ -138,7 +138,8 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
     [(Rule::Widest, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
 }
 
-fn assemble(grids: &[Grid], blocks: usize) -> Grids {
+/// One grid per [`position`], sorted into a network's places.
+pub(super) fn assemble(grids: &[Grid], blocks: usize) -> Grids {
     let at = |activation| grids[position(activation, blocks)];
     let block =
         |b| [Activation::Affine(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at);

@@ -7,9 +7,10 @@ use super::checkpoint::Checkpoint;
 use super::float_network::FloatNetwork;
 use super::interchange::header;
 use super::parameters::Parameters;
-use super::quantization::quantize;
-use super::spectrograms::{Collected, collect};
+use super::spectrograms::{Collected, collect, collect_from};
 use super::training::{self, Backend, train_all};
+use super::tuning::quantize_tuned;
+use crate::formats::dataset::Stored;
 use crate::pipeline::{Failure, Job, Learned};
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
@@ -28,7 +29,7 @@ pub struct Trained {
 pub struct How {
     /// Where.
     pub backend: Backend,
-    /// Whether a checkpoint is written after every epoch.
+    /// Whether a checkpoint is written after every epoch, and the scenario beside them.
     pub checkpoints: bool,
     /// Whether to go on from the checkpoints that are there.
     pub resume: bool,
@@ -58,6 +59,23 @@ impl Job {
         found
     }
 
+    /// Images of a dataset's recordings, with progress.
+    ///
+    /// # Errors
+    ///
+    /// A part that cannot be used.
+    pub fn collect_stored(&self, stored: &Stored) -> Result<Collected, Failure> {
+        let stage = self.progress.stage("read", "training recordings");
+        let (mut found, mut done) = (Collected { images: Vec::new() }, 0);
+        stored.each(|recordings| {
+            done += recordings.len() as u64;
+            found.extend(collect_from(&self.scenario, recordings));
+            stage.at(done, u64::from(stored.recordings()));
+        })?;
+        stage.finish(&format!("training recordings: {done} of a dataset"));
+        Ok(found)
+    }
+
     /// Trains one network per N_s, `workers` side by side; the result does not depend on `workers`.
     ///
     /// # Errors
@@ -80,6 +98,10 @@ impl Job {
             let checked = job.check(images, &s.learning, Class::ALL.len());
             checked.map_err(|e| format!("{}: {e}", self.output.path(&name(n)).display()))?;
             jobs.push(job);
+        }
+        if how.checkpoints {
+            // what the checkpoints are of; those that are there have been checked
+            self.output.write("scenario.toml", s.to_toml().as_bytes())?;
         }
         let stage = self.progress.stage("learn", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
@@ -128,7 +150,8 @@ impl Job {
         for (index, network) in networks.iter().enumerate() {
             let slots = self.scenario.frame.sensing_slots[index];
             let header = header(&self.scenario, slots);
-            let (quantized, report) = quantize(network, header, &names, &train.images[index])?;
+            let (quantized, report) =
+                quantize_tuned(network, header, &names, &train.images[index], &self.scenario.learning)?;
             self.output.write_json(&format!("models/dsn-{slots}-quantization.json"), &report)?;
             models.push(quantized.to_bytes()?);
             stage.step(networks.len() as u64);

@@ -1,8 +1,10 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
-//! Paper, section V. Only `network`, `training` and `trunk` need burn (the feature `train`).
+//! Paper, section V. `network`, `training`, `trunk` and `tuning` need burn (the feature `train`).
 pub mod accuracy;
 pub mod anytime;
+#[cfg(feature = "train")]
+pub mod baselines;
 pub mod calibration;
 #[cfg(feature = "train")]
 pub mod checkpoint;
@@ -27,3 +29,5 @@ pub(crate) mod synthetic;
 pub mod training;
 #[cfg(feature = "train")]
 pub mod trunk;
+#[cfg(feature = "train")]
+pub mod tuning;

@@ -13,7 +13,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use super::float_network::same_padding;
 use super::parameters::{Architecture, BATCH_NORM_EPSILON, BlockParameters, Norm, Parameters, Weights};
 use super::trunk::operation::trunk;
-use super::trunk::{Shape, Workspace};
+use super::trunk::{Shape, Wiring, Workspace};
 
 /// A residual block of the network.
 #[derive(Module, Debug)]
@@ -37,13 +37,13 @@ pub struct Network {
 }
 
 /// Parameters by number, so that an optimiser's state finds its own again.
-struct Maker<'a> {
-    device: &'a Device,
-    made: u64,
+pub(super) struct Maker<'a> {
+    pub device: &'a Device,
+    pub made: u64,
 }
 
 impl Maker<'_> {
-    fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
+    pub fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
         self.made += 1;
         let mut parameter = Param::from_data(TensorData::new(values.to_vec(), shape), self.device);
         parameter.id = ParamId::from(self.made);
@@ -78,21 +78,21 @@ fn norm_values(layer: &BatchNorm) -> Norm {
 }
 
 /// 3x3 convolution with TFLite's `SAME` padding.
-fn convolve(x: Tensor<4>, weight: &Param<Tensor<4>>, bias: Option<Tensor<1>>, stride: usize) -> Tensor<4> {
+pub(super) fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Option<Tensor<1>>, stride: usize) -> Tensor<4> {
     let [_, _, height, width] = x.dims();
     let pads = [height, width].map(|size| {
         let (out, before) = same_padding(size, stride);
         (before, ((out - 1) * stride + 3).saturating_sub(size + before))
     });
-    conv2d(x, weight.val(), bias, ConvOptions::new_with_padding([stride; 2], pads, [1, 1], 1))
+    conv2d(x, weight, bias, ConvOptions::new_with_padding([stride; 2], pads, [1, 1], 1))
 }
 
 impl ResidualBlock {
     fn forward(&self, x: Tensor<4>) -> Tensor<4> {
         let t = relu(self.norm1.forward(x.clone()));
-        let t = convolve(t, &self.conv1, None, 1);
+        let t = convolve(t, self.conv1.val(), None, 1);
         let t = relu(self.norm2.forward(t));
-        x + convolve(t, &self.conv2, Some(self.bias2.val()), 1)
+        x + convolve(t, self.conv2.val(), Some(self.bias2.val()), 1)
     }
 }
 
@@ -120,7 +120,7 @@ impl Network {
 
     /// Logits `[batch, classes]` of images `[batch, 1, rows, frames]`.
     pub fn forward(&self, images: Tensor<4>) -> Tensor<2> {
-        let x = convolve(images, &self.stem, Some(self.stem_bias.val()), self.stride);
+        let x = convolve(images, self.stem.val(), Some(self.stem_bias.val()), self.stride);
         let mut x = max_pool2d(x, MaxPoolOptions::new([2, 2]));
         for block in &self.blocks {
             x = block.forward(x);
@@ -136,7 +136,8 @@ impl Network {
         let [batch, _, rows, frames] = images.dims();
         let [channels, ..] = self.stem.val().dims();
         let (blocks, stem_stride) = (self.blocks.len(), self.stride);
-        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride };
+        let wiring = Wiring::Residual;
+        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride, wiring };
         let mut parameters = vec![self.stem.val().flatten(0, 3), self.stem_bias.val()];
         for b in &self.blocks {
             parameters.extend([b.norm1.gamma.val(), b.norm1.beta.val(), b.conv1.val().flatten(0, 3)]);

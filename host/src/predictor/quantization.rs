@@ -58,15 +58,27 @@ pub fn quantize(
     classes: &[String],
     images: &Images,
 ) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
+    quantize_folded(&FloatNetwork::new(parameters), preprocessing, classes, images)
+}
+
+/// As [`quantize`], of a network whose normalisations are folded.
+///
+/// # Errors
+/// As [`quantize`].
+pub fn quantize_folded(
+    float: &FloatNetwork,
+    preprocessing: Preprocessing,
+    classes: &[String],
+    images: &Images,
+) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
     if images.is_empty() {
         return Err(QuantizationError::NoImages);
     }
     let images = spread(images, CALIBRATION_IMAGES);
-    let float = FloatNetwork::new(parameters);
     let mut best: Option<(f64, Rule, Grids, Converted)> = None;
     let mut int8_loss = Vec::new();
-    for (rule, grids) in calibrate(&float, &images) {
-        let converted = convert(&float, &grids)?;
+    for (rule, grids) in calibrate(float, &images) {
+        let converted = convert(float, &grids)?;
         let loss = converted.rehearsal.evaluate(&images, &mut |a, v| round_all(grids.of(a), v)).loss;
         int8_loss.push((rule, loss));
         if best.as_ref().is_none_or(|b| loss < b.0) {
@@ -79,12 +91,13 @@ pub fn quantize(
         rule,
         float_loss: float.classify(&images).loss,
         int8_loss,
-        layers: report::compare(&float, &converted.rehearsal, &grids, &images),
+        untuned_loss: None,
+        layers: report::compare(float, &converted.rehearsal, &grids, &images),
     };
     let network = QuantizedNetwork {
         preprocessing,
         classes: classes.to_vec(),
-        stem_stride: parameters.architecture.stem_stride as u8,
+        stem_stride: float.architecture.stem_stride as u8,
         stem: converted.stem,
         blocks: converted.blocks,
         head: converted.head,
@@ -146,6 +159,12 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Quantizatio
         head: rounded_head,
     };
     Ok(Converted { stem, blocks, head, rehearsal })
+}
+
+/// The float network with the weights that int8 has on these grids.
+#[cfg(all(test, feature = "train"))]
+pub(super) fn rehearse(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, QuantizationError> {
+    convert(float, grids).map(|converted| converted.rehearsal)
 }
 
 /// One layer with weights; also what its rounded weights and biases stand for.

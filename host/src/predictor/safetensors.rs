@@ -84,6 +84,12 @@ fn list(p: &Parameters) -> Vec<(String, Vec<usize>, &[f32])> {
 /// A list of values whose length is not its shape's.
 pub fn write(parameters: &Parameters) -> Result<Vec<u8>, SafetensorsError> {
     let list = list(parameters);
+    for (name, shape, values) in &list {
+        let count: usize = shape.iter().product();
+        if values.len() != count {
+            return Err(wrong(format!("tensor {name}: number of values"), values.len(), count.to_string()));
+        }
+    }
     let bytes: Vec<Vec<u8>> =
         list.iter().map(|(.., values)| values.iter().flat_map(|v| v.to_le_bytes()).collect()).collect();
     let views = list
@@ -93,6 +99,19 @@ pub fn write(parameters: &Parameters) -> Result<Vec<u8>, SafetensorsError> {
     let views = views.collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
     let metadata = HashMap::from([(STRIDE.to_owned(), parameters.architecture.stem_stride.to_string())]);
     Ok(serialize(views, Some(metadata))?)
+}
+
+/// Whether parameters are a network that this program has, and of the architecture they name.
+///
+/// # Errors
+/// The tensor, its value and what is legal.
+pub fn check(parameters: &Parameters) -> Result<(), SafetensorsError> {
+    let named = parameters.architecture;
+    let found = read(&write(parameters)?, named.stem_stride)?.architecture;
+    match found == named {
+        true => Ok(()),
+        false => Err(wrong("architecture", format!("{named:?}"), format!("{found:?}"))),
+    }
 }
 
 /// Tensors by name, and which have been asked for.
@@ -228,6 +247,19 @@ mod tests {
         {
             assert_eq!(*a, b - 0.25 * i as f32);
         }
+    }
+
+    #[test]
+    fn parameters_are_of_the_architecture_they_name() {
+        assert!(check(&network()).is_ok());
+        let error = |change: fn(&mut Architecture)| {
+            let mut p = network();
+            change(&mut p.architecture);
+            check(&p).unwrap_err().to_string()
+        };
+        assert_eq!(error(|a| a.channels = 16), "tensor stem.weight: number of values is 72, must be 144");
+        let other = error(|a| a.blocks = 7);
+        assert!(other.contains("blocks: 7") && other.contains("blocks: 2"), "{other}");
     }
 
     #[test]

@@ -20,6 +20,20 @@ pub struct Collected {
     pub images: Vec<Images>,
 }
 
+impl Collected {
+    /// More of the same set.
+    pub fn extend(&mut self, more: Collected) {
+        if self.images.is_empty() {
+            self.images = more.images;
+            return;
+        }
+        for (images, more) in self.images.iter_mut().zip(more.images) {
+            images.pixels.extend(more.pixels);
+            images.labels.extend(more.labels);
+        }
+    }
+}
+
 /// Class and index within it of the `item`-th recording of a set: classes take turns, so that any prefix is balanced.
 pub fn item(item: u32) -> (Class, u32) {
     let classes = Class::ALL.len() as u32;
@@ -57,6 +71,24 @@ pub fn collect(
             windows.into_iter().map(move |images| (images, class as u8))
         })
         .collect();
+    gathered(scenario, &each)
+}
+
+/// Images of stored training recordings, as [`collect`] makes them of simulated ones.
+pub fn collect_from(scenario: &Scenario, recordings: Vec<(Class, Vec<Beat>)>) -> Collected {
+    let each: Vec<(Vec<Vec<i8>>, u8)> = recordings
+        .par_iter()
+        .flat_map_iter(|(class, beats)| {
+            let slots = scenario.learning.training_slots(scenario.largest_sensing_slots());
+            let windows = windows_of(scenario, &beats[..slots as usize]);
+            windows.into_iter().map(move |images| (images, *class as u8))
+        })
+        .collect();
+    gathered(scenario, &each)
+}
+
+/// Every recording's images, N_s by N_s.
+fn gathered(scenario: &Scenario, each: &[(Vec<Vec<i8>>, u8)]) -> Collected {
     let settings = scenario.spectrogram.preprocessing();
     let images = scenario
         .frame
@@ -73,7 +105,7 @@ pub fn collect(
     Collected { images }
 }
 
-/// Images at every N_s of each window of a training recording: the first at its beginning, the last at its end.
+/// Images at every N_s of each window of a training recording: the first window at its beginning, the last N_s slots later.
 fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
     let windows = scenario.learning.windows as usize;
     if windows == 1 {
@@ -83,7 +115,7 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
     let mut window = |w: usize| {
         let mut images = Vec::new();
         for &slots in &scenario.frame.sensing_slots {
-            let first = (beats.len() - slots as usize) * w / (windows - 1);
+            let first = slots as usize * w / (windows - 1);
             short.frame.sensing_slots = vec![slots];
             images.extend(images_of_beats(&short, &beats[first..first + slots as usize]));
         }
@@ -124,6 +156,9 @@ fn images_on_the_way(
 const GALLERY_S: f64 = 2.0;
 const MOST_SLOTS: u32 = 4000;
 
+/// Kaiser beta of a gallery's spectrograms: side lobes below what 50 dB show.
+const PICTURE_BETA: f32 = 10.0;
+
 /// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper.
 pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> Vec<Exhibit> {
     // spacing and rows that show the toes at each carrier, and a hop of 4 to 8 ms
@@ -143,6 +178,7 @@ pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sy
             scenario.frame.spacing_slots = spacing;
             scenario.spectrogram.bins_per_row = bins;
             scenario.spectrogram.hop = hop;
+            scenario.spectrogram.beta = PICTURE_BETA;
             let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
             scenario.frame.sensing_slots = vec![slots];
             let rho = stored_rho(&scenario).0;

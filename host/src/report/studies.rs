@@ -3,6 +3,7 @@
 use super::plot::{Axis, COLOURS, Plot, escape};
 use crate::predictor::learning_curve::Model;
 use crate::predictor::learning_curve::paper;
+use crate::studies::baselines::{Baselines, METHODS};
 use crate::studies::learning_curve::LearningCurve;
 use crate::studies::robustness::Robustness;
 use std::fmt::Write;
@@ -46,16 +47,47 @@ pub fn learning_curve(found: &LearningCurve) -> String {
     plot.svg()
 }
 
-/// One bar per condition and way of training.
+/// Accuracy of every method over N_s: means with their spread over the seeds.
+pub fn baselines(found: &Baselines) -> String {
+    let slots = found.rows.iter().map(|r| f64::from(r.sensing_slots));
+    let means = found.rows.iter().flat_map(|r| r.accuracy.map(|a| a.mean - a.deviation));
+    let low = (means.fold(1.0, f64::min) - 0.05).max(0.0);
+    let mut x = Axis::around(slots, "sensing slots N_s");
+    // room for what stands beside the first and the last
+    let step = (x.high - x.low) / 100.0;
+    (x.low, x.high) = ((x.low - step).max(0.0), x.high + step);
+    let y = Axis { low, high: 1.0, name: "accuracy (float)".into(), log: false };
+    let mut plot = Plot::new("Accuracy of three methods over sensing slots", x, y);
+    for (m, (method, colour)) in METHODS.into_iter().zip([COLOURS[0], COLOURS[1], COLOURS[2]]).enumerate() {
+        // beside each other, so that no bar hides another
+        let at = |n: u32| f64::from(n) + (m as f64 - 1.0) * step;
+        let points: Vec<_> = found.rows.iter().map(|r| (at(r.sensing_slots), r.accuracy[m].mean)).collect();
+        plot.line(&points, colour, 2.0, method);
+        for row in &found.rows {
+            let (n, a) = (row.sensing_slots, row.accuracy[m]);
+            plot.error_bar(at(n), a.mean - a.deviation, (a.mean + a.deviation).min(1.0), colour);
+            plot.dot(at(n), a.mean, 4.0, colour, &format!("{method}, N_s = {n}: {a}"));
+        }
+    }
+    plot.svg()
+}
+
+/// One bar per condition and way of training, conditions under the name of what they change.
 pub fn robustness(found: &Robustness) -> String {
-    const LEFT: f64 = 300.0;
-    const WIDTH: f64 = 340.0;
-    const STEP: f64 = 22.0;
-    let height = 60.0 + STEP * found.rows.len() as f64;
+    const LEFT: f64 = 390.0;
+    const WIDTH: f64 = 380.0;
+    const TOP: f64 = 28.0;
+    const STEP: f64 = 21.0;
+    const GAP: f64 = 9.0;
+    let begins = |k: usize| k > 0 && found.rows[k].factor != found.rows[k - 1].factor;
+    let groups = |k: usize| (0..=k).filter(|&k| begins(k)).count() as f64;
+    let top = |k: usize| TOP + STEP * k as f64 + GAP * groups(k);
+    let bottom = found.rows.len().checked_sub(1).map_or(TOP, |last| top(last) + STEP);
+    let height = bottom + 40.0;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 720 {height}\" font-family=\"sans-serif\" font-size=\"12\" \
-         fill=\"var(--ink,#222)\" role=\"img\"><title>Accuracy under changed conditions</title>\
-         <rect width=\"720\" height=\"{height}\" fill=\"var(--paper,#fff)\"/>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 800 {height}\" font-family=\"system-ui,sans-serif\" \
+         font-size=\"12\" fill=\"var(--ink,#222)\" role=\"img\"><title>Accuracy under changed conditions</title>\
+         <rect width=\"800\" height=\"{height}\" fill=\"var(--paper,#fff)\"/>"
     );
     let at = |accuracy: f64| LEFT + WIDTH * accuracy.clamp(0.0, 1.0);
     for tick in 0..=5 {
@@ -63,40 +95,46 @@ pub fn robustness(found: &Robustness) -> String {
         let x = at(accuracy);
         let _ = write!(
             svg,
-            "<line x1=\"{x}\" x2=\"{x}\" y1=\"20\" y2=\"{}\" stroke=\"var(--soft,#ccc)\"/><text x=\"{x}\" y=\"{}\" \
+            "<line x1=\"{x}\" x2=\"{x}\" y1=\"{}\" y2=\"{bottom}\" stroke=\"var(--soft,#ddd)\"/><text x=\"{x}\" y=\"{}\" \
              text-anchor=\"middle\">{accuracy}</text>",
-            height - 36.0,
-            height - 22.0
+            TOP - 4.0,
+            bottom + 16.0
         );
     }
     let _ = write!(
         svg,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">accuracy (int8)</text>",
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">accuracy (int8), N_s = {}</text>",
         at(0.5),
-        height - 6.0
+        bottom + 33.0,
+        found.sensing_slots
     );
     for (k, row) in found.rows.iter().enumerate() {
-        let y = 24.0 + STEP * k as f64;
-        let label = escape(&format!("{}: {}", row.factor, row.value));
+        let (y, value) = (top(k), escape(&row.value));
+        if k == 0 || begins(k) {
+            let factor = escape(&row.factor);
+            let _ = write!(svg, "<text x=\"8\" y=\"{}\" font-weight=\"600\">{factor}</text>", y + 12.0);
+        }
         let _ =
-            write!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{label}</text>", LEFT - 8.0, y + 12.0);
+            write!(svg, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{value}</text>", LEFT - 8.0, y + 12.0);
         let bars = [(Some(row.transfer), COLOURS[0]), (row.matched, COLOURS[4])];
         for (bar, (spread, colour)) in bars.into_iter().enumerate() {
             let Some(s) = spread else { continue };
             let (y, x) = (y + 8.0 * bar as f64, at(s.mean));
             let _ = write!(
                 svg,
-                "<rect x=\"{LEFT}\" y=\"{y}\" width=\"{:.1}\" height=\"7\" fill=\"{colour}\"><title>{label}: {s}</title></rect>\
-                 <line x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{m}\" y2=\"{m}\" stroke=\"var(--ink,#222)\"/>",
+                "<rect x=\"{LEFT}\" y=\"{y}\" width=\"{:.1}\" height=\"7\" fill=\"{colour}\"><title>{}: {value}: {s}</title>\
+                 </rect><line x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{m}\" y2=\"{m}\" stroke=\"var(--ink,#222)\"/>",
                 x - LEFT,
+                escape(&row.factor),
                 at(s.mean - s.deviation),
                 at(s.mean + s.deviation),
                 m = y + 3.5
             );
         }
     }
-    for (k, (name, colour)) in [("transfer", COLOURS[0]), ("matched", COLOURS[4])].into_iter().enumerate() {
-        let x = LEFT + 90.0 * k as f64;
+    let legend = [("trained in the usual room", COLOURS[0]), ("trained under the condition", COLOURS[4])];
+    for (k, (name, colour)) in legend.into_iter().enumerate() {
+        let x = LEFT + 180.0 * k as f64;
         let _ = write!(
             svg,
             "<rect x=\"{x}\" y=\"6\" width=\"10\" height=\"8\" fill=\"{colour}\"/><text x=\"{}\" y=\"14\">{name}</text>",

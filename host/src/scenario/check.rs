@@ -50,7 +50,16 @@ impl Scenario {
     pub fn load(file: &Path) -> Result<Self, ScenarioError> {
         let text = std::fs::read_to_string(file)
             .map_err(|source| ScenarioError::Read { file: file.to_owned(), source })?;
-        let scenario: Scenario = toml::from_str(&text).map_err(|error| ScenarioError::Syntax {
+        Self::parse(&text, file)
+    }
+
+    /// Reads and checks TOML; errors name `file` as its origin.
+    ///
+    /// # Errors
+    ///
+    /// See [`ScenarioError`].
+    pub fn parse(text: &str, file: &Path) -> Result<Self, ScenarioError> {
+        let scenario: Scenario = toml::from_str(text).map_err(|error| ScenarioError::Syntax {
             file: file.to_owned(),
             message: error.to_string().trim_end().replace('\n', "\n  "),
         })?;
@@ -200,7 +209,7 @@ impl Scenario {
         let l = &self.learning;
         c.count("learning.train_per_class", l.train_per_class, 2, 100_000)?;
         c.count("learning.windows", l.windows, 1, 100)?;
-        c.count("learning.test_per_class", l.test_per_class, 1, 100_000)?;
+        c.count("learning.test_per_class", l.test_per_class, 2, 100_000)?;
         c.count("learning.epochs", l.epochs, 1, 10_000)?;
         c.count("learning.batch", l.batch, 2, 10_000)?;
         c.within("learning.learning_rate", l.learning_rate, 1e-7, 1.0)?;
@@ -210,6 +219,8 @@ impl Scenario {
         c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0")?;
         let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
         c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4..=32")?;
+        c.within("learning.tune_above", l.tune_above, 0.0, 10.0)?;
+        c.count("learning.tuning_images", l.tuning_images, 1, 1_000_000)?;
         c.count("learning.blocks", u32::from(l.blocks), 1, 8)?;
         c.count("learning.stem_stride", u32::from(l.stem_stride), 1, 2)
     }
@@ -330,7 +341,8 @@ mod tests {
 
     #[test]
     fn fifty_decibels_are_1063_units() {
-        assert_eq!(SpectrogramSettings::default().preprocessing(), Preprocessing::default());
+        let paper = SpectrogramSettings { beta: 10.0, ..Default::default() };
+        assert_eq!(paper.preprocessing(), Preprocessing::default());
     }
 
     #[test]

@@ -102,7 +102,7 @@ pub fn domain(usual: &Scenario, domain: usize) -> Scenario {
 fn counts(s: &Scenario, rho: f64, seed: u64, set: Set) -> Counts {
     let settings = &s.spectrogram;
     let hop = usize::from(settings.hop);
-    let grey = Grey::new(usize::from(settings.window), f64::from(settings.beta), hop);
+    let grey = Grey::new(usize::from(settings.window), hop);
     let one = |n: u32| {
         let (class, index) = (Class::ALL[n as usize % Class::ALL.len()], n / Class::ALL.len() as u32);
         let slots = SETTLE_SLOTS + s.largest_sensing_slots();

@@ -2,8 +2,9 @@
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (what the room and the person may do), [`fidelity`]
-//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones).
+//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise).
 
+pub mod baselines;
 pub mod cells;
 pub mod fidelity;
 pub mod learning_curve;

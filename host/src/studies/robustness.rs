@@ -42,7 +42,7 @@ pub fn conditions() -> Vec<Condition> {
     }
     for db in [0.0, 20.0, 40.0, 50.0, 60.0] {
         let change = move |s: &mut Scenario| s.radar.power_w *= libm::pow(10.0, -db / 10.0);
-        add("transmit power (dB)", format!("{:.0}", -db), true, Box::new(change));
+        add("transmit power (dB)", format!("{}", 0.0 - db), true, Box::new(change));
     }
     for first in [1, 2, 3] {
         let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
@@ -114,6 +114,12 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
     let rho = |s: &Scenario| s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
     let learn =
         |s: &Scenario, seed: u64| train(s, seed, &images(s, rho(s), seed, Set::Train, workshop), workshop);
+    // a rho that is stated where it would be taken anyway changes nothing
+    let unchanged = |s: &Scenario| {
+        let mut stated = s.clone();
+        stated.channel.rho = usual.channel.rho;
+        stated == usual && rho(s) == rho(&usual)
+    };
     let conditions = conditions();
     let mut found: Vec<Vec<Cell>> = vec![Vec::new(); conditions.len()];
     for seed in request.each_seed() {
@@ -129,7 +135,7 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
                     Some(network) => network.test(&s, &test)?,
                     None => network.insert(learn(&usual, seed)?).test(&s, &test)?,
                 };
-                let matched = match condition.matched && s != usual {
+                let matched = match condition.matched && !unchanged(&s) {
                     true => Some(learn(&s, seed)?.test(&s, &test)?[0].int8),
                     false => None,
                 };

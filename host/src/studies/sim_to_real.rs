@@ -15,10 +15,10 @@ use crate::formats::model_file::Preprocessing;
 use crate::pipeline::Failure;
 use crate::predictor::float_network::{FloatNetwork, first_maximum};
 use crate::predictor::parameters::{Images, Parameters};
-use crate::predictor::quantization::quantize;
 use crate::predictor::training::{self, train_all};
+use crate::predictor::tuning::quantize_tuned;
 use crate::simulator::calibration::conditioning::ac_couple;
-use crate::simulator::calibration::grey::{Grey, RANGE_DB};
+use crate::simulator::calibration::grey::{BETA, Grey, RANGE_DB};
 use crate::simulator::calibration::resample::resample;
 use crate::simulator::calibration::slots_without_clutter;
 use crate::simulator::channel::Complex64;
@@ -70,7 +70,7 @@ impl Layout {
     /// The image of one AC-coupled second, on its own mean level.
     pub fn image(&self, second: &[f64]) -> Vec<i8> {
         let signal: Vec<_> = second.iter().map(|&y| Complex64::new(y, 0.0)).collect();
-        let decibels = Grey::new(self.window, 10.0, self.hop).decibels(&signal, true);
+        let decibels = Grey::new(self.window, self.hop).decibels(&signal, true);
         let pixel = |frame: &Vec<f64>, row: usize| {
             let power = |bin: usize| libm::pow(10.0, frame[bin] / 10.0);
             let db = 10.0 * libm::log10(0.5 * (power(2 * row) + power(2 * row + 1)));
@@ -126,7 +126,7 @@ impl Layout {
             hop: self.hop as u16,
             bins_per_row: 1,
             range: 1063,
-            kaiser_beta: 10.0,
+            kaiser_beta: BETA as f32,
             carrier_khz: (self.carrier_hz / 1e3).round() as u32,
             slow_time_us: (1e6 / self.rate_hz).round() as u32,
         }
@@ -173,7 +173,8 @@ impl Recogniser {
         let trained = train_all(&images, &[job], learning, Motion::ALL.len(), workshop.workers, &watch)?;
         let parameters = trained.into_iter().next().ok_or("no network was trained")?.parameters;
         let names = Motion::ALL.map(|m| m.name().to_owned());
-        let (quantized, _) = quantize(&parameters, layout.preprocessing(), &names, &images[0])?;
+        let (quantized, _) =
+            quantize_tuned(&parameters, layout.preprocessing(), &names, &images[0], learning)?;
         let simulated =
             FloatNetwork::new(&parameters).classify(&layout.simulated(seed, 1, test, workshop)).accuracy();
         stage.finish(&format!("three motions, seed {seed}: {simulated:.3} of unseen simulated seconds"));

@@ -5,9 +5,9 @@ use crate::pipeline::Failure;
 use crate::predictor::float_network::FloatNetwork;
 use crate::predictor::interchange::header;
 use crate::predictor::parameters::{Images, Parameters};
-use crate::predictor::quantization::quantize;
 use crate::predictor::spectrograms::{Collected, collect};
 use crate::predictor::training::{self, train_all};
+use crate::predictor::tuning::quantize_tuned;
 use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
@@ -65,7 +65,8 @@ pub fn train(
     let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
     let mut models = Vec::new();
     for ((network, images), &n) in trained.iter().zip(&images.images).zip(slots) {
-        let (quantized, _) = quantize(&network.parameters, header(scenario, n), &names, images)?;
+        let (quantized, _) =
+            quantize_tuned(&network.parameters, header(scenario, n), &names, images, learning)?;
         models.push(quantized.to_bytes()?);
     }
     Ok(Trained { parameters: trained.into_iter().map(|t| t.parameters).collect(), models })

@@ -5,8 +5,8 @@
 //! a pixel and sixteen outputs.
 
 use super::packing::transforms;
+use crate::dsn::channelwise::Channelwise;
 use crate::dsn::conv::{Conv, pad_before, same};
-use crate::dsn::model::Channelwise;
 use crate::simd::{Job, LANES, Lanes, Line, Rescale};
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.

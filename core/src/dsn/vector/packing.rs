@@ -7,8 +7,8 @@
 use super::winograd;
 use crate::dsn::add::Add;
 use crate::dsn::affine::Affine;
+use crate::dsn::channelwise::Channelwise;
 use crate::dsn::conv::Conv;
-use crate::dsn::model::Channelwise;
 use crate::simd::{LANES, Line, MAX_ACCUMULATOR, Rescale, set_lane};
 
 /// Lines of an addition: two offsets and three [`Rescale`]s.

@@ -44,16 +44,35 @@ pub fn gram(beats: &[Vec<Int>]) -> Vec<Int> {
     upper
 }
 
-/// Weights in f64 and the smallest relative gap between a dropped and a kept eigenvalue.
-pub struct Weights {
-    /// w = 1 - sum over the dropped components of u (u^H 1).
-    pub w: Vec<Float>,
-    /// Smallest distance between a dropped and a kept eigenvalue over the trace; infinite if nothing is dropped.
-    pub gap: f64,
+/// How far weights are from those of a nearby matrix: one error for each eigenvector, and one for the projection.
+///
+/// r = 1 - w is the projection of 1 on the dropped eigenvectors. In the eigenbasis it has the parts o_i = v_i^H 1 of the
+/// dropped and none of the kept. A perturbation E of the matrix (trace 1) moves part i by |E| / d_i at most, d_i being the
+/// distance to the nearest eigenvalue of the other kind; so the part's deviation times d_i, over |1| = sqrt 8, is a
+/// backward error: its bound holds for every gap. Where d_i vanishes the eigenvectors are any of their span, but r is a
+/// projection all the same: r^H (1 - r) = 0 is the last error.
+pub fn backward_error(upper: &[Int], first: usize, last: usize, w: &[Float]) -> Vec<f64> {
+    let one = Float::new(1.0, 0.0);
+    let r: Vec<Float> = w.iter().map(|w| one - w).collect();
+    let Some(pairs) = eigenpairs(upper) else { return r.iter().map(|r| r.norm()).collect() };
+    let dropped = |index: usize| index + 1 < first || index + 1 > last;
+    let mut errors = Vec::new();
+    for (index, (value, v)) in pairs.iter().enumerate() {
+        let part: Float = v.iter().zip(&r).map(|(v, r)| v.conj() * r).sum();
+        let wanted: Float =
+            if dropped(index) { v.iter().map(|v| v.conj()).sum() } else { Float::new(0.0, 0.0) };
+        let others = pairs.iter().enumerate().filter(|(other, _)| dropped(*other) != dropped(index));
+        // with no other kind nothing can turn: the whole deviation is an error
+        let distance = others.map(|(_, (other, _))| (value - other).abs()).fold(1.0, f64::min);
+        errors.push((part - wanted).norm() * distance / 8_f64.sqrt());
+    }
+    let projection: Float = r.iter().map(|r| r.conj() * (one - r)).sum();
+    errors.push(projection.norm() / 8.0);
+    errors
 }
 
-/// w from the upper triangle of a Gram matrix, components `first..=last` (from 1, strongest first) kept.
-pub fn weights(upper: &[Int], first: usize, last: usize) -> Weights {
+/// Eigenvalues, largest first, and eigenvectors of the matrix over its trace; `None` if it is zero.
+fn eigenpairs(upper: &[Int]) -> Option<Vec<(f64, Vec<Float>)>> {
     let mut a = [[Float::new(0.0, 0.0); 8]; 8];
     let mut entries = upper.iter();
     for i in 0..8 {
@@ -64,29 +83,13 @@ pub fn weights(upper: &[Int], first: usize, last: usize) -> Weights {
         }
     }
     let trace: f64 = (0..8).map(|i| a[i][i].re).sum();
-    let ones = vec![Float::new(1.0, 0.0); 8];
     if trace <= 0.0 {
-        return Weights { w: ones, gap: f64::INFINITY };
+        return None;
     }
     a.iter_mut().flatten().for_each(|value| *value /= trace);
     let mut pairs = eigen(a);
     pairs.sort_by(|x, y| y.0.total_cmp(&x.0));
-    let dropped = |index: usize| index + 1 < first || index + 1 > last;
-    let mut w = ones;
-    let mut gap = f64::INFINITY;
-    for (index, (value, u)) in pairs.iter().enumerate() {
-        if !dropped(index) {
-            continue;
-        }
-        let inner: Float = u.iter().map(|u| u.conj()).sum();
-        w.iter_mut().zip(u).for_each(|(w, u)| *w -= u * inner);
-        for (other, (kept, _)) in pairs.iter().enumerate() {
-            if !dropped(other) {
-                gap = gap.min((value - kept).abs());
-            }
-        }
-    }
-    Weights { w, gap }
+    Some(pairs)
 }
 
 /// Eigenpairs of a Hermitian matrix through the real symmetric 16 x 16 matrix [[Re, -Im], [Im, Re]]: classical
@@ -260,6 +263,28 @@ mod tests {
                     assert!((rebuilt - a[i][j]).norm_sqr() < 1e-24);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_backward_error_sees_wrong_weights_through_any_gap() {
+        // diagonal matrices: the eigenvectors are the axes, the strongest is dropped, w = 1 but for a 0
+        for gap in [1_i64 << 40, 1 << 20, 1] {
+            let diagonal = |i: usize| if i == 0 { (1_i64 << 50) + gap } else { (1 << 50) >> (i - 1) };
+            let upper: Vec<Int> =
+                (0..8).flat_map(|i| (i..8).map(move |j| (if i == j { diagonal(i) } else { 0 }, 0))).collect();
+            let weights = |zero: usize| -> Vec<Float> {
+                (0..8).map(|i| Float::new(if i == zero { 0.0 } else { 1.0 }, 0.0)).collect()
+            };
+            let worst = |w: &[Float]| backward_error(&upper, 2, 8, w).into_iter().fold(0.0, f64::max);
+            assert!(worst(&weights(0)) < 1e-12, "{gap}");
+            // dropping the third instead of the first is wrong, the second only where the gap can be seen
+            assert!(worst(&weights(2)) > 0.01, "{gap}");
+            assert!((worst(&weights(1)) > 1e-6) == (gap > 1 << 30), "{gap}");
+            // half of a component is no projection
+            let mut half = weights(0);
+            half[0].re = 0.5;
+            assert!(worst(&half) > 0.01, "{gap}");
         }
     }
 

@@ -11,6 +11,8 @@ mod manifest;
 mod part;
 mod record;
 mod sigmf;
+#[cfg(feature = "train")]
+mod stored;
 
 use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
@@ -24,6 +26,8 @@ use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use record::TruthRecord;
+#[cfg(feature = "train")]
+pub use stored::{Labelled, Stored, StoredError};
 
 /// Legal recordings of each class: their parts are numbered with five digits.
 pub const PER_CLASS: RangeInclusive<i64> = 1..=2_000_000;

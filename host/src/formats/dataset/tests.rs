@@ -224,3 +224,49 @@ fn shards_are_counted_from_one() {
         assert!(error.contains("1/N..=N/N"), "{error}");
     }
 }
+
+/// A dataset of 2 recordings per class whose labels and beats are others, digests and all.
+#[cfg(feature = "train")]
+fn foreign<T: npyz::AutoSerialize + Copy>(labels: &[u8], beats: &[T], name: &str) -> String {
+    use npyz::WriterBuilder;
+    let case = Case::new(false, false);
+    case.make(7, 2, "1/1").unwrap();
+    let path = case.path().join("part-00000.npz");
+    let mut archive = npyz::npz::NpzWriter::create(&path).unwrap();
+    let options = npyz::zip::write::FileOptions::default();
+    let n = labels.len() as u64;
+    let mut label = archive.array("label", options).unwrap().default_dtype().shape(&[n]).begin_nd().unwrap();
+    label.extend(labels.iter().copied()).unwrap();
+    label.finish().unwrap();
+    let shape = [beats.len() as u64 / 640, 40, 8, 2];
+    let mut beat = archive.array(name, options).unwrap().default_dtype().shape(&shape).begin_nd().unwrap();
+    beat.extend(beats.iter().copied()).unwrap();
+    beat.finish().unwrap();
+    drop(archive);
+    let output = Output::create(case.path()).unwrap();
+    let record = FileRecord::of(&output, "part-00000.npz").unwrap();
+    let mut manifest = case.manifest();
+    let files = manifest["files"].as_array_mut().unwrap();
+    let part = files.iter_mut().find(|file| file["name"] == "part-00000.npz").unwrap();
+    *part = serde_json::to_value(record).unwrap();
+    output.write_json(manifest::NAME, &manifest).unwrap();
+    Stored::open(case.path()).unwrap().each(|_| ()).unwrap_err().to_string()
+}
+
+#[cfg(feature = "train")]
+#[test]
+fn parts_of_others_are_refused_by_array_value_and_range() {
+    let labels: Vec<u8> = (0..10).map(|n| n % 5).collect();
+    let silence = [0_i32; 6400];
+    let missing: Vec<u8> = labels.iter().map(|&l| if l == 2 { 1 } else { l }).collect();
+    let name = Class::ALL[1].name();
+    for (error, words) in [
+        (foreign(&missing, &silence, "beat"), vec![name, "is 4", "must be 2", "per_class"]),
+        (foreign(&[9; 10], &silence, "beat"), vec!["part-00000.npz", "label of recording 0 is 9", "below 5"]),
+        (foreign(&labels, &[f32::NAN; 6400], "beat"), vec!["beat: dtype is", "<f4", "must be '<i4'"]),
+        (foreign(&labels, &silence[..5760], "beat"), vec!["beat: recordings is 9", "10, as many as label"]),
+        (foreign(&labels, &silence, "beats"), vec!["part-00000.npz", "beat is missing"]),
+    ] {
+        words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
+    }
+}

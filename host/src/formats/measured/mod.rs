@@ -56,6 +56,17 @@ impl Samples {
         self.len() == 0
     }
 
+    /// The first sample that is no finite number, and what it is.
+    fn not_finite(&self) -> Option<(usize, f64)> {
+        let first = |values: &mut dyn Iterator<Item = f64>| values.enumerate().find(|(_, v)| !v.is_finite());
+        match self {
+            Self::Real(x) => first(&mut x.iter().copied()),
+            // NaN or infinite where one of the two is
+            Self::Complex(z) => first(&mut z.iter().map(|z| if z.re.is_finite() { z.im } else { z.re })),
+            Self::Slots(_) => None,
+        }
+    }
+
     /// Mean power; of slots, of their samples against full scale.
     fn power(&self) -> f64 {
         let mean = |sum: f64, n: usize| sum / n.max(1) as f64;
@@ -203,9 +214,12 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
     if !(-200.0..=200.0).contains(&gain_db) {
         return Err(source.value("--gain", gain_db, "-200..=200 dB"));
     }
+    if let Some((n, value)) = contents.samples.not_finite() {
+        return Err(source.value(format!("sample {n}"), value, "finite numbers"));
+    }
     let power = contents.samples.power();
     if !power.is_finite() {
-        return Err(source.value("sample", "NaN or infinite", "finite numbers"));
+        return Err(source.value("mean power", power, "a finite number"));
     }
     let seconds = contents.samples.len() as f64 / rate_hz;
     if seconds < 1.5 {

@@ -119,7 +119,10 @@ fn arrays_that_mean_nothing_are_refused() {
     let mut values = [1.0_f64; 400];
     values[77] = f64::NAN;
     let error = refusal(&folder.npy("nan.npy", &[400], &values), &stated());
-    assert!(error.contains("NaN") && error.contains("finite"), "{error}");
+    assert!(error.contains("sample 77 = NaN") && error.contains("finite"), "{error}");
+    values[77] = 1e200;
+    let error = refusal(&folder.npy("huge.npy", &[400], &values), &stated());
+    assert!(error.contains("mean power = inf"), "{error}");
     let error = refusal(&folder.npy("silence.npy", &[400], &[0.0_f64; 400]), &stated());
     assert!(error.contains("mean power = 0"), "{error}");
     let file = folder.npy("rate.npy", &[400], &[1.0_f64; 400]);

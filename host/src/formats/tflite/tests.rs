@@ -6,23 +6,14 @@ use super::graph::{Graph, Operator};
 use super::schema::Kind;
 use super::*;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
+use crate::predictor::interchange::header;
 use crate::predictor::parameters::Architecture;
 use crate::predictor::quantization::quantize;
 use crate::predictor::synthetic::{stripes, trained_looking};
+use crate::scenario::Scenario;
 
 fn preprocessing() -> Preprocessing {
-    Preprocessing {
-        sensing_slots: 201,
-        first_kept: 2,
-        last_kept: 8,
-        window_len: 128,
-        hop: 8,
-        bins_per_row: 1,
-        range: 1063,
-        kaiser_beta: 10.0,
-        carrier_khz: 3_500_000,
-        slow_time_us: 1000,
-    }
+    header(&Scenario::default(), 201)
 }
 
 fn names() -> Vec<String> {

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-use crate::predictor::calibration::{Grid, Grids, Rule, position};
+use crate::predictor::calibration::{Grid, Grids, Rule, assemble, position};
 use crate::predictor::float_network::{Activation, FloatNetwork};
 use crate::predictor::parameters::Images;
 
@@ -37,11 +37,30 @@ pub struct QuantizationReport {
     pub float_loss: f64,
     /// Cross entropy of the rehearsed int8 network under each rule, in nats.
     pub int8_loss: Vec<(Rule, f64)>,
+    /// Where the network was tuned: the better of these losses before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untuned_loss: Option<f64>,
     /// Every activation under the rule that was kept.
     pub layers: Vec<LayerReport>,
 }
 
 impl QuantizationReport {
+    /// Cross entropy of int8 under the rule that was kept, in nats.
+    pub fn least_loss(&self) -> f64 {
+        self.int8_loss.iter().map(|&(_, loss)| loss).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What int8 adds to the float network's cross entropy, in nats.
+    pub fn cost(&self) -> f64 {
+        self.least_loss() - self.float_loss
+    }
+
+    /// The grids that were kept.
+    pub fn grids(&self) -> Grids {
+        let grids: Vec<Grid> = self.layers.iter().map(|layer| layer.grid).collect();
+        assemble(&grids, (grids.len() - 4) / 4)
+    }
+
     /// The report as a table: range, step, error and clipped share of every activation.
     pub fn table(&self) -> String {
         let mut text = format!(

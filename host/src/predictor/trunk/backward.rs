@@ -6,7 +6,7 @@ use super::forward::{Forward, HalfPass, affine};
 use super::planes::{Geometry, Padded, backward_weights};
 use super::products::{Convolve, Correlate, LANES};
 use super::stem::Stem;
-use super::{Half, Shape, Statistics, total};
+use super::{Half, Shape, Statistics, Wiring, total};
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -74,6 +74,7 @@ fn weights<'a>(parts: impl Iterator<Item = &'a [f32]>, inputs: usize, outputs: u
 
 /// Gradients of gamma and beta, and the coefficients of the input's, from the sums over `count` values.
 fn norm(
+    wiring: Wiring,
     half: &Half,
     norms: &[Statistics],
     sums: &[Sums],
@@ -82,10 +83,15 @@ fn norm(
     let one = |((s, sums), &gamma): ((&Statistics, &Sums), &f32)| {
         let scale = s.scale();
         let outer = f64::from(gamma) * scale;
+        // what comes back through the batch's statistics
+        let (slope, constant) = match wiring {
+            Wiring::Residual => (-outer * scale * scale * sums.1 / count, -outer * sums.0 / count),
+            Wiring::Plain => (0.0, 0.0),
+        };
         let input = NormGradient {
             outer: outer as f32,
-            slope: (-outer * scale * scale * sums.1 / count) as f32,
-            constant: (-outer * sums.0 / count) as f32,
+            slope: slope as f32,
+            constant: constant as f32,
             mean: s.mean as f32,
         };
         ((sums.1 * scale) as f32, (sums.0 as f32, input))
@@ -141,7 +147,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
                 {
                     match &behind {
                         None => spread(&geometry, features, outer),
-                        Some(norms) => add_norm(arch, &geometry, norms, inner, x, outer),
+                        Some(norms) => through_norm(arch, &shape, norms, inner, x, outer),
                     }
                     for (i, plane) in outer.chunks_exact(pixels).enumerate() {
                         pass.g.plane_mut(i).copy_from_slice(plane);
@@ -155,7 +161,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
         let conv2 = weights(parts.iter().map(|p| &p.weights[..]), c, c);
         let bias2 = total(parts.iter().map(|p| p.bias.clone())).iter().map(|s| s.0 as f32).collect();
         let sums2 = total(parts.into_iter().map(|p| p.norm));
-        let (gamma2, beta2, middle) = norm(second, between, &sums2, count);
+        let (gamma2, beta2, middle) = norm(shape.wiring, second, between, &sums2, count);
 
         let (mirrored, scale) = (backward_weights(first.conv, c, c), affine(first, before));
         let saved =
@@ -180,7 +186,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
             .collect();
         let conv1 = weights(parts.iter().map(|p| &p.weights[..]), c, c);
         let sums1 = total(parts.into_iter().map(|p| p.norm));
-        let (gamma1, beta1, input) = norm(first, before, &sums1, count);
+        let (gamma1, beta1, input) = norm(shape.wiring, first, before, &sums1, count);
         gradient.push([gamma1, beta1, conv1, gamma2, beta2, conv2, bias2].concat());
         behind = Some(input);
     }
@@ -204,7 +210,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
                 {
                     match &behind {
                         None => spread(&geometry, features, outer),
-                        Some(norms) => add_norm(arch, &geometry, norms, inner, x, outer),
+                        Some(norms) => through_norm(arch, &shape, norms, inner, x, outer),
                     }
                     stem.backward(source, outer, winners, lanes, &mut bias);
                 }
@@ -219,19 +225,16 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
     gradient.concat()
 }
 
-/// Adds the gradient through the normalisation of the block behind to that through its skip.
-fn add_norm(
-    arch: Arch,
-    geometry: &Geometry,
-    norms: &[NormGradient],
-    g: &[f32],
-    x: &[f32],
-    outer: &mut [f32],
-) {
+/// Adds the gradient through the normalisation of the block behind to that through its skip, if it has one.
+fn through_norm(arch: Arch, shape: &Shape, norms: &[NormGradient], g: &[f32], x: &[f32], outer: &mut [f32]) {
+    let geometry = shape.geometry();
     let pixels = geometry.pixels();
     let planes = outer.chunks_exact_mut(pixels).zip(g.chunks_exact(pixels)).zip(x.chunks_exact(pixels));
     for (((outer, g), x), norm) in planes.zip(norms) {
-        norm.add(arch, g, x, outer);
+        match shape.wiring {
+            Wiring::Residual => norm.add(arch, g, x, outer),
+            Wiring::Plain => norm.set(arch, g, x, outer),
+        }
         geometry.clear(outer);
     }
 }

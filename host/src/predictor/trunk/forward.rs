@@ -5,7 +5,7 @@ use super::elementwise::{Sums, add, affine_relu, moments};
 use super::planes::{Geometry, Padded, forward_weights};
 use super::products::Convolve;
 use super::stem::Stem;
-use super::{Buffer, Half, Shape, Statistics, Workspace, total};
+use super::{Buffer, Half, Shape, Statistics, Wiring, Workspace, total};
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -99,7 +99,7 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
         )
         .collect();
     let count = shape.batch as f64 * area;
-    let mut before = Statistics::new(&total(sums), count);
+    let mut before = shape.statistics_of(&total(sums), count);
 
     let (mut t, mut norms) = (Vec::new(), Vec::new());
     let mut features = vec![0.0; shape.batch * c];
@@ -128,7 +128,7 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
                 },
             )
             .collect();
-        let between = Statistics::new(&total(sums), count);
+        let between = shape.statistics_of(&total(sums), count);
 
         let (weights, scale) = (forward_weights(second.conv, c, c), affine(second, &between));
         let inputs = input.values.par_chunks(chunk * image).zip(middle.values.par_chunks(chunk * image));
@@ -144,7 +144,10 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
                     for ((x, t), (y, features)) in inputs.zip(outputs) {
                         pass.activate(t, &scale);
                         pass.convolve(&weights, block.bias, convolved);
-                        add(arch, x, convolved, y);
+                        match shape.wiring {
+                            Wiring::Residual => add(arch, x, convolved, y),
+                            Wiring::Plain => y.copy_from_slice(convolved),
+                        }
                         for (i, plane) in y.chunks_exact_mut(pixels).enumerate() {
                             geometry.clear(plane);
                             let moments = moments(arch, plane);
@@ -157,7 +160,7 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
             )
             .collect();
         norms.push([before, between]);
-        before = Statistics::new(&total(sums), count);
+        before = shape.statistics_of(&total(sums), count);
         t.push(middle);
         x.push(output);
     }

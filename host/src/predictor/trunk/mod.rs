@@ -26,6 +26,15 @@ use std::sync::{Arc, Mutex};
 /// Most chunks that a batch is cut into.
 const CHUNKS: usize = 24;
 
+/// How the blocks are wired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wiring {
+    /// Normalised by the batch, the input added to the output: the deep spectrogram network's.
+    Residual,
+    /// Neither: gamma and beta act on the values as they are. Means are 0 and variances 1 wherever statistics are given.
+    Plain,
+}
+
 /// Sizes of a trunk and of its batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
@@ -41,6 +50,8 @@ pub struct Shape {
     pub blocks: usize,
     /// Stride of the input convolution.
     pub stem_stride: usize,
+    /// How the blocks are wired.
+    pub wiring: Wiring,
 }
 
 impl Shape {
@@ -62,6 +73,14 @@ impl Shape {
     fn geometry(&self) -> Geometry {
         let pooled = |size| same_padding(size, self.stem_stride).0 / 2;
         Geometry { channels: self.channels, height: pooled(self.rows), width: pooled(self.frames) }
+    }
+
+    /// What the normalisations take off: the statistics of the `count` values behind the sums, or nothing.
+    fn statistics_of(&self, sums: &[Sums], count: f64) -> Vec<Statistics> {
+        match self.wiring {
+            Wiring::Residual => Statistics::new(sums, count),
+            Wiring::Plain => vec![Statistics::NONE; sums.len()],
+        }
     }
 
     /// Images of a chunk.
@@ -115,6 +134,9 @@ struct Statistics {
 }
 
 impl Statistics {
+    /// Those that change nothing.
+    const NONE: Statistics = Statistics { mean: 0.0, variance: 1.0 - BATCH_NORM_EPSILON };
+
     /// From the sums of the values and of their squares over `count` values.
     fn new(sums: &[Sums], count: f64) -> Vec<Statistics> {
         let one = |s: &Sums| {

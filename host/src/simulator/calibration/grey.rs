@@ -14,6 +14,8 @@ pub const LEVELS: usize = 64;
 pub const REFERENCE_DB: f64 = 16.0;
 /// Dynamic range in dB.
 pub const RANGE_DB: f64 = 50.0;
+/// The Kaiser window's beta, the paper's: side lobes lie below the range.
+pub const BETA: f64 = 10.0;
 /// Length of the transform.
 const FFT: usize = 256;
 
@@ -25,12 +27,12 @@ pub struct Grey {
 }
 
 impl Grey {
-    /// A Kaiser window of `length` samples with `beta`, moved by `hop`.
-    pub fn new(length: usize, beta: f64, hop: usize) -> Self {
+    /// A Kaiser window of `length` samples, moved by `hop`.
+    pub fn new(length: usize, hop: usize) -> Self {
         let centre = (length as f64 - 1.0) / 2.0;
         let value = |n: usize| {
             let x = (n as f64 - centre) / centre;
-            bessel_i0(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(beta)
+            bessel_i0(BETA * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(BETA)
         };
         let fft = FftPlannerScalar::new().plan_fft_forward(FFT);
         Grey { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }

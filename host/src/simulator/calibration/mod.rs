@@ -85,7 +85,7 @@ impl<'a> Bench<'a> {
     pub fn new(scenario: &'a Scenario, seed: u64, class: Class, real: bool, slots: u32) -> Self {
         let settings = &scenario.spectrogram;
         let hop = usize::from(settings.hop);
-        let grey = Grey::new(usize::from(settings.window), f64::from(settings.beta), hop);
+        let grey = Grey::new(usize::from(settings.window), hop);
         Bench { scenario, seed, class, real, single_cell: false, slots, grey, hop }
     }
 
@@ -188,7 +188,7 @@ impl Facing {
         if single_cell {
             signal.chunks_mut(slots).for_each(remove_mean);
         }
-        let grey = Grey::new(WINDOW, 10.0, HOP);
+        let grey = Grey::new(WINDOW, HOP);
         let mut counts = [0; LEVELS];
         let windows = moving_windows(&signal, slots);
         for window in &windows {
@@ -204,7 +204,7 @@ impl Facing {
 
     fn bench(&self, seed: u64, class: Class) -> Bench<'_> {
         let mut bench = Bench::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
-        bench.grey = Grey::new(WINDOW, 10.0, HOP);
+        bench.grey = Grey::new(WINDOW, HOP);
         bench.hop = HOP;
         bench.single_cell = self.single_cell;
         bench

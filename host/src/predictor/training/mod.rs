@@ -2,14 +2,19 @@
 //!
 //! Cross entropy, images shuffled every epoch; the optimiser and its learning rate are the scenario's. Trainings run side by side; one alone uses several threads.
 
+pub mod batches;
+pub mod steps;
+
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use burn::optim::momentum::MomentumConfig;
-use burn::optim::{AdamConfig, AdamWConfig, GradientsParams, ModuleOptimizer, SgdConfig};
+use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::tensor::activation::log_softmax;
-use burn::tensor::{Bytes, Device, Tensor, TensorData};
+use burn::tensor::{Bytes, Device, Tensor};
 use thiserror::Error;
+
+use batches::{batches, split, tensors};
+use steps::{optimizer, rate};
 
 use super::checkpoint::{Best, Bits, Checkpoint, CheckpointError, Identity, decode, encode};
 use super::float_network::first_maximum;
@@ -17,14 +22,7 @@ use super::network::Network;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
 use super::trunk::Workspace;
 use crate::results::Epoch;
-use crate::scenario::{Learning, Optimizer, Schedule};
-
-/// Share of the steps in which the learning rate rises.
-const WARM_UP: f64 = 0.3;
-/// Peak over the first learning rate.
-const START_DIVISOR: f64 = 25.0;
-/// Peak over the last learning rate.
-const END_DIVISOR: f64 = 1e4;
+use crate::scenario::Learning;
 
 /// Why a training could not begin.
 #[derive(Debug, Error)]
@@ -315,12 +313,7 @@ impl<'a> Learner<'a> {
             let loss = (log_softmax(logits, 1) * truth).sum() / -(batch.len() as f64);
             loss_sum += scalar(&loss) * batch.len() as f64;
             let gradients = GradientsParams::from_grads(loss.backward(), &self.network);
-            let rate = match self.settings.schedule {
-                Schedule::Constant => self.settings.learning_rate,
-                Schedule::OneCycle => {
-                    one_cycle(number * batches.len() + index, steps, self.settings.learning_rate)
-                }
-            };
+            let rate = rate(self.settings, number * batches.len() + index, steps);
             self.network = self.optimizer.step(rate, self.network.clone(), gradients);
         }
         let n = self.train.len() as f64;
@@ -364,69 +357,12 @@ fn scalar(tensor: &Tensor<1>) -> f64 {
     f64::from(tensor.to_data().iter::<f32>().next().unwrap_or(f32::NAN))
 }
 
-fn optimizer(settings: &Learning) -> ModuleOptimizer {
-    match settings.optimizer {
-        Optimizer::Adamw => {
-            AdamWConfig::new().with_epsilon(1e-8).with_weight_decay(settings.weight_decay as f32).init()
-        }
-        Optimizer::Adam => AdamConfig::new().with_epsilon(1e-8).init(),
-        Optimizer::Momentum => {
-            // burn's own default dampens by 0.1
-            let momentum = MomentumConfig::new().with_momentum(0.9).with_dampening(0.0);
-            SgdConfig::new().with_momentum(Some(momentum)).init()
-        }
-    }
-}
-
-/// Cuts images into those to learn from and, evenly among those of a label, the share that validates.
-fn split(labels: &[u8], share: f64) -> (Vec<usize>, Vec<usize>) {
-    let mut seen = [0u32; 256];
-    (0..labels.len()).partition(|&i| {
-        let n = &mut seen[usize::from(labels[i])];
-        *n += 1;
-        (f64::from(*n) * share).floor() == (f64::from(*n - 1) * share).floor()
-    })
-}
-
-/// Images `[batch, 1, rows, frames]` and their classes one-hot `[batch, classes]`.
-fn tensors(images: &Images, batch: &[usize], classes: usize, device: &Device) -> (Tensor<4>, Tensor<2>) {
-    let pixels: Vec<f32> =
-        batch.iter().flat_map(|&i| images.image(i).iter().map(|&p| (f32::from(p) + 128.0) / 255.0)).collect();
-    let mut truth = vec![0.0f32; batch.len() * classes];
-    for (row, &i) in batch.iter().enumerate() {
-        truth[row * classes + usize::from(images.labels[i])] = 1.0;
-    }
-    let shape = [batch.len(), 1, images.rows, images.frames];
-    (
-        Tensor::from_data(TensorData::new(pixels, shape), device),
-        Tensor::from_data(TensorData::new(truth, [batch.len(), classes]), device),
-    )
-}
-
-/// Cuts `count` images into batches that differ by at most one image, as near to `size` as possible.
-fn batches(count: usize, size: usize) -> Vec<std::ops::Range<usize>> {
-    let number = ((count + size / 2) / size.max(1)).max(1);
-    (0..number).map(|b| b * count / number..(b + 1) * count / number).collect()
-}
-
-/// Learning rate of a step: a rising half cosine, then a falling one.
-fn one_cycle(step: usize, steps: usize, peak: f64) -> f64 {
-    let half_cosine = |from: f64, to: f64, share: f64| {
-        to + (from - to) * (1.0 + libm::cos(std::f64::consts::PI * share)) / 2.0
-    };
-    let position = (step as f64 + 0.5) / steps as f64;
-    if position < WARM_UP {
-        half_cosine(peak / START_DIVISOR, peak, position / WARM_UP)
-    } else {
-        half_cosine(peak, peak / END_DIVISOR, (position - WARM_UP) / (1.0 - WARM_UP))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::predictor::float_network::FloatNetwork;
     use crate::predictor::synthetic::stripes;
+    use crate::scenario::{Optimizer, Schedule};
 
     fn settings(epochs: u32) -> Learning {
         Learning { epochs, batch: 20, channels: 4, blocks: 2, stem_stride: 2, ..Learning::default() }
@@ -468,27 +404,6 @@ mod tests {
                 train_all(&both, &[job(8), job(7)], &settings(2), 5, workers, &|_, _, _| Ok(())).unwrap();
             assert_eq!(found[1], one);
         }
-    }
-
-    #[test]
-    fn the_learning_rate_rises_to_its_peak_and_falls_to_nothing() {
-        let rates: Vec<f64> = (0..1000).map(|s| one_cycle(s, 1000, 5e-3)).collect();
-        assert!((rates[0] - 5e-3 / 25.0).abs() < 1e-7);
-        assert!(rates[..300].is_sorted() && rates[300..].iter().rev().is_sorted());
-        assert!((rates[300] - 5e-3).abs() < 1e-7 && (rates[999] - 5e-7).abs() < 1e-7);
-    }
-
-    #[test]
-    fn every_epoch_takes_every_image_once() {
-        let mut order = shuffled(500, 3, 1);
-        assert_ne!(order, shuffled(500, 3, 2));
-        assert_eq!(order, shuffled(500, 3, 1));
-        order.sort();
-        assert!(order.into_iter().eq(0..500));
-        let sizes = |count, size| batches(count, size).iter().map(|b| b.len()).collect::<Vec<_>>();
-        assert_eq!(sizes(500, 50), vec![50; 10]);
-        assert_eq!(sizes(103, 50), vec![51, 52]);
-        assert_eq!(sizes(3, 50), vec![3]);
     }
 
     #[test]
@@ -540,14 +455,5 @@ mod tests {
         let best = losses.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).unwrap().0;
         assert_eq!(losses.len(), best + 3, "{losses:?}");
         assert!(losses.len() < 30);
-    }
-
-    #[test]
-    fn validation_takes_its_share_of_every_label() {
-        let labels = [0, 0, 1, 0, 1, 1, 0, 1];
-        let (train, validate) = split(&labels, 0.25);
-        assert_eq!(validate, [6, 7]);
-        assert_eq!(train, [0, 1, 2, 3, 4, 5]);
-        assert_eq!(split(&labels, 0.0).1.len(), 0);
     }
 }

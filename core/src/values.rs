@@ -1,0 +1,144 @@
+//! Every value of every stage as little-endian bytes, in the order of the street: what digests fold and dumps store.
+//!
+//! Floats go by their bits; a complex number is two values, the real part first.
+
+use crate::clutter::{Gram, Weights};
+use crate::frame::{Beat, Complex};
+use crate::probe::Probe;
+use crate::stft::Spectrum;
+
+/// A stage of the street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stage {
+    /// Decimated beats, i32.
+    Beat,
+    /// Gram matrix, i64.
+    Gram,
+    /// Projection weights, i32.
+    Weights,
+    /// Slow-time signal, i32.
+    SlowTime,
+    /// Spectra, f32.
+    Frame,
+    /// Image, i8.
+    Image,
+    /// Outputs of the network's layers, i8.
+    Layer,
+    /// Logits, i8.
+    Logits,
+    /// The answer, u8.
+    Class,
+    /// Its probability, f32.
+    Confidence,
+}
+
+impl Stage {
+    /// All stages, in their order.
+    pub const ALL: [Stage; 10] = [
+        Stage::Beat,
+        Stage::Gram,
+        Stage::Weights,
+        Stage::SlowTime,
+        Stage::Frame,
+        Stage::Image,
+        Stage::Layer,
+        Stage::Logits,
+        Stage::Class,
+        Stage::Confidence,
+    ];
+
+    /// Name, as reports give it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Stage::Beat => "beat",
+            Stage::Gram => "gram",
+            Stage::Weights => "weights",
+            Stage::SlowTime => "slow-time",
+            Stage::Frame => "frame",
+            Stage::Image => "image",
+            Stage::Layer => "layer",
+            Stage::Logits => "logits",
+            Stage::Class => "class",
+            Stage::Confidence => "confidence",
+        }
+    }
+
+    /// The stage of this name.
+    pub fn named(name: &str) -> Option<Stage> {
+        Stage::ALL.into_iter().find(|stage| stage.name() == name)
+    }
+
+    /// Bytes of one value.
+    pub const fn width(self) -> usize {
+        match self {
+            Stage::Gram => 8,
+            Stage::Beat | Stage::Weights | Stage::SlowTime | Stage::Frame | Stage::Confidence => 4,
+            Stage::Image | Stage::Layer | Stage::Logits | Stage::Class => 1,
+        }
+    }
+}
+
+/// Takes values one by one.
+pub trait Sink {
+    /// One value of a stage; `N` is its [`Stage::width`].
+    fn value<const N: usize>(&mut self, stage: Stage, bytes: [u8; N]);
+}
+
+/// A [`Probe`] that hands every value to a sink.
+#[derive(Debug, Clone, Default)]
+pub struct Values<S>(pub S);
+
+impl<S: Sink> Values<S> {
+    fn complex(&mut self, stage: Stage, values: &[Complex<i32>]) {
+        for z in values {
+            self.0.value(stage, z.re.to_le_bytes());
+            self.0.value(stage, z.im.to_le_bytes());
+        }
+    }
+
+    fn bytes(&mut self, stage: Stage, values: &[i8]) {
+        for value in values {
+            self.0.value(stage, value.to_le_bytes());
+        }
+    }
+}
+
+impl<S: Sink> Probe for Values<S> {
+    fn beat(&mut self, beat: &Beat) {
+        self.complex(Stage::Beat, beat);
+    }
+    fn gram(&mut self, gram: &Gram) {
+        for z in gram.upper() {
+            self.0.value(Stage::Gram, z.re.to_le_bytes());
+            self.0.value(Stage::Gram, z.im.to_le_bytes());
+        }
+    }
+    fn weights(&mut self, weights: &Weights) {
+        self.complex(Stage::Weights, weights);
+    }
+    fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
+        self.complex(Stage::SlowTime, slow_time);
+    }
+    fn frame(&mut self, _k: usize, spectrum: &Spectrum) {
+        for z in spectrum {
+            self.0.value(Stage::Frame, z.re.to_bits().to_le_bytes());
+            self.0.value(Stage::Frame, z.im.to_bits().to_le_bytes());
+        }
+    }
+    fn image(&mut self, image: &[i8]) {
+        self.bytes(Stage::Image, image);
+    }
+    fn layer(&mut self, _index: usize, activations: &[i8]) {
+        self.bytes(Stage::Layer, activations);
+    }
+    fn logits(&mut self, logits: &[i8]) {
+        self.bytes(Stage::Logits, logits);
+    }
+    fn class(&mut self, class: u8) {
+        self.0.value(Stage::Class, [class]);
+    }
+    fn confidence(&mut self, confidence: f32) {
+        self.0.value(Stage::Confidence, confidence.to_bits().to_le_bytes());
+    }
+}

@@ -1,0 +1,37 @@
+//! The station that takes signed models only: `models/station.pub` is the key it was built with.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: build it with firmware-sim/build");
+}
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use sdp3_core::dsn::{Model, Shape, model::KEY_LEN};
+    use sdp3_core::receiver::Memory;
+    use sdp3_firmware_sim::rt::Single;
+    use sdp3_firmware_sim::semihosting::exit;
+    use sdp3_firmware_sim::station::run;
+
+    static MODEL: &[u8] = include_bytes!("../../models/dsn-200-signed.sdp3");
+    static KEY: &[u8; KEY_LEN] = include_bytes!("../../models/station.pub");
+    const SHAPE: Shape = match Shape::of(MODEL) {
+        Some(shape) => shape,
+        None => panic!("dsn-200-signed.sdp3 is no model"),
+    };
+    type Small = Memory<{ SHAPE.sensing_slots }, { SHAPE.frames }, { SHAPE.scratch_bytes() }>;
+    static MEMORY: Single<Small> = Single::new(Small::new());
+
+    // 40 KiB are left for the stack and everything else
+    const _: () = assert!(Small::BYTES <= 24 * 1024 && Small::BYTES == SHAPE.required_bytes());
+
+    #[allow(unsafe_code)] // the symbol that start-up calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_main() -> ! {
+        match (Model::parse_signed(MODEL, KEY), MEMORY.take()) {
+            (Ok(model), Some(memory)) => run(model, memory),
+            _ => exit(2),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! A dataset read back: complete, every file that is read held to the digest in its manifest.
+
+use super::record::FileRecord;
+use super::{REQUEST, Request, SCENARIO, difference, manifest};
+use crate::scenario::{Class, Scenario, ScenarioError};
+use npyz::Order;
+use npyz::npz::NpzArchive;
+use sdp3_core::frame::{BEATS, Beat, Complex};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::io::{self, Cursor};
+use std::path::{Path, PathBuf};
+
+/// Why a dataset cannot be learned from.
+#[derive(Debug, thiserror::Error)]
+pub enum StoredError {
+    /// A file cannot be read.
+    #[error("{file}: {source}; {CURE}")]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system or the format says.
+        source: io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{file}: {field} is {value}, must be {legal}")]
+    Value {
+        /// The file.
+        file: PathBuf,
+        /// Which field.
+        field: String,
+        /// What stands there.
+        value: String,
+        /// What may stand there.
+        legal: String,
+    },
+    /// Its scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+}
+
+/// What completes or mends a dataset.
+const CURE: &str = "`sdp3 simulate` with the same options and --out makes it";
+
+/// What is needed of a manifest.
+#[derive(Deserialize)]
+struct Manifest {
+    files: Vec<FileRecord>,
+}
+
+/// A recording: its class and its beats.
+pub type Labelled = (Class, Vec<Beat>);
+
+/// A complete dataset.
+#[derive(Debug)]
+pub struct Stored {
+    files: Files,
+    scenario: Scenario,
+    request: Request,
+}
+
+impl Stored {
+    /// Opens a folder that `sdp3 simulate` completed.
+    ///
+    /// # Errors
+    ///
+    /// A file that is missing or is not the manifest's; other classes than the paper's.
+    pub fn open(folder: &Path) -> Result<Self, StoredError> {
+        let files = Files::open(folder)?;
+        let request: Request = parsed(&folder.join(REQUEST), &files.read(REQUEST)?)?;
+        files.read(SCENARIO)?;
+        let scenario = Scenario::load(&folder.join(SCENARIO))?;
+        let classes = &request.classes;
+        if classes.len() != Class::ALL.len() || Class::ALL.iter().any(|class| !classes.contains(class)) {
+            let names = |classes: &[Class]| classes.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
+            let legal = format!("{}, in any order", names(&Class::ALL));
+            return Err(files.value(REQUEST, "classes", names(classes), legal));
+        }
+        if request.per_class < 2 {
+            return Err(files.value(REQUEST, "per_class", request.per_class, "at least 2".into()));
+        }
+        Ok(Stored { files, scenario, request })
+    }
+
+    /// Recordings.
+    pub fn recordings(&self) -> u32 {
+        self.request.per_class * self.request.classes.len() as u32
+    }
+
+    /// Sensing slots of every recording.
+    pub fn slots(&self) -> u32 {
+        self.scenario.largest_sensing_slots()
+    }
+
+    /// The scenario to learn in: the dataset's, with its rho, and the learning settings of `asked`. One from a file (`stated`)
+    /// also says which N_s are studied, and must be of the same room, radar and people. Recordings too short for several
+    /// windows of the largest N_s give one window each.
+    ///
+    /// # Errors
+    ///
+    /// What differs; more sensing slots than the recordings have.
+    pub fn scenario(&self, asked: &Scenario, stated: bool) -> Result<Scenario, StoredError> {
+        let mut found = self.scenario.clone();
+        found.channel.rho = Some(self.request.rho);
+        found.learning = asked.learning.clone();
+        found.learning.train_per_class = self.request.per_class;
+        if stated {
+            (found.name, found.communication) = (asked.name.clone(), asked.communication.clone());
+            (found.trade, found.frame.sensing_slots) =
+                (asked.trade.clone(), asked.frame.sensing_slots.clone());
+            found.frame.period_slots = asked.frame.period_slots;
+            let mut same = asked.clone();
+            same.channel.rho = asked.channel.rho.or(found.channel.rho);
+            same.learning.train_per_class = self.request.per_class;
+            let json = |s: &Scenario| serde_json::to_value(s).unwrap_or_default();
+            if let Some((field, found, asked)) = difference("", &json(&found), &json(&same)) {
+                let legal = format!("{asked}, as --scenario says, or stay out of --scenario");
+                return Err(self.files.value(SCENARIO, &field, found, legal));
+            }
+        }
+        let longest = found.largest_sensing_slots();
+        if longest > self.slots() {
+            let legal = format!("at least {longest}, the largest N_s that --scenario asks for");
+            return Err(self.files.value(SCENARIO, "frame.sensing_slots", self.slots(), legal));
+        }
+        if found.learning.training_slots(longest) > self.slots() {
+            found.learning.windows = 1;
+        }
+        Ok(found)
+    }
+
+    /// Gives every recording to `take`, part by part.
+    ///
+    /// # Errors
+    ///
+    /// A part that is missing, damaged or of another shape; classes that are not there as often as they should.
+    pub fn each(&self, mut take: impl FnMut(Vec<Labelled>)) -> Result<(), StoredError> {
+        let mut counts = [0_u32; Class::ALL.len()];
+        for part in self.files.records.iter().filter(|record| record.name.ends_with(".npz")) {
+            let recordings = self.part(&part.name)?;
+            recordings.iter().for_each(|(class, _)| counts[*class as usize] += 1);
+            take(recordings);
+        }
+        let want = self.request.per_class;
+        match Class::ALL.into_iter().zip(counts).find(|(_, count)| *count != want) {
+            None => Ok(()),
+            Some((class, count)) => {
+                let field = format!("recordings of {}", class.name());
+                Err(self.files.value(
+                    manifest::NAME,
+                    &field,
+                    count,
+                    format!("{want}, per_class of {REQUEST}"),
+                ))
+            }
+        }
+    }
+
+    fn part(&self, name: &str) -> Result<Vec<Labelled>, StoredError> {
+        let bytes = self.files.read(name)?;
+        let broken = |source| StoredError::Read { file: self.files.folder.join(name), source };
+        let mut archive = NpzArchive::new(Cursor::new(&bytes)).map_err(broken)?;
+        let labels: Vec<u8> = self.array(name, &mut archive, "label", "|u1", &[])?;
+        let (slots, wide) = (self.slots() as usize, 2 * BEATS);
+        let shape = [slots as u64, BEATS as u64, 2];
+        let beats: Vec<i32> = self.array(name, &mut archive, "beat", "<i4", &shape)?;
+        if beats.len() != labels.len() * slots * wide {
+            let legal = format!("{}, as many as label has", labels.len());
+            return Err(self.files.value(name, "beat: recordings", beats.len() / (slots * wide), legal));
+        }
+        let complex = |z: &[i32]| Complex { re: z[0], im: z[1] };
+        let beat = |slot: &[i32]| -> Beat { std::array::from_fn(|b| complex(&slot[2 * b..])) };
+        let one = |(k, (&label, beats)): (usize, (&u8, &[i32]))| {
+            let class = self.request.classes.get(usize::from(label)).ok_or_else(|| {
+                let legal = format!("below {}", self.request.classes.len());
+                self.files.value(name, &format!("label of recording {k}"), label, legal)
+            })?;
+            Ok((*class, beats.chunks_exact(wide).map(beat).collect()))
+        };
+        labels.iter().zip(beats.chunks_exact(slots * wide)).enumerate().map(one).collect()
+    }
+
+    /// An array of a part: `[recording]` by `shape`.
+    fn array<T: npyz::Deserialize>(
+        &self,
+        name: &str,
+        archive: &mut NpzArchive<Cursor<&Vec<u8>>>,
+        array: &str,
+        dtype: &str,
+        shape: &[u64],
+    ) -> Result<Vec<T>, StoredError> {
+        let broken = |source| StoredError::Read { file: self.files.folder.join(name), source };
+        let Some(found) = archive.by_name(array).map_err(broken)? else {
+            return Err(self.files.value(name, array, "missing", "an array".into()));
+        };
+        let descr = found.dtype().descr();
+        if descr.trim_matches('\'') != dtype {
+            return Err(self.files.value(name, &format!("{array}: dtype"), descr, format!("'{dtype}'")));
+        }
+        let own = found.shape();
+        if own.len() != shape.len() + 1 || own[1..] != *shape || found.order() != Order::C {
+            let legal = format!("recordings by {shape:?}, in C order");
+            return Err(self.files.value(name, &format!("{array}: shape"), format!("{own:?}"), legal));
+        }
+        found.into_vec().map_err(broken)
+    }
+}
+
+/// The files of a dataset as its manifest names them.
+#[derive(Debug)]
+struct Files {
+    folder: PathBuf,
+    records: Vec<FileRecord>,
+}
+
+impl Files {
+    fn open(folder: &Path) -> Result<Self, StoredError> {
+        let file = folder.join(manifest::NAME);
+        let bytes =
+            std::fs::read(&file).map_err(|source| StoredError::Read { file: file.clone(), source })?;
+        let Manifest { files } = parsed(&file, &bytes)?;
+        Ok(Files { folder: folder.to_owned(), records: files })
+    }
+
+    /// A file, if it is the one that the manifest names.
+    fn read(&self, name: &str) -> Result<Vec<u8>, StoredError> {
+        let file = self.folder.join(name);
+        let bytes = std::fs::read(&file).map_err(|source| StoredError::Read { file, source })?;
+        let found = FileRecord::new(name.to_owned(), &bytes);
+        match self.records.iter().find(|record| record.name == name) {
+            Some(record) if *record == found => Ok(bytes),
+            Some(record) => {
+                let legal = format!("{}, as {} says; {CURE}", record.sha256, manifest::NAME);
+                Err(self.value(name, "SHA-256", found.sha256, legal))
+            }
+            None => Err(self.value(
+                manifest::NAME,
+                "files",
+                format!("without {name}"),
+                format!("with it; {CURE}"),
+            )),
+        }
+    }
+
+    fn value(&self, name: &str, field: &str, value: impl ToString, legal: String) -> StoredError {
+        StoredError::Value {
+            file: self.folder.join(name),
+            field: field.into(),
+            value: value.to_string(),
+            legal,
+        }
+    }
+}
+
+fn parsed<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, StoredError> {
+    serde_json::from_slice(bytes).map_err(|e| StoredError::Read { file: file.to_owned(), source: e.into() })
+}

@@ -1,0 +1,133 @@
+//! Signs model files: ed25519 (RFC 8032) over header, names and layers, for firmware that takes signed models only.
+//!
+//! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
+
+use super::ModelFileError;
+use ed25519_dalek::{Signer, SigningKey};
+use sdp3_core::dsn::model::{KEY_LEN, SIGNATURE_LEN};
+use sdp3_core::dsn::{Model, ModelError};
+use std::path::{Path, PathBuf};
+
+/// Where the header says whether there is a signature.
+const SIGNATURE_AT: usize = 35;
+
+/// The model with a signature by the key of this seed in place of any other.
+///
+/// # Errors
+/// What the radar module's parser finds wrong.
+pub fn sign(model: &[u8], seed: [u8; KEY_LEN]) -> Result<Vec<u8>, ModelError> {
+    let parsed = Model::parse(model)?;
+    let trailer = 4 + if parsed.is_signed() { SIGNATURE_LEN } else { 0 };
+    let mut file = model[..model.len() - trailer].to_vec();
+    let total = (file.len() + SIGNATURE_LEN + 4) as u32;
+    file[SIGNATURE_AT] = 1;
+    file[8..12].copy_from_slice(&total.to_le_bytes());
+    let signature = SigningKey::from_bytes(&seed).sign(&file);
+    file.extend_from_slice(&signature.to_bytes());
+    let checksum = crc32fast::hash(&file);
+    file.extend_from_slice(&checksum.to_le_bytes());
+    Ok(file)
+}
+
+/// The public key of a seed.
+pub fn public_key(seed: [u8; KEY_LEN]) -> [u8; KEY_LEN] {
+    SigningKey::from_bytes(&seed).verifying_key().to_bytes()
+}
+
+/// Makes a key pair from the system's randomness and writes it; keeps what is there. Returns both paths.
+///
+/// # Errors
+/// A file that exists or cannot be written.
+pub fn new_key(name: &Path) -> Result<[PathBuf; 2], ModelFileError> {
+    let paths = ["key", "pub"].map(|extension| name.with_extension(extension));
+    let mut seed = [0; KEY_LEN];
+    getrandom::fill(&mut seed).map_err(|error| ModelFileError::Io {
+        path: "the system's randomness".to_owned(),
+        source: std::io::Error::other(error.to_string()),
+    })?;
+    for (path, bytes) in paths.iter().zip([seed, public_key(seed)]) {
+        let fail = |source| ModelFileError::Io { path: path.display().to_string(), source };
+        let mut options = std::fs::OpenOptions::new();
+        options.write(true).create_new(true);
+        #[cfg(unix)]
+        if path.extension().is_some_and(|extension| extension == "key") {
+            use std::os::unix::fs::OpenOptionsExt;
+            options.mode(0o600);
+        }
+        let mut file = options.open(path).map_err(fail)?;
+        std::io::Write::write_all(&mut file, &bytes).map_err(fail)?;
+    }
+    Ok(paths)
+}
+
+/// Reads a key file.
+///
+/// # Errors
+/// A file that cannot be read or does not hold 32 bytes.
+pub fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|source| ModelFileError::Io { path: name.clone(), source })?;
+    let length = bytes.len();
+    bytes.try_into().map_err(|_| ModelFileError::Field {
+        field: format!("{name}: length of the key"),
+        value: length.to_string(),
+        legal: format!("{KEY_LEN} bytes"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::network;
+    use super::*;
+
+    #[test]
+    fn a_signed_model_is_taken_with_its_key_and_no_other() {
+        let plain = network().to_bytes().unwrap();
+        let signed = sign(&plain, [7; 32]).unwrap();
+        let key = public_key([7; 32]);
+        assert!(Model::parse_signed(&signed, &key).unwrap().is_signed());
+        assert!(Model::parse(&signed).unwrap().is_signed());
+        assert_eq!(Model::parse_signed(&plain, &key).unwrap_err(), ModelError::Unsigned);
+        assert_eq!(Model::parse_signed(&signed, &public_key([8; 32])).unwrap_err(), ModelError::Signature);
+        assert_eq!(sign(&signed, [7; 32]).unwrap(), signed, "signing again replaces the signature");
+        // a change that mends the checksum is a change all the same
+        for at in [40, 200, signed.len() - 10] {
+            let mut forged = signed[..signed.len() - 4].to_vec();
+            forged[at] ^= 1;
+            let checksum = crc32fast::hash(&forged);
+            forged.extend_from_slice(&checksum.to_le_bytes());
+            assert_eq!(Model::parse_signed(&forged, &key).unwrap_err(), ModelError::Signature, "byte {at}");
+        }
+    }
+
+    #[test]
+    fn keys_and_signatures_are_rfc_8032s() {
+        // section 7.1, test 1: the public key of its secret key
+        let hex = |text: &str| -> Vec<u8> {
+            (0..text.len()).step_by(2).map(|k| u8::from_str_radix(&text[k..k + 2], 16).unwrap()).collect()
+        };
+        let secret = hex("9d61b19deffd5a60ba844af492ec2cc44449c5697b326919703bac031cae7f60");
+        let public = hex("d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a");
+        assert_eq!(public_key(secret.try_into().unwrap()).to_vec(), public);
+        // a model that OpenSSL signed
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models");
+        let signed = std::fs::read(folder.join("dsn-200-signed.sdp3")).unwrap();
+        let plain = std::fs::read(folder.join("dsn-200.sdp3")).unwrap();
+        assert!(Model::parse_signed(&signed, &read_key(&folder.join("station.pub")).unwrap()).is_ok());
+        assert_eq!(sign(&plain, [3; 32]).unwrap(), signed);
+    }
+
+    #[test]
+    fn new_keys_differ_and_are_never_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let [secret, public] = new_key(&folder.path().join("one")).unwrap();
+        assert_eq!(public_key(read_key(&secret).unwrap()), read_key(&public).unwrap());
+        let [other, _] = new_key(&folder.path().join("two")).unwrap();
+        assert_ne!(read_key(&secret).unwrap(), read_key(&other).unwrap());
+        assert!(new_key(&folder.path().join("one")).is_err());
+        std::fs::write(&other, b"short").unwrap();
+        assert!(
+            read_key(&other).unwrap_err().to_string().contains("length of the key is 5, must be 32 bytes")
+        );
+    }
+}

@@ -1,0 +1,224 @@
+//! What lies in the firmware's programs: what `tests/footprint` and `tests/no-panic` run.
+//!
+//! `elf footprint FIRMWARE` prints flash, RAM and stack of every configuration on every machine and holds the limits;
+//! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs that tell their frames;
+//! `elf no-panic FIRMWARE` looks for panics and an allocator in them.
+
+mod stack;
+
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind};
+use sdp3::conformance::qemu::{MACHINES, machines, run};
+use sdp3::scenario::{Class, Scenario};
+use sdp3::simulator::calibration::stored_rho;
+use sdp3::simulator::dataset::{Set, recording};
+use sdp3_core::dsn::Shape;
+use sdp3_core::receiver::StandardMemory;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// A configuration of the station and what it may take.
+struct Configuration {
+    program: &'static str,
+    words: &'static str,
+    slots: u32,
+    ram_limit: u64,
+    flash_limit: u64,
+}
+
+const CONFIGURATIONS: [Configuration; 3] = [
+    Configuration {
+        program: "station",
+        words: "default: N_s = 1000, C = 8",
+        slots: 1000,
+        ram_limit: 192 * 1024,
+        flash_limit: 256 * 1024,
+    },
+    Configuration {
+        program: "station-small",
+        words: "small: N_s = 200, C = 8",
+        slots: 200,
+        ram_limit: 64 * 1024,
+        flash_limit: 256 * 1024,
+    },
+    Configuration {
+        program: "station-signed",
+        words: "small, signed models only",
+        slots: 200,
+        ram_limit: 64 * 1024,
+        flash_limit: 256 * 1024,
+    },
+];
+
+/// Bytes of code and constants, and of statics.
+fn sections(elf: &[u8]) -> Result<(u64, u64)> {
+    let file = object::File::parse(elf)?;
+    let (mut flash, mut ram) = (0, 0);
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+        if sh_flags & u64::from(object::elf::SHF_ALLOC) == 0 {
+            continue;
+        }
+        match section.name()? {
+            ".bss" => ram += section.size(),
+            // initial values lie in flash and are copied to RAM
+            ".data" => (flash, ram) = (flash + section.size(), ram + section.size()),
+            _ => flash += section.size(),
+        }
+    }
+    Ok((flash, ram))
+}
+
+/// Runs the station on a recording and returns the stack it painted over; everything else it says must be good.
+fn painted_stack(folder: &Path, machine: &str, configuration: &Configuration, slots: &Path) -> Result<u64> {
+    let programs = machines(folder, configuration.program);
+    let program = programs.iter().find(|p| p.name == machine).ok_or("no such machine")?;
+    let text = run(program, &[slots.display().to_string()], Duration::from_secs(600))?;
+    let word = |name: &str| {
+        let line = text.lines().find_map(|line| line.trim().strip_prefix(name));
+        line.ok_or_else(|| format!("{machine}, {}: no {name:?} in {text:?}", configuration.program))
+    };
+    word("done")?;
+    word("recognised ")?;
+    if word("overruns ")? != "0" {
+        return Err(format!("{machine}, {}: slots were lost: {text:?}", configuration.program).into());
+    }
+    Ok(word("stack ")?.parse()?)
+}
+
+fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
+    let scenario = Scenario::default();
+    let rho = stored_rho(&scenario).0;
+    let temporary = tempfile::tempdir()?;
+    let mut good = true;
+    for configuration in &CONFIGURATIONS {
+        let slots =
+            recording(&scenario, rho, 5, Set::Demo, Class::AdultWalking, 0, configuration.slots).slots;
+        let file = temporary.path().join(configuration.program);
+        let bytes: Vec<u8> = slots.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
+        std::fs::write(&file, bytes)?;
+        println!(
+            "{} ({}); at most {} KiB RAM, {} KiB flash",
+            configuration.words,
+            configuration.program,
+            configuration.ram_limit / 1024,
+            configuration.flash_limit / 1024
+        );
+        println!("  {:<14}{:>10}{:>12}{:>12}{:>12}", "machine", "flash", "statics", "stack", "RAM");
+        for machine in wanted {
+            let elf = std::fs::read(folder.join(machine).join(configuration.program))?;
+            let (flash, statics) = sections(&elf)?;
+            let stack = painted_stack(folder, machine, configuration, &file)?;
+            let fits = flash <= configuration.flash_limit && statics + stack <= configuration.ram_limit;
+            good &= fits;
+            let verdict = if fits { "" } else { "  OVER" };
+            println!("  {machine:<14}{flash:>10}{statics:>12}{stack:>12}{:>12}{verdict}", statics + stack);
+        }
+    }
+    let small = Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1 };
+    println!(
+        "const sizes: StandardMemory::BYTES = {}, Shape::required_bytes of N_s = 200, C = 8, stride 1 = {}, its scratch = {}",
+        StandardMemory::BYTES,
+        small.required_bytes(),
+        small.scratch_bytes()
+    );
+    Ok(good)
+}
+
+fn static_stack(folder: &Path, wanted: &[&str]) -> Result<bool> {
+    println!(
+        "worst-case stack without running: {:<14}{:>10}{:>12}{:>24}",
+        "machine", "main", "interrupt", "frames not known"
+    );
+    for machine in wanted {
+        for configuration in &CONFIGURATIONS {
+            let elf = std::fs::read(folder.join(machine).join(configuration.program))?;
+            let worst = stack::worst_case(&elf)
+                .map_err(|error| format!("{machine}, {}: {error}", configuration.program))?;
+            println!(
+                "  {:<32}{machine:<14}{:>10}{:>12}{:>24}",
+                configuration.program, worst.bytes, worst.interrupt, worst.unknown
+            );
+        }
+    }
+    Ok(true)
+}
+
+/// Parts of the names of symbols that only a panic, or only an allocator, brings into a program.
+const FORBIDDEN: [&str; 12] = [
+    "panicking",
+    "panic_fmt",
+    "panic_bounds",
+    "rust_begin_unwind",
+    "unwrap_failed",
+    "expect_failed",
+    "slice_index",
+    "copy_from_slice",
+    "rust_alloc",
+    "rust_dealloc",
+    "alloc..",
+    "malloc",
+];
+
+/// Functions of a program, and those with a forbidden name.
+fn functions(elf: &[u8]) -> Result<(usize, Vec<String>)> {
+    let file = object::File::parse(elf)?;
+    let names: Vec<String> = file
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
+        .filter_map(|symbol| symbol.name().ok().map(str::to_owned))
+        .collect();
+    let bad = names.iter().filter(|name| FORBIDDEN.iter().any(|part| name.contains(part))).cloned().collect();
+    Ok((names.len(), bad))
+}
+
+fn no_panic(folder: &Path, wanted: &[&str]) -> Result<bool> {
+    let mut good = true;
+    println!("{:<14}{:<18}{:>10}  {}", "machine", "program", "functions", "panics and allocators");
+    for machine in wanted {
+        for program in CONFIGURATIONS.map(|c| c.program) {
+            let (count, bad) = functions(&std::fs::read(folder.join(machine).join(program))?)?;
+            // a stripped program would show nothing, good or bad
+            good &= count >= 10;
+            let verdict = match (bad.is_empty(), program) {
+                (true, _) => "none".to_owned(),
+                // elliptic curves are another crate's: what it brings is shown, and is not the chain's
+                (false, "station-signed") => format!("not counted, of the signature's crate: {}", bad.join(", ")),
+                (false, _) => {
+                    good = false;
+                    bad.join(", ")
+                }
+            };
+            println!("{machine:<14}{program:<18}{count:>10}  {verdict}");
+        }
+        // the control: this program formats text, and formatting can panic
+        let (_, bad) = functions(&std::fs::read(folder.join(machine).join("conformance"))?)?;
+        if bad.is_empty() {
+            good = false;
+            println!("{machine:<14}conformance: no panic found, though it has some: the check is blind");
+        }
+    }
+    Ok(good)
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let all = |wanted: &[&str]| if wanted.is_empty() { MACHINES.to_vec() } else { wanted.to_vec() };
+    let done = match &words[..] {
+        ["footprint", folder, wanted @ ..] => footprint(Path::new(folder), &all(wanted)),
+        ["stack", folder, wanted @ ..] => static_stack(Path::new(folder), &all(wanted)),
+        ["no-panic", folder, wanted @ ..] => no_panic(Path::new(folder), &all(wanted)),
+        _ => Err("usage: elf footprint|stack|no-panic FIRMWARE [MACHINE...]".into()),
+    };
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("elf: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The firmware's programs under QEMU: the station recognises what the host does, and its defmt records can be read.
+
+use defmt_decoder::{DecodeError, Table};
+use sdp3::conformance::compare::OwnedBuffers;
+use sdp3::conformance::qemu::{Firmware, QemuError, machines, run};
+use sdp3::conformance::suite::{ScheduleCase, Suite, stimuli};
+use sdp3::scenario::{Class, Scenario};
+use sdp3::simulator::calibration::stored_rho;
+use sdp3::simulator::dataset::{Set, recording};
+use sdp3_core::dsn::Model;
+use sdp3_core::frame::Slot;
+use sdp3_tests::program;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const LIMIT: Duration = Duration::from_secs(300);
+
+/// A program on the two machines that `firmware-sim/build` always makes for the main job.
+fn built(name: &str) -> Vec<Firmware> {
+    let folder = program().ancestors().nth(2).expect("target").join("firmware");
+    let wanted = ["cortex-m4f", "riscv32imac"];
+    machines(&folder, name).into_iter().filter(|machine| wanted.contains(&machine.name)).collect()
+}
+
+fn model(name: &str) -> Vec<u8> {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models").join(name);
+    std::fs::read(path).expect("a committed model")
+}
+
+/// Every record of a log in words: level and text.
+fn records(firmware: &Firmware, log: &Path) -> Vec<String> {
+    let elf = std::fs::read(&firmware.elf).expect("a program");
+    let table = Table::parse(&elf).expect("an ELF file").expect("a defmt table");
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(&std::fs::read(log).expect("a log"));
+    let mut found = Vec::new();
+    loop {
+        match decoder.decode() {
+            Ok(frame) => {
+                let level = frame.level().map_or("", |level| level.as_str());
+                found.push(format!("{level} {}", frame.display_message()));
+            }
+            Err(DecodeError::UnexpectedEof) => return found,
+            Err(DecodeError::Malformed) => panic!("a malformed record after {found:?}"),
+        }
+    }
+}
+
+fn walk(slots: u32) -> Vec<Slot> {
+    let scenario = Scenario::default();
+    recording(&scenario, stored_rho(&scenario).0, 5, Set::Demo, Class::AdultWalking, 0, slots).slots
+}
+
+#[test]
+fn the_stations_recognise_what_the_host_does_and_log_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let slots = walk(200);
+    let file = folder.path().join("walk");
+    let bytes: Vec<u8> = slots.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
+    std::fs::write(&file, bytes).expect("a file of slots");
+
+    let bytes = model("dsn-200.sdp3");
+    let parsed = Model::parse(&bytes).expect("a model");
+    let mut buffers = OwnedBuffers::for_model(&parsed);
+    let mut receiver = buffers.receiver(parsed.clone()).expect("enough memory");
+    slots.iter().for_each(|slot| {
+        receiver.push(slot, &mut ()).expect("not full yet");
+    });
+    let answer = receiver.classify(&mut ()).expect("complete");
+    let class = parsed.class_name(usize::from(answer.class));
+
+    for name in ["station-small", "station-signed"] {
+        for firmware in built(name) {
+            let log = folder.path().join("log");
+            let arguments = [&file, &log].map(|path| path.display().to_string());
+            let text = run(&firmware, &arguments, LIMIT).expect("it runs");
+            let says = |line: &str| text.lines().any(|l| l.trim() == line);
+            assert!(says(&format!("recognised {class}")), "{}: {text}", firmware.name);
+            assert!(says("overruns 0") && says("periods 1") && says("done"), "{}: {text}", firmware.name);
+            let records = records(&firmware, &log);
+            assert_eq!(records.len(), 2, "{records:?}");
+            assert!(
+                records[0].starts_with("info Plan { period: 4000, spacing: 3, sensing: 200,"),
+                "{records:?}"
+            );
+            let expected =
+                format!("info Answer {{ class: {}, confidence: {:?}", answer.class, answer.confidence);
+            assert!(records[1].starts_with(&expected), "{records:?} should say {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut bytes = model("dsn-200.sdp3");
+    bytes[1000] ^= 4;
+    let schedule = ScheduleCase { period: 40, spacing: 3, sensing: 5, shares: vec![35] };
+    let suite = Suite { cases: stimuli(&bytes, 2, 1), schedule };
+    let file = folder.path().join("suite");
+    std::fs::write(&file, suite.to_bytes()).expect("a suite");
+    for firmware in built("conformance") {
+        let log = folder.path().join("log");
+        let arguments = [file.display().to_string(), format!("log={}", log.display())];
+        match run(&firmware, &arguments, LIMIT) {
+            Err(QemuError::Output { reason, .. }) => {
+                assert!(reason.contains("the core refuses a model"), "{reason}")
+            }
+            other => panic!("{}: {other:?}", firmware.name),
+        }
+        let records = records(&firmware, &log);
+        let has = |level: &str, text: &str| records.iter().any(|r| r.starts_with(level) && r.contains(text));
+        assert!(has("info", "suite opened: 5 cases"), "{records:?}");
+        assert!(has("error", "Checksum { stated: "), "{records:?}");
+    }
+}

@@ -1,0 +1,57 @@
+//! The core's layers, by plain loops and by every instruction set there is, against the reference, which is naive and
+//! shares no code with them: the same bits for any weights, shapes, scales and images.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use sdp3::conformance::reference::network::infer;
+use sdp3_core::dsn::vector::VectorMemory;
+use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector};
+use sdp3_core::frame::ROWS;
+use sdp3_core::probe::Probe;
+use sdp3_core::simd::{Isa, Line};
+use sdp3_fuzz::{Bytes, Sizes, model};
+
+#[derive(Default, PartialEq, Debug)]
+struct Layers(Vec<Vec<i64>>);
+
+impl Probe for Layers {
+    fn layer(&mut self, _index: usize, activations: &[i8]) {
+        self.0.push(activations.iter().map(|&a| i64::from(a)).collect());
+    }
+    fn logits(&mut self, logits: &[i8]) {
+        self.0.push(logits.iter().map(|&a| i64::from(a)).collect());
+    }
+}
+
+fn layers(model: Model<'_>, image: &[i8], kernels: impl Kernels) -> Layers {
+    let mut found = Layers::default();
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
+    Network::with_kernels(model, &mut scratch, kernels).expect("enough scratch").infer(image, &mut found);
+    found
+}
+
+fuzz_target!(|data: &[u8]| {
+    let mut bytes = Bytes(data);
+    let sizes = Sizes::of(&mut bytes);
+    let file = model(sizes, &mut bytes);
+    let mut state = bytes.u32() | 1;
+    let image: Vec<i8> = (0..ROWS * usize::from(sizes.frames))
+        .map(|k| match bytes.0.get(k) {
+            Some(&byte) => byte as i8,
+            None => {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 24) as i8
+            }
+        })
+        .collect();
+    let reference = infer(&file, &image);
+    let expected = Layers(reference.layers.into_iter().chain([reference.logits]).collect());
+    let model = Model::parse(&file).expect("a sound model");
+    assert_eq!(layers(model.clone(), &image, Portable), expected);
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let (mut lines, mut words) = (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
+        let memory = VectorMemory { lines: &mut lines, words: &mut words };
+        let Some(kernels) = Vector::new(&model, isa, memory) else { continue };
+        assert_eq!(layers(model.clone(), &image, kernels), expected, "{}", isa.name());
+    }
+});
