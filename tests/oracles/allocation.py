@@ -18,9 +18,14 @@ import numpy as np
 from scipy.optimize import brentq, linprog, minimize, minimize_scalar
 
 
+def short(x):
+    """Four digits: the instances are random, the file need not be long."""
+    return np.vectorize(lambda v: float(f"{v:.4g}"))(x)
+
+
 def water_filling(rng):
     m = int(rng.integers(2, 25))
-    gamma = np.exp(rng.normal(1.0, 2.5, size=m))
+    gamma = short(np.exp(rng.normal(1.0, 2.5, size=m)))
     gamma[rng.random(m) < 0.05] = 0.0
     gamma[int(rng.integers(m))] = 3.0
     rate = lambda p: np.sum(np.log2(1 + p * gamma))
@@ -38,8 +43,8 @@ def water_filling(rng):
 
 
 def curve(rng):
-    ceiling, at200, power = rng.uniform(0.85, 0.99), rng.uniform(0.3, 0.8), rng.uniform(0.6, 3.0)
-    alpha = (ceiling - at200) * 200.0**power
+    ceiling, at200, power = short([rng.uniform(0.85, 0.99), rng.uniform(0.3, 0.8), rng.uniform(0.6, 3.0)]).tolist()
+    alpha = float(short((ceiling - at200) * 200.0**power))
     return {"alpha": alpha, "beta": power, "gamma": ceiling}
 
 
@@ -50,7 +55,7 @@ def theta(c, n):
 def weighted(rng):
     c = curve(rng)
     period, spacing = int(rng.integers(1500, 8000)), int(rng.integers(0, 4))
-    bits = np.exp(rng.uniform(np.log(100), np.log(10000), size=int(rng.integers(1, 7))))
+    bits = short(np.exp(rng.uniform(np.log(100), np.log(10000), size=int(rng.integers(1, 7)))))
     low, high = 128.0, float(period // (spacing + 1))
     inner = lambda n: (period - n) / np.sum(1 / bits)
     # the inner linear programme at one n
@@ -76,8 +81,9 @@ def integer(rng):
     period = int(rng.integers(8, {1: 120, 2: 70, 3: 36, 4: 20}[k]))
     spacing = int(rng.integers(0, 3))
     window = int(rng.integers(1, max(2, period // (spacing + 1) // 2)))
-    bits = np.exp(rng.uniform(np.log(1), np.log(200), size=k))
-    c = {"alpha": float(rng.uniform(0.3, 2.0)), "beta": float(rng.uniform(0.3, 1.5)), "gamma": float(rng.uniform(0.8, 1.0))}
+    bits = short(np.exp(rng.uniform(np.log(1), np.log(200), size=k)))
+    c = {name: float(short(rng.uniform(*span))) for name, span in
+         {"alpha": (0.3, 2.0), "beta": (0.3, 1.5), "gamma": (0.8, 1.0)}.items()}
     weight_r = float(np.exp(rng.uniform(np.log(0.05), np.log(3)))) * np.sum(1 / bits) / period
     best = {}
     for n in range(window, period // (spacing + 1) + 1):
@@ -89,8 +95,10 @@ def integer(rng):
                 most = max(most, min(s * b for s, b in zip((*shares, last), bits)))
         best[n] = most
     value = max(float(theta(c, n)) + weight_r * r for n, r in best.items())
+    # the products of few digits, without the last one's noise
+    throughput = {str(n): float(f"{r:.12g}") for n, r in best.items()}
     return {"curve": c, "period": period, "spacing": spacing, "window": window, "bits": bits.tolist(),
-            "weights": [1.0, float(weight_r)], "throughput": {str(n): r for n, r in best.items()}, "value": value}
+            "weights": [1.0, float(weight_r)], "throughput": throughput, "value": value}
 
 
 if __name__ == "__main__":

@@ -2,31 +2,36 @@
 //!
 //! The inner problem of Theorem 1 in integers: max over shares of min over receivers of bits, water-filling over whole slots.
 
-use super::plan::RECEIVERS;
+use super::plan::{LONGEST_PERIOD, RECEIVERS};
 
 /// Most slots that the integer optimum lies below the continuous one's whole part: the others round up by less than one each.
 const BELOW: u32 = RECEIVERS as u32;
 
+/// Fraction bits of a receiver's weight: a level of [`LONGEST_PERIOD`] slots is exact to far below one.
+const WEIGHT_BITS: u32 = 32;
+
 /// Divides `slots` so that the smallest `(given + share) x rate` is as large as possible, exactly.
 ///
 /// `rates` are bits per slot; a receiver with rate 0 is absent and gets nothing. `given` are slots each receiver already has (or
-/// lacks, if negative), within +-2^24. All three slices are as long, at most [`RECEIVERS`]; nothing is given otherwise.
+/// lacks, if negative). All three slices are as long, at most [`RECEIVERS`], and no number of slots is beyond
+/// [`LONGEST_PERIOD`]; nothing is given otherwise.
 /// The worst `(given + share) x rate` is less than the continuous optimum's by less than K - 1 slots' worth of it.
 /// Each step gives one slot to whoever is worst off, the lowest index of equals; all but K (K + 2) slots are given at once by
-/// the continuous optimum, so that the loop is bounded. Cost: O(K^3), no more than `RECEIVERS` times 128-bit divisions twice.
+/// the continuous optimum, so that the loop is bounded. Cost: O(K^3), with at most 2 K^2 divisions of 64 bits.
 pub fn apportion(rates: &[u32], given: &[i32], slots: u32, shares: &mut [u32]) {
     shares.fill(0);
-    if rates.len() != shares.len() || given.len() != shares.len() || shares.len() > RECEIVERS {
+    let as_long = rates.len() == shares.len() && given.len() == shares.len() && shares.len() <= RECEIVERS;
+    let as_short = given.iter().all(|given| given.unsigned_abs() <= LONGEST_PERIOD);
+    if !as_long || !as_short || slots > LONGEST_PERIOD {
         return;
     }
     let mut left = slots;
-    for k in 0..shares.len() {
-        let Some(whole) = level(rates, given, slots, k) else { continue };
-        if let (Some(share), Some(&given)) = (shares.get_mut(k), given.get(k)) {
-            let most = i64::from(left);
-            *share = (whole - i64::from(given) - i64::from(BELOW)).clamp(0, most) as u32;
-            left -= *share;
-        }
+    let whole = levels(rates, given, slots);
+    for (((share, whole), &given), _) in
+        shares.iter_mut().zip(whole).zip(given).zip(rates).filter(|(_, rate)| **rate > 0)
+    {
+        *share = (whole - i64::from(given) - i64::from(BELOW)).clamp(0, i64::from(left)) as u32;
+        left -= *share;
     }
     while left > 0 {
         let totals = shares.iter().zip(given).zip(rates).enumerate();
@@ -42,40 +47,40 @@ pub fn apportion(rates: &[u32], given: &[i32], slots: u32, shares: &mut [u32]) {
     }
 }
 
-/// Whole slots of receiver `k`, those given included, at the level the continuous optimum brings all it serves to; what it has
-/// if it lies above that level; `None` if it is absent.
-fn level(rates: &[u32], given: &[i32], slots: u32, k: usize) -> Option<i64> {
-    rates.get(k).filter(|&&rate| rate > 0)?;
-    // 2^64 / rate keeps 33 bits of the largest rate: the error stays below one slot for any period
-    let inverse = |rate: u32| (1_i128 << 64) / i128::from(rate.max(1));
+/// Whole slots of every receiver, those given included, at the level that the continuous optimum brings all to whom it gives
+/// any; of the others, what they have.
+fn levels(rates: &[u32], given: &[i32], slots: u32) -> [i64; RECEIVERS] {
     let mut served = [false; RECEIVERS];
     served.iter_mut().zip(rates).for_each(|(served, &rate)| *served = rate > 0);
-    let mut whole = 0;
+    let mut whole = [0; RECEIVERS];
     // each round drops at least one receiver that has more than the level already
     for _ in 0..RECEIVERS {
-        let (mut total, mut sum) = (i128::from(slots), 0_i128);
+        let slowest = rates.iter().zip(&served).filter(|(_, served)| **served).map(|(&rate, _)| rate).min();
+        let Some(slowest) = slowest else { return whole };
+        // 1 for the slowest, less for the others
+        let weight = |rate: u32| {
+            (u64::from(slowest) << WEIGHT_BITS).checked_div(u64::from(rate)).unwrap_or(0) as i64 // at most 2^32
+        };
+        let (mut total, mut sum) = (i64::from(slots), 0_i64);
         for ((&rate, &given), _) in rates.iter().zip(given).zip(&served).filter(|(_, served)| **served) {
-            total += i128::from(given);
-            sum += inverse(rate);
-        }
-        if sum == 0 {
-            return given.get(k).map(|&given| i64::from(given));
+            total += i64::from(given);
+            sum += weight(rate);
         }
         let mut dropped = false;
-        for (i, ((&rate, &given), served)) in rates.iter().zip(given).zip(&mut served).enumerate() {
-            let own = total * inverse(rate) / sum;
-            if *served && own < i128::from(given) {
-                (*served, dropped) = (false, true);
-            }
-            if i == k {
-                whole = if *served { own as i64 } else { i64::from(given) };
+        for (((&rate, &given), served), whole) in rates.iter().zip(given).zip(&mut served).zip(&mut whole) {
+            if *served {
+                *whole = (total * weight(rate)).checked_div(sum).unwrap_or(0);
+                if *whole < i64::from(given) {
+                    *whole = i64::from(given);
+                    (*served, dropped) = (false, true);
+                }
             }
         }
         if !dropped {
             break;
         }
     }
-    Some(whole)
+    whole
 }
 
 #[cfg(test)]
@@ -150,17 +155,29 @@ mod tests {
     fn long_periods_are_shared_exactly_too() {
         // no receiver can be one slot poorer without the worst getting worse: each share - 1 is worth no more than the worst
         let mut rng = Random::seed_from_u64(6);
-        for _ in 0..200 {
-            let rates = [0; 5].map(|_: u32| (1 << 27) + (rng.next_u32() >> 2));
+        for round in 0..400 {
+            let rates = [0; 5].map(|_: u32| match round % 2 {
+                0 => (1 << 27) + (rng.next_u32() >> 2),
+                _ => 1 + (rng.next_u32() >> (rng.next_u32() % 32)),
+            });
             let mut shares = [0; 5];
-            apportion(&rates, &[0; 5], super::super::plan::LONGEST_PERIOD, &mut shares);
-            assert_eq!(shares.iter().sum::<u32>(), super::super::plan::LONGEST_PERIOD);
+            apportion(&rates, &[0; 5], LONGEST_PERIOD, &mut shares);
+            assert_eq!(shares.iter().sum::<u32>(), LONGEST_PERIOD);
             let products = shares.iter().zip(rates).map(|(&s, r)| u64::from(s) * u64::from(r));
             let worst = products.clone().min().unwrap();
             for (product, rate) in products.zip(rates) {
-                assert!(product - u64::from(rate) <= worst);
+                assert!(product.saturating_sub(u64::from(rate)) <= worst);
             }
         }
+    }
+
+    #[test]
+    fn numbers_beyond_the_longest_period_get_nothing() {
+        let mut shares = [7; 2];
+        apportion(&[1, 1], &[0; 2], LONGEST_PERIOD + 1, &mut shares);
+        assert_eq!(shares, [0; 2]);
+        apportion(&[1, 1], &[0, i32::MIN], 4, &mut shares);
+        assert_eq!(shares, [0; 2]);
     }
 
     #[test]
