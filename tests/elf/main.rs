@@ -185,7 +185,9 @@ fn no_panic(folder: &Path, wanted: &[&str]) -> Result<bool> {
             let verdict = match (bad.is_empty(), program) {
                 (true, _) => "none".to_owned(),
                 // elliptic curves are another crate's: what it brings is shown, and is not the chain's
-                (false, "station-signed") => format!("not counted, of the signature's crate: {}", bad.join(", ")),
+                (false, "station-signed") => {
+                    format!("not counted, of the signature's crate: {}", bad.join(", "))
+                }
                 (false, _) => {
                     good = false;
                     bad.join(", ")

@@ -1,4 +1,4 @@
-//! Plays the schedule's self test and prints the digest of its decisions and the instructions one takes.
+//! Plays the schedule's self test and prints the digest of its decisions and the instructions they take.
 //!
 //! Exit code 0 if the digest is the known one, 1 if not.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -30,6 +30,29 @@ mod firmware {
         instructions().wrapping_sub(before) / u64::from(plan.period())
     }
 
+    /// Most instructions of a period's first decision, which may plan anew, and of an end of sensing, under the self test's churn.
+    fn most_instructions() -> [u64; 2] {
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(4);
+        let mut churn = selftest::Churn::new(&mut rng);
+        let mut most = [0; 2];
+        for _ in 0..selftest::PERIODS {
+            churn.between(&mut rng);
+            let before = instructions();
+            let first = churn.scheduler.next();
+            let between = instructions();
+            core::hint::black_box(first);
+            if churn.scheduler.position() > 0 {
+                churn.scheduler.end_sensing();
+            }
+            let counts = [between.wrapping_sub(before), instructions().wrapping_sub(between)];
+            most.iter_mut().zip(counts).for_each(|(most, count)| *most = count.max(*most));
+            while churn.scheduler.position() > 0 {
+                churn.scheduler.next();
+            }
+        }
+        most
+    }
+
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
@@ -40,6 +63,8 @@ mod firmware {
         let three = instructions_per_decision(309, &[1297, 1197, 1197]);
         let eight = instructions_per_decision(400, &[450; 8]);
         println(format_args!("instructions a decision: {three} with 3 receivers, {eight} with 8"));
+        let [plan, end] = most_instructions();
+        println(format_args!("instructions of a new plan: at most {plan}, of an end of sensing {end}"));
         let known = digest.hash() == selftest::KNOWN_ANSWER;
         println(format_args!("{}", if known { "known" } else { "UNKNOWN" }));
         exit(usize::from(!known))
