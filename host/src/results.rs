@@ -358,7 +358,7 @@ pub struct Schedule {
     pub longest_wait_slots: Vec<u32>,
     /// Bits delivered to each receiver.
     pub delivered_bit: Vec<f64>,
-    /// The period run-length coded: `[use, slots]`, use -1 sensing, else the receiver's index.
+    /// The period run-length coded: `[use, slots]`, use -1 sensing, -2 nobody, else the receiver's index.
     pub timeline: Vec<(i32, u32)>,
     /// Class the core recognised at the end of the sensing slots, if signals were played.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -394,6 +394,8 @@ pub struct Campaign {
     /// Recognitions, if somebody moved before the radar.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recognitions: Option<Recognitions>,
+    /// The first period as [`Schedule::timeline`].
+    pub timeline: Vec<(i32, u32)>,
     /// Promises that did not hold, the first twenty.
     pub broken: Vec<String>,
 }

@@ -1,9 +1,8 @@
-//! The vector figures: KL curve, grey-level shares, learning curve, losses, region, slot timeline.
+//! The vector figures: KL curve, grey-level shares, learning curve, losses, region.
 
 use super::plot::{Axis, COLOURS, Plot, number};
 use crate::predictor::learning_curve::Model;
 use crate::results::{Calibration, Figures, RegionPoint, Run, Zone};
-use std::fmt::Write;
 
 /// KL divergence over rho.
 pub fn kl_curve(c: &Calibration) -> String {
@@ -166,58 +165,4 @@ pub fn region(run: &Run, figures: &Figures) -> String {
         p.sensing_slots
     ));
     plot.svg()
-}
-
-/// Slots of one period: all of them, and the first eighty.
-pub fn timeline(run: &Run) -> String {
-    let s = &run.schedule;
-    let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 206\" role=\"img\" font-size=\"12\" \
-         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>",
-    );
-    for (y, first, text) in
-        [(20.0, s.period_slots, "whole period"), (106.0, 80.min(s.period_slots), "first slots")]
-    {
-        let width = 600.0 / f64::from(first.max(1));
-        let _ = write!(svg, "<text x=\"20\" y=\"{}\">{text}: slots 1 to {first}</text>", y - 6.0);
-        let mut at = 0;
-        for &(code, slots) in &s.timeline {
-            if at >= first {
-                break;
-            }
-            let shown = slots.min(first - at);
-            let colour = if code < 0 { "var(--ink,#222)" } else { COLOURS[code as usize % 7] };
-            let (x, w) = (20.0 + f64::from(at) * width, f64::from(shown) * width);
-            let _ = write!(
-                svg,
-                "<rect x=\"{x:.2}\" y=\"{y}\" width=\"{w:.2}\" height=\"34\" fill=\"{colour}\"/>"
-            );
-            at += shown;
-        }
-        for tick in 0..=4 {
-            let slot = u64::from(first) * tick / 4;
-            let x = 20.0 + slot as f64 * width;
-            let _ = write!(
-                svg,
-                "<path d=\"M{x:.2} {}v5\" stroke=\"var(--ink,#222)\"/><text x=\"{x:.2}\" y=\"{}\" text-anchor=\"middle\" \
-                 font-size=\"11\">{slot}</text>",
-                y + 34.0,
-                y + 50.0
-            );
-        }
-    }
-    let entry = |svg: &mut String, k: usize, name: &str, colour: &str| {
-        let x = 20 + k * 130;
-        let _ = write!(
-            svg,
-            "<rect x=\"{x}\" y=\"180\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"191\">{name}</text>",
-            x + 18
-        );
-    };
-    entry(&mut svg, 0, "sensing", "var(--ink,#222)");
-    for k in 0..s.communication_slots.len().min(4) {
-        entry(&mut svg, k + 1, &format!("receiver {}", k + 1), COLOURS[k % 7]);
-    }
-    svg.push_str("</svg>");
-    svg
 }

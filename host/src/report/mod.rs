@@ -12,6 +12,7 @@ pub mod spectrograms;
 #[cfg(feature = "train")]
 pub mod studies;
 pub mod tables;
+pub mod timeline;
 
 use crate::results::{Figures, Run};
 use plot::{escape, grouped, number};
@@ -135,7 +136,10 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
              {:?} slots.{recognised}",
             run.schedule.sensing_slots, run.schedule.communication_slots, run.schedule.longest_wait_slots
         ),
-        &format!("<figure>{}</figure>", figures::timeline(run)),
+        &format!(
+            "<figure>{}</figure>",
+            timeline::timeline(run.schedule.period_slots, &run.schedule.timeline)
+        ),
     );
     section(
         &mut page,
@@ -163,7 +167,10 @@ pub fn svgs(run: &Run, figures: &Figures) -> Vec<(String, String)> {
         ("learning-curve.svg".into(), plot::on_white(figures::learning_curve(run, figures))),
         ("training-loss.svg".into(), plot::on_white(figures::losses(figures))),
         ("grey-levels.svg".into(), plot::on_white(figures::pmf(&figures.calibration))),
-        ("timeline.svg".into(), plot::on_white(figures::timeline(run))),
+        (
+            "timeline.svg".into(),
+            plot::on_white(timeline::timeline(run.schedule.period_slots, &run.schedule.timeline)),
+        ),
     ];
     if !figures.calibration.curve.is_empty() {
         files.push(("kl-curve.svg".into(), plot::on_white(figures::kl_curve(&figures.calibration))));

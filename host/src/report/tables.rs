@@ -102,10 +102,12 @@ pub fn prediction(prediction: &Prediction) -> String {
     }
     let _ = write!(text, "\nbest: {}; in brackets the place by each figure of merit", prediction.best);
     if let Some(band) = &prediction.band {
-        let width = band.points.iter().map(|p| p.high - p.low).fold(0.0, f64::max);
+        let least = prediction.points.iter().map(|p| p.sensing_slots).fold(f64::INFINITY, f64::min);
+        let within = band.points.iter().filter(|p| p.sensing_slots >= least);
+        let width = within.map(|p| p.high - p.low).fold(0.0, f64::max);
         let _ = write!(
             text,
-            "\n{:.0} % band by {} draws from {}: at most {width:.3} wide",
+            "\n{:.0} % band by {} draws from {}: at most {width:.3} wide from N_s = {least} on",
             100.0 * band.coverage,
             band.draws,
             band.source

@@ -10,6 +10,7 @@ pub mod radar;
 pub mod trace;
 pub mod world;
 
+use crate::optimizer::playback::lengthen;
 use crate::optimizer::shares::integer_rates;
 use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
@@ -110,6 +111,7 @@ pub fn play(
         receivers: vec![CampaignReceiver::default(); RECEIVERS],
         replans: Replans::default(),
         recognitions: None,
+        timeline: Vec::new(),
         broken: Vec::new(),
     };
     let mut recognitions = Recognitions::default();
@@ -158,6 +160,9 @@ pub fn play(
                     }
                 }
                 SlotUse::Idle => idle += 1,
+            }
+            if period == 0 {
+                lengthen(&mut found.timeline, slot);
             }
             if traced {
                 trace.slot(period, position, slot, lost);
