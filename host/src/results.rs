@@ -394,7 +394,8 @@ pub struct Campaign {
     /// Recognitions, if somebody moved before the radar.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recognitions: Option<Recognitions>,
-    /// The first period as [`Schedule::timeline`].
+    /// The first period as [`Schedule::timeline`], for its picture.
+    #[serde(skip)]
     pub timeline: Vec<(i32, u32)>,
     /// Promises that did not hold, the first twenty.
     pub broken: Vec<String>,

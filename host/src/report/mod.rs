@@ -136,10 +136,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
              {:?} slots.{recognised}",
             run.schedule.sensing_slots, run.schedule.communication_slots, run.schedule.longest_wait_slots
         ),
-        &format!(
-            "<figure>{}</figure>",
-            timeline::timeline(run.schedule.period_slots, &run.schedule.timeline)
-        ),
+        &format!("<figure>{}</figure>", timeline::timeline(&run.schedule.timeline)),
     );
     section(
         &mut page,
@@ -167,10 +164,7 @@ pub fn svgs(run: &Run, figures: &Figures) -> Vec<(String, String)> {
         ("learning-curve.svg".into(), plot::on_white(figures::learning_curve(run, figures))),
         ("training-loss.svg".into(), plot::on_white(figures::losses(figures))),
         ("grey-levels.svg".into(), plot::on_white(figures::pmf(&figures.calibration))),
-        (
-            "timeline.svg".into(),
-            plot::on_white(timeline::timeline(run.schedule.period_slots, &run.schedule.timeline)),
-        ),
+        ("timeline.svg".into(), plot::on_white(timeline::timeline(&run.schedule.timeline))),
     ];
     if !figures.calibration.curve.is_empty() {
         files.push(("kl-curve.svg".into(), plot::on_white(figures::kl_curve(&figures.calibration))));

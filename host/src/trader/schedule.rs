@@ -45,7 +45,7 @@ pub fn schedule(job: &mut Job, args: &WorldArgs, given: bool, json: bool) -> Res
         let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
         let schedule = playback::play(&run.operating_point)?;
         job.output.write_json("schedule.json", &schedule)?;
-        draw(job, schedule.period_slots, &schedule.timeline)?;
+        draw(job, &schedule.timeline)?;
         print(json, &schedule, || one_period(&schedule));
         return Ok(true);
     }
@@ -61,14 +61,14 @@ pub fn schedule(job: &mut Job, args: &WorldArgs, given: bool, json: bool) -> Res
     let (found, trace) = play(job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
-    draw(job, job.scenario.frame.period_slots, &found.timeline)?;
+    draw(job, &found.timeline)?;
     print(json, &found, || campaign_words(&found));
     Ok(found.broken.is_empty())
 }
 
 /// The (first) period's slots as a picture.
-fn draw(job: &Job, period_slots: u32, runs: &[(i32, u32)]) -> Result<(), Failure> {
-    let svg = on_white(timeline(period_slots, runs));
+fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
+    let svg = on_white(timeline(runs));
     job.output.write("timeline.svg", svg.as_bytes())?;
     Ok(())
 }
