@@ -81,7 +81,7 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
             assert_eq!(records.len(), 2, "{records:?}");
             assert!(
                 records[0]
-                    .starts_with("info Plan { sensing: Sensing { period: 4000, spacing: 3, slots: 200 },"),
+                    .starts_with("info Plan { sensing: Sensing { period: 8000, spacing: 3, slots: 200 },"),
                 "{records:?}"
             );
             let expected =

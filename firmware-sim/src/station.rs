@@ -16,7 +16,8 @@ use sdp3_core::schedule::{RECEIVERS, Scheduler, Sensing, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;
-
+/// Slots of a period: two seconds.
+const PERIOD_SLOTS: u32 = 8000;
 /// Bits that a slot carries to each receiver, as the link last said.
 const SLOT_BITS: [u32; 3] = [1500, 2500, 3000];
 
@@ -86,8 +87,9 @@ pub fn run<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize>(
     if words.next().is_some_and(|path| !log::open(path)) {
         fail("the file for records cannot be made");
     }
-    // a period of a second: every fourth slot senses until the recording is complete; the rest go to three receivers
-    let Ok(sensing) = Sensing::new(4000, 3, model.sensing_slots() as u32) else {
+    // every fourth slot senses until the recording is complete; the rest go to three receivers, and of them at least a second,
+    // 4000 slots, lies behind the recording: the time to classify it before the next begins
+    let Ok(sensing) = Sensing::new(PERIOD_SLOTS, 3, model.sensing_slots() as u32) else {
         fail("no plan has so many sensing slots")
     };
     let mut rates = [0; RECEIVERS];

@@ -45,7 +45,7 @@ pub fn first_difference(stage: Stage, expected: &[u8], found: &[u8]) -> Option<S
 
 /// Slot or frame and index of value number `at`.
 fn place(stage: Stage, at: usize) -> String {
-    let part = if at % 2 == 0 { "re" } else { "im" };
+    let part = if at.is_multiple_of(2) { "re" } else { "im" };
     match stage {
         Stage::Beat => format!("slot {}, index {} {part}", at / (2 * BEATS), at % (2 * BEATS) / 2),
         Stage::Frame => format!("frame {}, index {} {part}", at / (2 * FFT_LEN), at % (2 * FFT_LEN) / 2),
