@@ -115,10 +115,26 @@ fn draws(scenario: &Scenario, index: usize, seed: u64) -> Vec<Vec<Vec<f64>>> {
     receivers.iter().map(|&p| link::subcarrier_draws(scenario, p, seed)).collect()
 }
 
-/// Bits of one slot at the expected gains.
-fn slot_bits(scenario: &Scenario, draws: &[Vec<Vec<f64>>]) -> Result<Vec<f64>, OptimizerError> {
-    let gains: Vec<_> = draws.iter().map(|draws| link::expected(draws)).collect();
-    throughput::slot_bits(scenario, &gains)
+/// Bits of one slot for the receivers of a case.
+struct Bits {
+    /// At the expected gains.
+    expected: Vec<f64>,
+    /// Expected over fading.
+    over_fading: Vec<f64>,
+}
+
+impl Bits {
+    /// Those the scenario states, else those of its channels.
+    fn of(scenario: &Scenario, index: usize, seed: u64) -> Result<Self, OptimizerError> {
+        if let Some(known) = scenario.communication.slot_bit.as_ref().and_then(|cases| cases.get(index)) {
+            return Ok(Bits { expected: known.clone(), over_fading: known.clone() });
+        }
+        let draws = draws(scenario, index, seed);
+        let gains: Vec<_> = draws.iter().map(|draws| link::expected(draws)).collect();
+        let expected = throughput::slot_bits(scenario, &gains)?;
+        let over_fading = draws.iter().map(|draws| throughput::over_fading(scenario, draws)).collect();
+        Ok(Bits { expected, over_fading })
+    }
 }
 
 /// Number of every case and the bits of one slot for its receivers.
@@ -127,7 +143,7 @@ fn slot_bits(scenario: &Scenario, draws: &[Vec<Vec<f64>>]) -> Result<Vec<f64>, O
 ///
 /// [`OptimizerError::Gain`] for a receiver that hears nothing.
 pub fn prices(scenario: &Scenario, seed: u64) -> Result<Vec<(u32, Vec<f64>)>, OptimizerError> {
-    let price = |index: usize| Ok((index as u32 + 1, slot_bits(scenario, &draws(scenario, index, seed))?));
+    let price = |index: usize| Ok((index as u32 + 1, Bits::of(scenario, index, seed)?.expected));
     (0..scenario.communication.cases.len()).map(price).collect()
 }
 
@@ -144,8 +160,7 @@ fn price(
     index: usize,
     seed: u64,
 ) -> Result<Priced, OptimizerError> {
-    let draws = draws(scenario, index, seed);
-    let slot_bit = slot_bits(scenario, &draws)?;
+    let Bits { expected: slot_bit, over_fading } = Bits::of(scenario, index, seed)?;
     let points = region::boundary(scenario, curve, &slot_bit)?;
     let range = region::range(scenario, scenario.frame.spacing_slots)?;
     let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
@@ -165,7 +180,6 @@ fn price(
             rule: rule.words(),
         }
     });
-    let over_fading = draws.iter().map(|draws| throughput::over_fading(scenario, draws)).collect();
     let case =
         Case { case, slot_bit, slot_bit_over_fading: over_fading, borders: zones.borders(), operating_point };
     Ok(Priced { case, points })

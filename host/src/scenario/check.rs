@@ -252,6 +252,17 @@ impl Scenario {
                 )?;
             }
         }
+        if let Some(known) = &m.slot_bit {
+            let (shape, cases): (Vec<usize>, Vec<usize>) =
+                (known.iter().map(Vec::len).collect(), m.cases.iter().map(Vec::len).collect());
+            let legal = format!("{cases:?}, one number for each receiver of communication.cases");
+            c.legal("communication.slot_bit (receivers)", format!("{shape:?}"), shape == cases, &legal)?;
+            for (case, bits) in known.iter().enumerate() {
+                for (k, &bit) in bits.iter().enumerate() {
+                    c.within(&format!("communication.slot_bit[{case}][{k}]"), bit, 1.0, 1e9)?;
+                }
+            }
+        }
         c.within("trade.accuracy_weight", self.trade.accuracy_weight, 0.0, 1.0)?;
         c.within("trade.zone_ratio", self.trade.zone_ratio, 1e-6, 1.0)?;
         c.count("trade.case", self.trade.case, 1, m.cases.len() as u32)

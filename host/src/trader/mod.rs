@@ -89,6 +89,12 @@ pub fn optimize(job: &Job, ask: Question, json: bool) -> Result<bool, Failure> {
         }
     };
     if !ask.sweep.is_empty() {
+        if job.scenario.communication.slot_bit.is_some() {
+            return Err(
+                "command line: --sweep varies channels; communication.slot_bit states links without one"
+                    .into(),
+            );
+        }
         let rows = sweep::rows(&job.scenario, &curve, ask.rule, &ask.sweep, job.seed)?;
         job.output.write("sweep.csv", sweep_table(&rows, ",").as_bytes())?;
         print(json, &rows, || sweep_table(&rows, "\t").trim_end().to_owned());

@@ -48,7 +48,7 @@ pub struct Changed {
 }
 
 impl World {
-    /// The receivers of case `trade.case` are there; further ones, placed at random, may come.
+    /// The receivers of case `trade.case` are there, links that are stated do not fade; further ones, placed at random, may come.
     pub fn new(scenario: &Scenario, settings: &Settings, seed: u64) -> Self {
         let mut random = Random::new(seed, STREAM, 0, 0);
         let (room, station) = (scenario.room.size_m, scenario.radar.position_m);
@@ -67,7 +67,14 @@ impl World {
             };
             (0..CHANNELS).map(draw).collect::<Vec<f64>>()
         };
-        let channels: Vec<Vec<f64>> = places.into_iter().map(bits).collect();
+        let known = scenario.communication.slot_bit.as_ref();
+        let known = known.map_or(&[][..], |cases| &cases[scenario.trade.case as usize - 1]);
+        let stated = |k: usize| known.get(k).map(|&bit| vec![bit]);
+        let channels: Vec<Vec<f64>> = places
+            .into_iter()
+            .enumerate()
+            .map(|(k, place)| stated(k).unwrap_or_else(|| bits(place)))
+            .collect();
         let present = std::array::from_fn(|k| k < there);
         let mut slot_bit = [0.0; RECEIVERS];
         slot_bit.iter_mut().zip(&channels).for_each(|(bit, all)| *bit = draw(all, &mut random));
