@@ -219,6 +219,8 @@ pub fn optimise(
     let mut boundary = String::from(
         "case,sensing_slots,accuracy,throughput_bit,closed_form_bit,pareto,zone,communication_slots\n",
     );
+    let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
+    let chosen: Vec<u32> = operating.map(|point| point.sensing_slots).collect();
     for Priced { case, points } in &outcome {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
         for (p, front) in points.iter().zip(region::pareto(points)) {
@@ -233,8 +235,7 @@ pub fn optimise(
                 zone.name(),
                 shares.join(" ")
             );
-            let chosen = case.operating_point.as_ref().is_some_and(|o| o.sensing_slots == n);
-            if !chosen && !region::shown(scenario, range, n) {
+            if !chosen.contains(&n) && !region::shown(scenario, range, n) {
                 continue;
             }
             let band = (!replicates.is_empty()).then(|| interval(replicates, f64::from(n)));
