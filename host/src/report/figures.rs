@@ -102,34 +102,38 @@ fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
     }
 }
 
-/// The accuracy-throughput region: the cases' boundaries with their bands and the borders of their zones, and the operating point.
+/// The accuracy-throughput region: the cases' boundaries over the zones, the first one's band, and the operating point.
 pub fn region(run: &Run, figures: &Figures) -> String {
     let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
     let y = Axis::around(
         run.region.iter().map(|p| p.throughput_bit / 1e6),
         "worst throughput R (Mbit per period)",
     );
+    let (low, high) = (x.low, x.high);
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
     cases.dedup();
-    let zones = [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation];
     for (index, case) in cases.iter().enumerate() {
         let points: Vec<&RegionPoint> = run.region.iter().filter(|p| p.case == *case).collect();
         let at = |accuracy: f64, p: &RegionPoint| (accuracy, p.throughput_bit / 1e6);
         if index == 0 {
+            // A follows from N_s alone: the zones are the same in every case
+            zones(&mut plot, &points, (low, high));
+            let borders = figures.cases.iter().filter(|c| c.case == *case).flat_map(|c| &c.borders);
+            for border in borders {
+                let nearest = points.iter().min_by_key(|p| p.sensing_slots.abs_diff(border.sensing_slots));
+                if let Some(p) = nearest {
+                    plot.mark(p.accuracy, &format!("N_s = {}", border.sensing_slots));
+                }
+            }
             let edge = |end: fn(&RegionPoint) -> Option<f64>| -> Vec<(f64, f64)> {
                 points.iter().filter_map(|p| Some(at(end(p)?, p))).collect()
             };
             plot.band(&edge(|p| p.accuracy_low), &edge(|p| p.accuracy_high), COLOURS[0]);
         }
-        // each zone's part of the line, joined to the next one's first point
-        for zone in zones {
-            let line: Vec<_> = (0..points.len())
-                .filter(|&k| points[k].zone == zone || (k > 0 && points[k - 1].zone == zone))
-                .map(|k| at(points[k].accuracy, points[k]))
-                .collect();
-            plot.line(&line, zone_colour(zone).0, if index == 0 { 3.5 } else { 2.0 }, "");
-        }
+        let (colour, band) = (COLOURS[index % 2], if index == 0 { ", 95 % band" } else { "" });
+        let line: Vec<_> = points.iter().map(|p| at(p.accuracy, p)).collect();
+        plot.line(&line, colour, 2.5, &format!("case {case}{band}"));
         for p in &points {
             let says = format!(
                 "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {}",
@@ -138,23 +142,13 @@ pub fn region(run: &Run, figures: &Figures) -> String {
                 p.throughput_bit,
                 zone_colour(p.zone).1
             );
-            plot.dot(p.accuracy, p.throughput_bit / 1e6, 1.5, zone_colour(p.zone).0, &says);
-        }
-        for border in figures.cases.iter().filter(|c| c.case == *case).flat_map(|c| &c.borders) {
-            let nearest = points.iter().min_by_key(|p| p.sensing_slots.abs_diff(border.sensing_slots));
-            if let Some(p) = nearest {
-                let says =
-                    format!("case {case}: {} from N_s = {}", zone_colour(border.to).1, border.sensing_slots);
-                let label = if index == 0 { border.sensing_slots.to_string() } else { String::new() };
-                plot.border(at(p.accuracy, p), &label, &says);
-            }
+            plot.dot(p.accuracy, p.throughput_bit / 1e6, 1.5, colour, &says);
         }
     }
-    for zone in zones {
+    for zone in [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation] {
         let (colour, name) = zone_colour(zone);
         plot.entry(name, colour);
     }
-    plot.entry("case 1 thick, with its 95 % band", COLOURS[0]);
     let p = &run.operating_point;
     let (px, py) = plot.at(p.accuracy, p.throughput_bit / 1e6);
     plot.raw(&format!(
@@ -165,4 +159,18 @@ pub fn region(run: &Run, figures: &Figures) -> String {
         p.sensing_slots
     ));
     plot.svg()
+}
+
+/// Every zone as a strip over the accuracies of its points, the outer ones up to the picture's edge.
+fn zones(plot: &mut Plot, points: &[&RegionPoint], (low, high): (f64, f64)) {
+    let mut from = low;
+    for (k, p) in points.iter().enumerate() {
+        let next = points.get(k + 1);
+        if next.is_none_or(|next| next.zone != p.zone) {
+            let to = next.map_or(high, |next| next.accuracy);
+            let (colour, name) = zone_colour(p.zone);
+            plot.strip((from, to), colour, name);
+            from = to;
+        }
+    }
 }

@@ -195,21 +195,16 @@ impl Plot {
         let _ = write!(self.body, "<polygon points=\"{path}\" fill=\"{colour}\" fill-opacity=\"0.13\"/>");
     }
 
-    /// A short stroke across a line, with what it says when pointed at.
-    pub fn border(&mut self, (x, y): (f64, f64), label: &str, says: &str) {
-        let (px, py) = self.at(x, y);
+    /// A tinted strip from one x to another, over the whole height, with what it says when pointed at.
+    pub fn strip(&mut self, (from, to): (f64, f64), colour: &str, says: &str) {
+        let ((left, top), (right, bottom)) = (self.at(from, self.y.high), self.at(to, self.y.low));
         let _ = write!(
             self.body,
-            "<g><title>{}</title><path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"var(--ink,#222)\" stroke-width=\"2\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" class=\"small\">{}</text></g>",
-            escape(says),
-            px - 7.0,
-            py + 7.0,
-            px + 7.0,
-            py - 7.0,
-            px + 9.0,
-            py - 8.0,
-            escape(label)
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\" fill-opacity=\"0.14\">\
+             <title>{}</title></rect>",
+            (right - left).max(0.0),
+            bottom - top,
+            escape(says)
         );
     }
 
