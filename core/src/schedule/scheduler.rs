@@ -241,7 +241,7 @@ mod tests {
                 assert_eq!(*slot == SlotUse::Sensing, planned, "slot {j} of {plan:?}");
             }
             let present = plan.shares().iter().filter(|&&share| share > 0).count();
-            let idle = slots.iter().any(|&slot| slot == SlotUse::Idle);
+            let idle = slots.contains(&SlotUse::Idle);
             assert!(!idle || present == 0);
             match end {
                 // every receiver has exactly its share
