@@ -15,7 +15,9 @@ fn refused(arguments: &[&str], prepare: impl Fn(&Path), words: &[&str]) {
     for word in words {
         assert!(stderr.contains(word), "{arguments:?}: {word:?} is not in: {stderr}");
     }
-    for name in ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json"] {
+    for name in
+        ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json", "campaign.json"]
+    {
         assert!(!folder.path().join("out").join(name).exists(), "{arguments:?} wrote {name}");
     }
 }
@@ -184,6 +186,67 @@ fn points_out_of_range() {
     );
     refused(&predict, points("a,b\n"), &["header", "sensing_slots,accuracy"]);
     refused(&predict, points("sensing_slots,accuracy\n200,0.5\n"), &["p.csv", "at least 2"]);
+}
+
+/// A scenario and the paper's points beside it.
+fn trade(text: &'static str) -> impl Fn(&Path) {
+    move |folder: &Path| {
+        scenario(text)(folder);
+        let points = "sensing_slots,accuracy\n200,0.7885\n300,0.9016\n400,0.9142\n500,0.9309\n1000,0.9554\n";
+        std::fs::write(folder.join("p.csv"), points).expect("points");
+    }
+}
+
+#[test]
+fn trades_that_cannot_be() {
+    let optimize = |extra: &[&'static str]| {
+        let mut all = vec!["optimize", "--scenario", "@/s.toml", "--points", "@/p.csv", "--out", "@/out"];
+        all.extend(extra);
+        all
+    };
+    let nobody = trade("[communication]\ncases = [[]]\n");
+    refused(&optimize(&[]), nobody, &["s.toml", "communication.cases[0] (receivers) = 0", "1..=8"]);
+    let silent = trade("[communication]\nslot_bit = [[1500, 0, 3000], [1500, 2500, 3000]]\n");
+    refused(&optimize(&[]), silent, &["s.toml", "communication.slot_bit[0][1] = 0", "1..=1000000000"]);
+    let fewer = trade("[communication]\nslot_bit = [[1500, 2500], [1500, 2500, 3000]]\n");
+    refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (receivers) = [2, 3]", "[3, 3]"]);
+    let short = trade("[frame]\nperiod_slots = 500\n");
+    refused(&optimize(&[]), short, &["s.toml", "frame.period_slots = 500", "at least 512", "STFT window"]);
+    refused(
+        &optimize(&["--accuracy", "0.99"]),
+        trade(""),
+        &["no point", "accuracy at least 0.99", "accuracies"],
+    );
+    refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy = 1.5", "0..=1"]);
+    refused(&optimize(&["--throughput", "1e12"]), trade(""), &["no point", "throughput at least"]);
+    refused(&optimize(&["--weights", "1"]), trade(""), &["--weights", "two numbers"]);
+    refused(&optimize(&["--curve", "spline"]), trade(""), &["--curve = spline", "pow3"]);
+    refused(&optimize(&["--sweep", "power_w=0"]), trade(""), &["power_w = 0", "above 0"]);
+    refused(&optimize(&["--sweep", "colour=3"]), trade(""), &["--sweep", "carrier_hz, power_w"]);
+    let one = |folder: &Path| {
+        trade("")(folder);
+        std::fs::write(folder.join("p.csv"), "sensing_slots,accuracy\n200,0.5\n").expect("points");
+    };
+    refused(&optimize(&[]), one, &["p.csv", "1 given", "at least 2"]);
+    let none = |folder: &Path| {
+        trade("")(folder);
+        std::fs::write(folder.join("p.csv"), "sensing_slots,accuracy\n").expect("points");
+    };
+    refused(&optimize(&[]), none, &["p.csv", "0 given", "at least 2"]);
+}
+
+#[test]
+fn schedules_that_cannot_be() {
+    let schedule = |extra: &[&'static str]| {
+        let mut all = vec!["schedule", "--periods", "3", "--out", "@/out"];
+        all.extend(extra);
+        all
+    };
+    refused(&schedule(&[]), |_| (), &["run.json", "`sdp3 run`"]);
+    refused(&schedule(&["--sensing-slots", "1001"]), |_| (), &["--sensing-slots = 1001", "0..=1000"]);
+    refused(&schedule(&["--sensing-slots", "300", "--loss", "2"]), |_| (), &["--loss = 2", "0..=1"]);
+    refused(&["schedule", "--periods", "0", "--out", "@/out"], |_| (), &["--periods", "1..=10000000"]);
+    refused(&["anytime", "--out", "@/out"], |_| (), &["scenario.toml"]);
 }
 
 #[test]

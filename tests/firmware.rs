@@ -82,7 +82,8 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
             let records = records(&firmware, &log);
             assert_eq!(records.len(), 2, "{records:?}");
             assert!(
-                records[0].starts_with("info Plan { period: 8000, spacing: 3, sensing: 200,"),
+                records[0]
+                    .starts_with("info Plan { sensing: Sensing { period: 8000, spacing: 3, slots: 200 },"),
                 "{records:?}"
             );
             let expected =

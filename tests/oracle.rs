@@ -5,7 +5,6 @@
 use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
 use sdp3_core::dechirp::CHIRP;
 use sdp3_core::frame::{Beat, Complex};
-use sdp3_core::probe::Probe;
 use sdp3_core::stft::{ShortTime, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
 use sdp3_tests::vectors::{bytes, list, signed};

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! [`front_end`] is the street up to the image, [`receiver`] the whole of it as one object: push a slot, ask for a
-//! class. [`schedule`] divides a period between sensing and the receivers; [`station`] joins scheduler and receiver:
+//! class; [`anytime`] asks on the way and stops when it is sure. [`schedule`] divides a period between sensing and the receivers; [`station`] joins scheduler and receiver:
 //! one call per slot. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of int8), [`math`]
 //! (the only door to floats). [`probe`] lets an observer see every stage's values, [`mod@values`] gives them as bytes,
 //! [`digest`] folds them to one number per stage, and [`selftest`] runs the street on a seeded signal whose digest is
@@ -39,6 +39,7 @@
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod anytime;
 pub mod clutter;
 pub mod dechirp;
 pub mod digest;

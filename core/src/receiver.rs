@@ -104,6 +104,43 @@ pub struct Buffers<'b> {
     pub tiles: TiledMemory<'b>,
 }
 
+impl<'b> Buffers<'b> {
+    /// [`Tiled`] kernels for a model, in the memory here that is theirs; nothing of it is left for others.
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError::Memory`] names what is too small: `eights` or `words`.
+    pub fn take_kernels(&mut self, model: &Model<'_>) -> Result<Tiled<'b>, ReceiverError> {
+        let sizes = TiledSizes::of(model);
+        let tiles = core::mem::take(&mut self.tiles);
+        for (buffer, need, have) in
+            [("eights", sizes.eights, tiles.eights.len()), ("words", sizes.words, tiles.words.len())]
+        {
+            if have < need {
+                return Err(ReceiverError::Memory { buffer, need, have });
+            }
+        }
+        Tiled::new(model, tiles).ok_or(UNREADY)
+    }
+
+    /// Whether there is room for `slots` slots, `cells` cells of the image and `scratch` bytes for the network.
+    pub(crate) fn check(&self, slots: usize, cells: usize, scratch: usize) -> Result<(), ReceiverError> {
+        let f = &self.front_end;
+        for (buffer, need, have) in [
+            ("beats", slots, f.beats.len()),
+            ("slow_time", slots, f.slow_time.len()),
+            ("levels", cells, f.levels.len()),
+            ("image", cells, f.image.len()),
+            ("scratch", scratch, self.scratch.len()),
+        ] {
+            if have < need {
+                return Err(ReceiverError::Memory { buffer, need, have });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Why a receiver cannot be made or asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -120,6 +157,8 @@ pub enum ReceiverError {
     },
     /// The model's preprocessing is not valid.
     Model(ModelError),
+    /// Exits of an anytime receiver that do not go together.
+    Exits,
     /// The recording is complete: classify or reset first.
     Full,
     /// The recording is not complete yet.
@@ -136,6 +175,12 @@ impl core::fmt::Display for ReceiverError {
                 write!(f, "buffer {buffer} has {have} elements, the model needs {need}")
             }
             ReceiverError::Model(error) => write!(f, "{error}"),
+            ReceiverError::Exits => {
+                write!(
+                    f,
+                    "exits need ascending numbers of slots, one preprocessing, the same classes and weights of at most 8 nat"
+                )
+            }
             ReceiverError::Full => write!(f, "the recording is complete"),
             ReceiverError::Incomplete { missing } => write!(f, "{missing} sensing slots are missing"),
         }
@@ -173,16 +218,7 @@ impl<'m, 'b, T: ShortTime> Receiver<'m, 'b, Tiled<'b>, T> {
     ///
     /// As [`Receiver::new`].
     pub fn with_transform(model: Model<'m>, mut buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
-        let sizes = TiledSizes::of(&model);
-        let tiles = core::mem::take(&mut buffers.tiles);
-        for (buffer, need, have) in
-            [("eights", sizes.eights, tiles.eights.len()), ("words", sizes.words, tiles.words.len())]
-        {
-            if have < need {
-                return Err(ReceiverError::Memory { buffer, need, have });
-            }
-        }
-        let kernels = Tiled::new(&model, tiles).ok_or(UNREADY)?;
+        let kernels = buffers.take_kernels(&model)?;
         Self::with_kernels(model, buffers, kernels)
     }
 }
@@ -199,18 +235,7 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Receiver<'m, 'b, K, T> {
     pub fn with_kernels(model: Model<'m>, buffers: Buffers<'b>, kernels: K) -> Result<Self, ReceiverError> {
         let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-        let f = &buffers.front_end;
-        for (buffer, need, have) in [
-            ("beats", slots, f.beats.len()),
-            ("slow_time", slots, f.slow_time.len()),
-            ("levels", cells, f.levels.len()),
-            ("image", cells, f.image.len()),
-            ("scratch", scratch, buffers.scratch.len()),
-        ] {
-            if have < need {
-                return Err(ReceiverError::Memory { buffer, need, have });
-            }
-        }
+        buffers.check(slots, cells, scratch)?;
         let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(UNREADY)?;
         let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(UNREADY)?;
         Ok(Receiver { front_end, network })

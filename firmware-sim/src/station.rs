@@ -1,6 +1,6 @@
 //! A base station's firmware, the example of `docs/porting.md`: an interrupt every slot, the chain in the idle loop.
 //!
-//! The interrupt plays the sequencer and, in a sensing slot, moves the converter's samples into a double buffer; the idle
+//! The interrupt plays the scheduler and, in a sensing slot, moves the converter's samples into a double buffer; the idle
 //! loop takes them out, dechirps and adds to the Gram matrix, and classifies when a recording is complete, in the
 //! communication slots that follow. The converter is a file of slots, i16 I/Q.
 
@@ -12,12 +12,14 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use sdp3_core::dsn::Model;
 use sdp3_core::frame::Iq;
 use sdp3_core::receiver::{Buffers, Receiver};
-use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+use sdp3_core::schedule::{RECEIVERS, Scheduler, Sensing, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;
 /// Slots of a period: two seconds.
 const PERIOD_SLOTS: u32 = 8000;
+/// Bits that a slot carries to each receiver, as the link last said.
+const SLOT_BITS: [u32; 3] = [1500, 2500, 3000];
 
 static BUFFER: DoubleBuffer = DoubleBuffer::new();
 static CONVERTER: Owned<Converter> = Owned::new();
@@ -28,7 +30,7 @@ static PERIODS: AtomicU32 = AtomicU32::new(0);
 
 /// What the interrupt owns.
 struct Converter {
-    sequencer: Sequencer,
+    scheduler: Scheduler,
     samples: File,
     writer: Writer,
 }
@@ -36,10 +38,10 @@ struct Converter {
 impl Converter {
     /// One slot begins.
     fn slot(&mut self) {
-        if self.sequencer.position() == 0 {
+        if self.scheduler.position() == 0 {
             PERIODS.fetch_add(1, Ordering::Relaxed);
         }
-        if self.sequencer.next() != SlotUse::Sensing {
+        if self.scheduler.next() != SlotUse::Sensing {
             return;
         }
         let samples = &mut self.samples;
@@ -82,12 +84,14 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     if words.next().is_some_and(|path| !log::open(path)) {
         fail("the file for records cannot be made");
     }
-    // every fourth slot senses until the recording is complete; the rest go to one receiver, and of them at least a second,
+    // every fourth slot senses until the recording is complete; the rest go to three receivers, and of them at least a second,
     // 4000 slots, lies behind the recording: the time to classify it before the next begins
-    let sensing = model.sensing_slots() as u32;
-    let Ok(plan) = Plan::new(PERIOD_SLOTS, 3, sensing, &[PERIOD_SLOTS - sensing]) else {
+    let Ok(sensing) = Sensing::new(PERIOD_SLOTS, 3, model.sensing_slots() as u32) else {
         fail("no plan has so many sensing slots")
     };
+    let mut rates = [0; RECEIVERS];
+    rates.iter_mut().zip(SLOT_BITS).for_each(|(rate, bits)| *rate = bits);
+    let scheduler = Scheduler::new(sensing, rates);
     let mut receiver = match Receiver::new(model, buffers) {
         Ok(receiver) => receiver,
         Err(error) => {
@@ -96,8 +100,8 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
         }
     };
     let Some((writer, mut reader)) = BUFFER.split() else { fail("the buffer is taken") };
-    defmt::info!("{}", plan);
-    CONVERTER.give(Converter { sequencer: Sequencer::new(&plan), samples, writer });
+    defmt::info!("{}", scheduler.plan());
+    CONVERTER.give(Converter { scheduler, samples, writer });
     start_ticks(SLOT_INSTRUCTIONS);
     idle(&mut receiver, &mut reader);
     let Ok(answer) = receiver.classify(&mut ()) else { fail("the recording is not complete") };

@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sdp3::formats::dataset::{PER_CLASS, Shard};
+use sdp3::optimizer::sweep::Sweep;
 use std::path::PathBuf;
 
 /// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
@@ -158,9 +159,52 @@ pub struct RuleArgs {
     /// Throughput of at least this, in bits per period.
     #[arg(long)]
     pub throughput: Option<f64>,
-    /// Weight of accuracy, 0..=1.
+    /// Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary.
     #[arg(long)]
     pub weight: Option<f64>,
+    /// w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period.
+    #[arg(long, value_name = "WA,WR", value_parser = pair)]
+    pub weights: Option<(f64, f64)>,
+}
+
+fn pair(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    numbers.ok_or_else(|| "two numbers with a comma between them".into())
+}
+
+/// A world for the scheduler. With --periods its promises are checked in every one.
+#[derive(Debug, Clone, Args)]
+pub struct WorldArgs {
+    /// Periods; absent: one, in a world that does not change.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub periods: Option<u32>,
+    /// N_s; absent: that of the run's operating point.
+    #[arg(long, value_name = "N", requires = "periods")]
+    pub sensing_slots: Option<u32>,
+    /// Mean time in s that a channel stays as it is.
+    #[arg(long, value_name = "S", default_value_t = 5.0, requires = "periods")]
+    pub coherence: f64,
+    /// Mean arrivals of a receiver over its fair share; absent: always something to send.
+    #[arg(long, value_name = "SHARE", requires = "periods")]
+    pub load: Option<f64>,
+    /// Probability that a receiver joins or leaves in a period.
+    #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
+    pub churn: f64,
+    /// Probability that a slot is lost.
+    #[arg(long, value_name = "P", default_value_t = 0.0005, requires = "periods")]
+    pub loss: f64,
+    /// Probability that N_s becomes another of the scenario's in a period.
+    #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
+    pub retarget: f64,
+    /// Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never.
+    #[arg(long, value_name = "PERIODS", default_value_t = 0, requires = "periods")]
+    pub recognise_every: u32,
+    /// Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out.
+    #[arg(long, value_name = "CONFIDENCE", requires = "recognise_every")]
+    pub threshold: Option<f64>,
+    /// Periods drawn slot by slot in trace.json, which Perfetto opens.
+    #[arg(long, value_name = "PERIODS", default_value_t = 3, requires = "periods")]
+    pub traced: u32,
 }
 
 /// The commands.
@@ -299,20 +343,37 @@ pub enum Command {
     },
     /// Fit the seven learning curves to accuracies.
     Predict {
-        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
-        #[arg(long, value_name = "FILE.csv")]
+        /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE")]
         points: Option<PathBuf>,
     },
     /// Draw the accuracy-throughput region and choose a point on it.
     Optimize {
-        /// CSV with sensing_slots,accuracy[,tested]; absent: the accuracies of --out's run.
-        #[arg(long, value_name = "FILE.csv")]
+        /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+        #[arg(long, value_name = "FILE")]
         points: Option<PathBuf>,
+        /// Learning curve; absent: the best one.
+        #[arg(long, value_name = "NAME")]
+        curve: Option<String>,
+        #[command(flatten)]
+        rule: RuleArgs,
+        /// Vary carrier_hz, power_w, receivers (K) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
+        #[arg(long, value_name = "AXIS=VALUES")]
+        sweep: Vec<Sweep>,
+    },
+    /// Fit anytime sensing to the models of --out and draw its region beside the static one.
+    Anytime {
+        /// Recordings of each class to fit and choose on, behind those trained on.
+        #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+        calibrate_per_class: u32,
         #[command(flatten)]
         rule: RuleArgs,
     },
-    /// Play one period of the operating point of --out's run through the core's scheduler.
-    Schedule,
+    /// Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes.
+    Schedule {
+        #[command(flatten)]
+        world: WorldArgs,
+    },
     /// Write the report page of --out's run again.
     Report,
 }

@@ -1,6 +1,7 @@
 //! The `sdp3` command: parses, calls one function per subcommand, prints, and sets the exit code.
 
 mod cli;
+mod trader;
 #[cfg(feature = "train")]
 mod trainer;
 #[cfg(not(feature = "train"))]
@@ -8,22 +9,20 @@ mod trainer;
 mod trainer;
 
 use clap::Parser;
-use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, RuleArgs, Study};
+use cli::{Cli, Command, MeasuredArgs, Preset, ProofArgs, Study};
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::formats::dataset::{self, Shard};
 use sdp3::formats::measured::Stated;
 use sdp3::formats::model_file::Summary;
 use sdp3::formats::model_file::signature::{new_key, read_key, sign};
-use sdp3::formats::points;
-use sdp3::optimizer::{Rule, playback};
 use sdp3::output::{Output, to_json};
-use sdp3::pipeline::{Failure, Job, Measured, REFERENCE, TARGETS, best_curve};
+use sdp3::pipeline::{Failure, Job, Measured, REFERENCE, TARGETS};
 use sdp3::predictor::interchange::{self, Exchange};
-use sdp3::predictor::learning_curve::fit_all;
+use sdp3::predictor::learning_curve::predict;
 use sdp3::predictor::spectrograms::gallery;
 use sdp3::progress::Progress;
 use sdp3::report;
-use sdp3::results::{CurvePoint, Figures, Prediction, Run, Verify};
+use sdp3::results::{Figures, Run, Verify};
 use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;
 use sdp3::simulator::channel::properties;
@@ -88,9 +87,7 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
     });
     if let Command::Predict { points: Some(file) } = &command {
         // needs no output folder
-        let prediction = fit_all(&points::read(file)?).map_err(|e| format!("{}: {e}", file.display()))?;
-        print_prediction(&prediction, json);
-        return Ok(true);
+        return trader::predict_file(file, common.seed, json);
     }
     match &command {
         // need no output folder
@@ -208,51 +205,20 @@ fn execute(cli: Cli) -> Result<bool, Failure> {
         | Command::Sign { .. }
         | Command::Key { .. } => Ok(true),
         Command::Predict { .. } => {
-            let prediction = fit_all(&stored_points(&job)?)?;
-            print_prediction(&prediction, json);
+            let prediction = predict(&trader::stored_points(&job)?, job.seed)?;
+            print(json, &prediction, || report::tables::prediction(&prediction));
             Ok(true)
         }
-        Command::Optimize { points: file, rule } => {
-            let points = match file {
-                Some(file) => points::read(&file)?,
-                None => stored_points(&job)?,
-            };
-            let curve = best_curve(&fit_all(&points)?);
-            let outcome = job.trade(&curve, chosen(rule, &job.scenario)?)?;
-            let value = serde_json::json!({
-                "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
-                "weighted": outcome.weighted,
-            });
-            job.output.write_json("optimize.json", &value)?;
-            if json {
-                println!("{}", to_json(&value));
-            } else {
-                let p = &outcome.operating_point;
-                println!("{}: N_s = {}, N_c = {:?}", p.rule, p.sensing_slots, p.communication_slots);
-                println!(
-                    "accuracy {:.4}, throughput {:.0} bit per period, {:?}",
-                    p.accuracy, p.throughput_bit, p.zone
-                );
-            }
-            Ok(true)
+        Command::Optimize { points, curve, rule, sweep } => {
+            let ask = trader::Question { points, curve, rule: trader::rule(&rule, &job.scenario)?, sweep };
+            trader::optimize(&job, ask, json)
         }
-        Command::Schedule => {
-            let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
-            let schedule = playback::play(&run.operating_point)?;
-            job.output.write_json("schedule.json", &schedule)?;
-            if json {
-                println!("{}", to_json(&schedule));
-            } else {
-                println!(
-                    "N = {}: {} sensing, {:?} communication, longest waits {:?} slots",
-                    schedule.period_slots,
-                    schedule.sensing_slots,
-                    schedule.communication_slots,
-                    schedule.longest_wait_slots
-                );
-            }
-            Ok(true)
+        Command::Anytime { calibrate_per_class, rule } => {
+            job.scenario = trader::trained(&job, common.scenario.is_some())?;
+            let rule = trader::rule(&rule, &job.scenario)?;
+            trader::anytime(&job, calibrate_per_class, rule, json)
         }
+        Command::Schedule { world } => trader::schedule(&mut job, &world, common.scenario.is_some(), json),
         Command::Report => {
             let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
             let figures: Figures = job.output.read_json("figures.json", RUN_FIRST)?;
@@ -319,35 +285,9 @@ fn with_channel(scenario: &mut Scenario, name: Option<&str>) -> Result<(), Failu
     Ok(())
 }
 
-fn chosen(rule: RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
-    let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
-        true => Ok(value),
-        false => Err(format!("command line: {name} = {value} is outside its legal range: 0..=1")),
-    };
-    Ok(match (rule.accuracy, rule.throughput, rule.weight) {
-        (Some(a), _, _) => Rule::AccuracyAtLeast(share("--accuracy", a)?),
-        (_, Some(r), _) if r.is_finite() => Rule::ThroughputAtLeast(r),
-        (_, Some(r), _) => {
-            return Err(format!("command line: --throughput = {r} is no number of bits").into());
-        }
-        (_, _, Some(w)) => Rule::Weighted(share("--weight", w)?),
-        _ => Rule::Weighted(scenario.trade.accuracy_weight),
-    })
-}
-
 /// The resolved scenario of `--out`'s run.
 fn resolved(job: &Job) -> Result<Scenario, Failure> {
     Ok(Scenario::load(&job.output.path("scenario.toml"))?)
-}
-
-fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
-    let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
-    let point = |a: &sdp3::results::Accuracy| CurvePoint {
-        sensing_slots: f64::from(a.sensing_slots),
-        accuracy: a.int8,
-        tested: Some(f64::from(a.tested)),
-    };
-    Ok(run.accuracy.iter().map(point).collect())
 }
 
 fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
@@ -425,18 +365,6 @@ fn report(job: &Job, run: &Run, figures: &Figures) -> Result<String, Failure> {
         job.output.write(&format!("figures/{name}"), svg.as_bytes())?;
     }
     Ok(job.output.write("report.html", page.as_bytes())?.display().to_string())
-}
-
-fn print_prediction(prediction: &Prediction, json: bool) {
-    if json {
-        println!("{}", to_json(prediction));
-        return;
-    }
-    println!("{:<16}{:>12}{:>10}{:>10}{:>10}", "model", "sse", "rmse", "aicc", "loo");
-    let show = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.4}"));
-    for m in &prediction.models {
-        println!("{:<16}{:>12.3e}{:>10.4}{:>10}{:>10}", m.name, m.sse, m.rmse, show(m.aicc), show(m.loo));
-    }
 }
 
 fn print_verify(verify: &Verify) {

@@ -3,27 +3,33 @@
 //! simulate, calibrate, learn, run, prove, trade, schedule, report. Every stage is also a command of its own and uses the
 //! functions here.
 
-use crate::conformance::compare::verify_host;
+use crate::conformance::compare::{OwnedBuffers, verify_host};
 use crate::conformance::digests::not_run;
 use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::formats::measured;
+use crate::optimizer::anytime;
+use crate::optimizer::shares::integer_rates;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
-use crate::predictor::learning_curve::fit_all;
+use crate::predictor::anytime::calibration::weights;
+use crate::predictor::anytime::{Part, Policy, collect};
+use crate::predictor::learning_curve::bootstrap::replicates;
+use crate::predictor::learning_curve::{best_curve, predict};
 use crate::predictor::spectrograms::{images_of, picture};
 use crate::progress::Progress;
 use crate::results::{
-    Accuracy, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction, Recognised, Schedule,
-    Spectrogram, Training, Verify,
+    Accuracy, AnytimeResult, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction,
+    Recognised, Schedule, Spectrogram, Training, Verify,
 };
 use crate::scenario::{Class, Scenario};
-use crate::simulator::channel::link::subcarrier_gains;
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
-use sdp3_core::dsn::Model;
+use sdp3_core::anytime::{Anytime, Exit};
+use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::frame::Slot;
+use sdp3_core::station::Station;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -166,7 +172,7 @@ impl Job {
                 tested: Some(f64::from(a.tested)),
             })
             .collect();
-        let prediction = fit_all(&points)?;
+        let prediction = predict(&points, self.seed)?;
         let curve = best_curve(&prediction);
         let text = format!("A(N_s) by {}, rmse {:.4}", curve.model, curve.rmse);
         self.progress.note("predict", &text);
@@ -178,22 +184,51 @@ impl Job {
     /// # Errors
     ///
     /// See [`crate::optimizer::OptimizerError`].
-    pub fn trade(&self, curve: &Curve, rule: Rule) -> Result<crate::optimizer::Outcome, Failure> {
+    pub fn trade(
+        &self,
+        curve: &Curve,
+        points: &[CurvePoint],
+        rule: Rule,
+    ) -> Result<crate::optimizer::Outcome, Failure> {
         let stage = self.progress.stage("trade", "accuracy against throughput");
-        let gains: Vec<Vec<Vec<f64>>> = self
-            .scenario
-            .communication
-            .cases
-            .iter()
-            .map(|case| case.iter().map(|&p| subcarrier_gains(&self.scenario, p, self.seed)).collect())
-            .collect();
-        let outcome = optimise(curve, &gains, &self.scenario, rule)?;
+        let replicates = replicates(curve, points, self.seed);
+        let outcome = optimise(curve, &replicates, &self.scenario, rule, self.seed)?;
         let p = &outcome.operating_point;
         stage.finish(&format!(
             "N_s = {}: accuracy {:.3}, {:.0} bit per period to the worst receiver",
             p.sensing_slots, p.accuracy, p.throughput_bit
         ));
         Ok(outcome)
+    }
+
+    /// Fits anytime sensing on recordings behind those trained on and states what it reaches on the test recordings.
+    ///
+    /// # Errors
+    ///
+    /// Models the core refuses; more exits than it takes; a rule no point satisfies.
+    pub fn anytime(
+        &self,
+        rho: f64,
+        models: &[Vec<u8>],
+        per_class: u32,
+        rule: Rule,
+    ) -> Result<AnytimeResult, Failure> {
+        let s = &self.scenario;
+        if models.len() > sdp3_core::anytime::EXITS {
+            let most = sdp3_core::anytime::EXITS;
+            return Err(format!("frame.sensing_slots: {} exits; legal are 1..={most}", models.len()).into());
+        }
+        let gather = |part: Part, per_class: u32, what: &str| {
+            let stage = self.progress.stage("anytime", what);
+            let found =
+                collect(s, rho, self.seed, models, (part, per_class), &|done, all| stage.at(done, all))?;
+            stage.finish(&format!("{what}: {per_class} of each class"));
+            Ok::<_, Failure>(found)
+        };
+        let calibration = gather(Part::Calibration, per_class, "recordings to calibrate on")?;
+        let test = gather(Part::Test, s.learning.test_per_class, "test recordings")?;
+        let policy = Policy::new(&calibration.slots, weights(&calibration));
+        Ok(anytime::outcome(s, self.seed, &policy, &calibration, &test, rule)?)
     }
 
     /// Plays one period, with simulated signals in the sensing slots if models are given.
@@ -214,9 +249,7 @@ impl Job {
 
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
-        use crate::conformance::compare::OwnedBuffers;
-        use sdp3_core::schedule::{Plan, SlotUse};
-        use sdp3_core::station::Station;
+        use sdp3_core::schedule::{RECEIVERS, Scheduler, Sensing, SlotUse};
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
         let model = parsed
             .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
@@ -224,26 +257,23 @@ impl Job {
         let class = Class::AdultWalking;
         let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
         let mut buffers = OwnedBuffers::for_model(&model);
-        let receiver = buffers.receiver(model.clone()).ok()?;
-        let plan = Plan::new(
-            point.period_slots,
-            point.spacing_slots,
-            point.sensing_slots,
-            &point.communication_slots,
-        );
-        let mut station = Station::new(&plan.ok()?, receiver);
+        let receiver = Anytime::new([Exit::alone(model.clone(), Portable)], 2.0, buffers.view()).ok()?;
+        let sensing = Sensing::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
+        let mut rates = [0; RECEIVERS];
+        rates.iter_mut().zip(integer_rates(&point.slot_bit)).for_each(|(rate, own)| *rate = own);
+        let mut station = Station::new(Scheduler::new(sensing, rates), receiver);
         let mut signal = slots.iter();
-        let mut answer = None;
+        let mut verdict = None;
         for _ in 0..point.period_slots {
             if station.begin() == SlotUse::Sensing {
-                answer = station.sensed(signal.next()?).or(answer);
+                verdict = station.sensed(signal.next()?).or(verdict);
             }
         }
-        let answer = answer?;
+        let verdict = verdict?;
         Some(Recognised {
             truth: class.name().to_owned(),
-            class: model.class_name(usize::from(answer.class)).to_owned(),
-            confidence: f64::from(answer.confidence),
+            class: model.class_name(usize::from(verdict.class)).to_owned(),
+            confidence: f64::from(verdict.confidence),
         })
     }
 
@@ -319,15 +349,5 @@ impl Job {
             mismatches: verdicts.iter().map(|v| v.mismatches).sum(),
             targets: verdicts,
         })
-    }
-}
-
-/// The best model of a prediction as a curve.
-pub fn best_curve(prediction: &Prediction) -> Curve {
-    let best = prediction.models.first();
-    Curve {
-        model: prediction.best.clone(),
-        parameters: best.map(|m| m.parameters).unwrap_or_default(),
-        rmse: best.map_or(0.0, |m| m.rmse),
     }
 }

@@ -47,7 +47,8 @@ pub fn run(
         job.output.write(&model_name(*n), bytes)?;
     }
     let (prediction, curve) = job.predict(&learned.accuracy)?;
-    let outcome = job.trade(&curve, Rule::Weighted(job.scenario.trade.accuracy_weight))?;
+    let rule = Rule::Weighted(job.scenario.trade.accuracy_weight);
+    let outcome = job.trade(&curve, &prediction.points, rule)?;
     let point: &OperatingPoint = &outcome.operating_point;
     let schedule = job.play(point, rho, &learned.models)?;
     let mut result = Run {
@@ -72,6 +73,7 @@ pub fn run(
         confusion: learned.confusion,
         prediction,
         weighted: outcome.weighted,
+        cases: outcome.cases,
     };
     job.output.write_json("run.json", &result)?;
     job.output.write_json("figures.json", &figures)?;

@@ -61,6 +61,43 @@ pub trait Kernels {
     }
 }
 
+impl<K: Kernels> Kernels for &mut K {
+    fn stem(
+        &mut self,
+        stem: &Conv<'_>,
+        image: &[i8],
+        size: (usize, usize),
+        rows: &mut [i8],
+        pooled: &mut [i8],
+    ) {
+        (**self).stem(stem, image, size, rows, pooled);
+    }
+
+    fn affine(&mut self, at: usize, layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
+        (**self).affine(at, layer, input, output);
+    }
+
+    fn conv(
+        &mut self,
+        at: usize,
+        layer: &Conv<'_>,
+        input: &[i8],
+        size: (usize, usize),
+        rows: &mut [i8],
+        output: &mut [i8],
+    ) {
+        (**self).conv(at, layer, input, size, rows, output);
+    }
+
+    fn add(&mut self, at: usize, layer: &Add, x: &mut [i8], branch: &[i8]) {
+        (**self).add(at, layer, x, branch);
+    }
+
+    fn average(&mut self, input: &[i8], channels: usize, output: &mut [i8]) {
+        (**self).average(input, channels, output);
+    }
+}
+
 /// The plain loops, on every processor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Portable;

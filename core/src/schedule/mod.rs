@@ -1,9 +1,17 @@
-//! Who gets which slot: sensing slots exactly periodic, the others shared by smooth weighted round robin.
+//! Who gets which slot: sensing slots exactly periodic, the others in optimal proportions, spread evenly.
 //!
-//! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1).
+//! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1). [`plan`] says how many
+//! slots each use gets ([`apportion`]), [`sequencer`] which slot is whose ([`turns`]), [`scheduler`] what to do when the world
+//! changes.
 
+pub mod apportion;
 pub mod plan;
+pub mod scheduler;
+pub mod selftest;
 pub mod sequencer;
+pub mod turns;
 
-pub use plan::{Plan, PlanError, RECEIVERS, apportion};
+pub use apportion::apportion;
+pub use plan::{Plan, PlanError, RECEIVERS, Sensing};
+pub use scheduler::{Boundary, Changes, Scheduler};
 pub use sequencer::{Sequencer, SlotUse};

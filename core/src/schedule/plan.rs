@@ -2,12 +2,13 @@
 //!
 //! N_s + sum N_c,k = N and N_s (N_m + 1) <= N; problem P of the paper in integers.
 
+use super::apportion::apportion;
 use heapless::Vec;
 
 /// Most receivers of a plan.
 pub const RECEIVERS: usize = 8;
 
-/// Longest period: sums of credits stay within i32.
+/// Longest period in slots.
 pub const LONGEST_PERIOD: u32 = 1 << 24;
 
 /// Why numbers are not a plan.
@@ -60,39 +61,30 @@ impl core::fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// A checked division of a period.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Where a period's sensing slots lie: N, N_m and N_s, checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Plan {
+pub struct Sensing {
     period: u32,
     spacing: u32,
-    sensing: u32,
-    shares: Vec<u32, RECEIVERS>,
+    slots: u32,
 }
 
-impl Plan {
-    /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
-    /// for the receivers.
+impl Sensing {
+    /// `slots` (N_s) sensing slots `spacing` (N_m) apart in a period of `period` (N).
     ///
     /// # Errors
     ///
-    /// [`PlanError`] names what does not fit.
-    pub fn new(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Result<Self, PlanError> {
+    /// [`PlanError::Period`], [`PlanError::Spacing`].
+    pub fn new(period: u32, spacing: u32, slots: u32) -> Result<Self, PlanError> {
         if period == 0 || period > LONGEST_PERIOD {
             return Err(PlanError::Period { period });
         }
-        let receivers = shares.len();
-        let shares_kept = Vec::from_slice(shares).ok().filter(|_| receivers > 0);
-        let Some(shares_kept) = shares_kept else { return Err(PlanError::Receivers { receivers }) };
-        let need = u64::from(sensing).saturating_mul(u64::from(spacing) + 1);
+        let need = u64::from(slots).saturating_mul(u64::from(spacing) + 1);
         if need > u64::from(period) {
             return Err(PlanError::Spacing { need, period });
         }
-        let sum = shares.iter().map(|&share| u64::from(share)).fold(u64::from(sensing), u64::saturating_add);
-        if sum != u64::from(period) {
-            return Err(PlanError::Sum { sum, period });
-        }
-        Ok(Plan { period, spacing, sensing, shares: shares_kept })
+        Ok(Sensing { period, spacing, slots })
     }
 
     /// N.
@@ -106,8 +98,69 @@ impl Plan {
     }
 
     /// N_s.
-    pub fn sensing(&self) -> u32 {
+    pub fn slots(&self) -> u32 {
+        self.slots
+    }
+
+    /// Slots left for communication, N - N_s.
+    pub fn others(&self) -> u32 {
+        self.period.saturating_sub(self.slots)
+    }
+}
+
+/// A checked division of a period.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Plan {
+    sensing: Sensing,
+    shares: Vec<u32, RECEIVERS>,
+}
+
+impl Plan {
+    /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
+    /// for the receivers.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] names what does not fit.
+    pub fn new(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Result<Self, PlanError> {
+        let sensing = Sensing::new(period, spacing, sensing)?;
+        let receivers = shares.len();
+        let shares_kept = Vec::from_slice(shares).ok().filter(|_| receivers > 0);
+        let Some(shares_kept) = shares_kept else { return Err(PlanError::Receivers { receivers }) };
+        let slots = u64::from(sensing.slots);
+        let sum = shares.iter().map(|&share| u64::from(share)).fold(slots, u64::saturating_add);
+        if sum != u64::from(period) {
+            return Err(PlanError::Sum { sum, period });
+        }
+        Ok(Plan { sensing, shares: shares_kept })
+    }
+
+    /// The optimal plan: what sensing leaves is [`apportion`]ed. With no receiver present those slots stay idle.
+    pub fn optimal(sensing: Sensing, rates: &[u32; RECEIVERS], given: &[i32; RECEIVERS]) -> Self {
+        let mut shares = Vec::from_array([0; RECEIVERS]);
+        apportion(rates, given, sensing.others(), &mut shares);
+        Plan { sensing, shares }
+    }
+
+    /// Where the sensing slots lie.
+    pub fn layout(&self) -> Sensing {
         self.sensing
+    }
+
+    /// N.
+    pub fn period(&self) -> u32 {
+        self.sensing.period
+    }
+
+    /// N_m.
+    pub fn spacing(&self) -> u32 {
+        self.sensing.spacing
+    }
+
+    /// N_s.
+    pub fn sensing(&self) -> u32 {
+        self.sensing.slots
     }
 
     /// N_c,k of every receiver.
@@ -117,40 +170,26 @@ impl Plan {
 
     /// Whether slot `j`, 1..=N, senses.
     pub fn senses(&self, j: u32) -> bool {
-        let step = u64::from(self.spacing) + 1;
-        let (j, last) = (u64::from(j), u64::from(self.sensing) * step);
+        let step = u64::from(self.spacing()) + 1;
+        let (j, last) = (u64::from(j), u64::from(self.sensing()) * step);
         j % step == 1 % step && j <= last
     }
-}
 
-/// Divides `slots` among receivers so that the smallest `share x rate` is as large as possible, exactly.
-///
-/// `rates` are bits per slot, all positive; `shares` is as long. Each step gives one slot to the receiver that is
-/// worst off, the lowest index of equals; all but K slots are given at once by proportion, so that the loop is
-/// bounded by K. Nothing is given if a rate is zero. Cost: O(K^2).
-pub fn apportion(rates: &[u32], slots: u32, shares: &mut [u32]) {
-    shares.fill(0);
-    if rates.is_empty() || rates.contains(&0) || rates.len() != shares.len() {
-        return;
-    }
-    // continuous optimum slots (1/r_k) / sum (1/r_i), rounded down; 2^64 / r_k keeps 33 bits of the largest rate, so the
-    // error stays below one slot for any period
-    let inverse = |rate: u32| (1_u128 << 64) / u128::from(rate);
-    let total: u128 = rates.iter().map(|&rate| inverse(rate)).fold(0, u128::saturating_add);
-    let mut left = slots;
-    for (share, &rate) in shares.iter_mut().zip(rates) {
-        let exact = inverse(rate).saturating_mul(u128::from(slots)) / total.max(1);
-        *share = (exact as u32).saturating_sub(1).min(left);
-        left -= *share;
-    }
-    // at most 2 K + 1 slots are left: one of rounding and one held back for each receiver
-    while left > 0 {
-        let products = shares.iter().zip(rates).map(|(&share, &rate)| u64::from(share) * u64::from(rate));
-        let Some((worst, _)) = products.enumerate().min_by_key(|&(k, product)| (product, k)) else { return };
-        if let Some(share) = shares.get_mut(worst) {
-            *share += 1;
-        }
-        left -= 1;
+    /// Most slots that lie between two of receiver k's while this plan is played period after period; `None` without a share.
+    ///
+    /// Two turns of n in C communication slots are at most D = ceil(2 C / n) communication slots apart ([`Turns`]); in D steps
+    /// from one communication slot to the next lie at most ceil(D / N_m) sensing slots, or all N_s of them if N_m = 0.
+    ///
+    /// [`Turns`]: super::turns::Turns
+    pub fn longest_wait(&self, k: usize) -> Option<u32> {
+        let share = self.shares.get(k).copied().filter(|&share| share > 0)?;
+        let others: u32 = self.shares.iter().copied().fold(0, u32::saturating_add);
+        let apart = others.saturating_mul(2).div_ceil(share);
+        let sensing = match self.spacing() {
+            0 => self.sensing(),
+            spacing => apart.div_ceil(spacing).min(self.sensing()),
+        };
+        Some(apart.saturating_sub(1).saturating_add(sensing))
     }
 }
 
@@ -158,7 +197,6 @@ pub fn apportion(rates: &[u32], slots: u32, shares: &mut [u32]) {
 mod tests {
     extern crate std;
     use super::*;
-    use rand_core::{Rng, SeedableRng};
 
     #[test]
     fn what_does_not_fit_is_named() {
@@ -170,39 +208,10 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_the_integer_optimum_found_by_trying_all() {
-        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(5);
-        for _ in 0..300 {
-            let rates = [0; 3].map(|_: u32| 1 + rng.next_u32() % 500);
-            let slots = rng.next_u32() % 40;
-            let mut shares = [0; 3];
-            apportion(&rates, slots, &mut shares);
-            assert_eq!(shares.iter().sum::<u32>(), slots);
-            let worst = |s: [u32; 3]| s.iter().zip(rates).map(|(s, r)| s * r).min().unwrap();
-            let mut best = 0;
-            for a in 0..=slots {
-                for b in 0..=slots - a {
-                    best = best.max(worst([a, b, slots - a - b]));
-                }
-            }
-            assert_eq!(worst(shares), best, "{rates:?} {slots}");
-        }
-    }
-
-    #[test]
-    fn long_periods_are_shared_exactly_too() {
-        // no receiver can be one slot poorer without the worst getting worse: each share - 1 is worth no more than the worst
-        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(6);
-        for _ in 0..200 {
-            let rates = [0; 5].map(|_: u32| (1 << 27) + (rng.next_u32() >> 2));
-            let mut shares = [0; 5];
-            apportion(&rates, LONGEST_PERIOD, &mut shares);
-            assert_eq!(shares.iter().sum::<u32>(), LONGEST_PERIOD);
-            let products = shares.iter().zip(rates).map(|(&s, r)| u64::from(s) * u64::from(r));
-            let worst = products.clone().min().unwrap();
-            for (product, rate) in products.zip(rates) {
-                assert!(product - u64::from(rate) <= worst);
-            }
-        }
+    fn without_receivers_nothing_is_shared() {
+        let sensing = Sensing::new(40, 3, 5).unwrap();
+        assert_eq!(Plan::optimal(sensing, &[0; 8], &[0; 8]).shares(), [0; 8]);
+        let plan = Plan::optimal(sensing, &[0, 2, 0, 1, 0, 0, 0, 0], &[0; 8]);
+        assert_eq!(plan.shares(), [0, 12, 0, 23, 0, 0, 0, 0]);
     }
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use sdp3_core::clutter::{Gram, Weights};
 use sdp3_core::dsn::tiled::TiledMemory;
 use sdp3_core::dsn::vector::{Vector, VectorMemory};
-use sdp3_core::dsn::{Model, scratch_bytes};
+use sdp3_core::dsn::{Model, Network, scratch_bytes};
 use sdp3_core::frame::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::front_end::FrontEndBuffers;
 use sdp3_core::probe::Probe;
@@ -96,12 +96,28 @@ impl OwnedBuffers {
         &mut self,
         model: Model<'m>,
     ) -> Result<HostReceiver<'m, '_, T>, ReceiverError> {
-        self.lines.resize(Vector::lines(&model), Line::ZERO);
-        self.words.resize(Vector::words(&model), 0);
-        let memory = VectorMemory { lines: &mut self.lines, words: &mut self.words };
-        let (need, have) = (Vector::lines(&model), memory.lines.len());
-        let kernels = Vector::new(&model, Isa::best(), memory);
-        let kernels = kernels.ok_or(ReceiverError::Memory { buffer: "lines", need, have })?;
+        let (lines, words, buffers) = self.split(&model);
+        let kernels = fastest(&model, lines, words)?;
+        Receiver::with_kernels(model, buffers, kernels)
+    }
+
+    /// A network in it, as [`OwnedBuffers::receiver`].
+    ///
+    /// # Errors
+    ///
+    /// [`ReceiverError`] if the memory is another model's.
+    pub fn network<'m>(&mut self, model: Model<'m>) -> Result<Network<'m, '_, Vector<'_>>, ReceiverError> {
+        let need = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+        let (lines, words, buffers) = self.split(&model);
+        let (kernels, have) = (fastest(&model, lines, words)?, buffers.scratch.len());
+        let network = Network::with_kernels(model, buffers.scratch, kernels);
+        network.ok_or(ReceiverError::Memory { buffer: "scratch", need, have })
+    }
+
+    /// The kernels' memory, grown for a model, and the rest.
+    fn split(&mut self, model: &Model) -> (&mut [Line], &mut [i32], Buffers<'_>) {
+        self.lines.resize(Vector::lines(model), Line::ZERO);
+        self.words.resize(Vector::words(model), 0);
         let buffers = Buffers {
             front_end: FrontEndBuffers {
                 beats: &mut self.beats,
@@ -112,7 +128,7 @@ impl OwnedBuffers {
             scratch: &mut self.scratch,
             tiles: TiledMemory::default(),
         };
-        Receiver::with_kernels(model, buffers, kernels)
+        (&mut self.lines, &mut self.words, buffers)
     }
 
     /// The receiver's view of it.
@@ -128,6 +144,20 @@ impl OwnedBuffers {
             tiles: TiledMemory::default(),
         }
     }
+}
+
+/// This processor's fastest kernels for a model.
+fn fastest<'b>(
+    model: &Model,
+    lines: &'b mut [Line],
+    words: &'b mut [i32],
+) -> Result<Vector<'b>, ReceiverError> {
+    let (need, have) = (Vector::lines(model), lines.len());
+    Vector::new(model, Isa::best(), VectorMemory { lines, words }).ok_or(ReceiverError::Memory {
+        buffer: "lines",
+        need,
+        have,
+    })
 }
 
 /// Runs the core on a case under a probe.

@@ -1,20 +1,33 @@
 //! Trade: what accuracy costs in throughput, and the point handed to the scheduler.
 //!
-//! [`water_filling`] and [`throughput`] price a slot in bits, [`region`] draws the boundary (Theorem 1 and its exact integer
-//! form), [`zones`] names its parts, [`operating_point`] chooses on it, [`playback`] lets the core's scheduler play it.
+//! [`water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
+//! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond it, [`spacings`] and [`sweep`] vary what
+//! else may vary, [`playback`] lets the core's scheduler play it, [`campaign`] for
+//! thousands of periods.
 
+pub mod anytime;
+pub mod campaign;
 pub mod operating_point;
 pub mod playback;
 pub mod region;
+pub mod shares;
+pub mod spacings;
+pub mod sweep;
+pub mod theorem;
 pub mod throughput;
 pub mod water_filling;
 pub mod zones;
 
 pub use operating_point::Rule;
 
-use crate::results::{Curve, OperatingPoint, RegionPoint, WeightedPoint};
-use crate::scenario::Scenario;
+use crate::predictor::learning_curve::bootstrap::interval;
+use crate::results::{Case, Curve, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::simulator::channel::link;
+use region::Point;
 use sdp3_core::schedule::PlanError;
+use theorem::Theorem;
+use zones::Zones;
 
 /// Why there is no boundary or no point on it.
 #[derive(Debug, thiserror::Error)]
@@ -62,55 +75,187 @@ pub enum OptimizerError {
     /// The numbers are not a plan.
     #[error("plan: {0}")]
     Plan(PlanError),
+    /// A variation of the scenario is not legal.
+    #[error(transparent)]
+    Scenario(ScenarioError),
+}
+
+impl OptimizerError {
+    /// No point of a boundary satisfies `rule`.
+    fn unreachable(rule: Rule, points: &[Point]) -> Self {
+        OptimizerError::Unreachable {
+            rule: rule.words(),
+            low: points.iter().map(|p| p.accuracy).fold(1.0, f64::min),
+            high: points.iter().map(|p| p.accuracy).fold(0.0, f64::max),
+            most: points.iter().map(|p| p.throughput_bit).fold(0.0, f64::max),
+        }
+    }
 }
 
 /// Boundary and operating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Boundaries of all cases.
+    /// Boundaries of all cases, as shown.
     pub region: Vec<RegionPoint>,
+    /// Boundaries of all cases at every N_s, as CSV.
+    pub boundary: String,
     /// Weighted-sum optima for weights 0, 0.05, ... 1, case by case.
     pub weighted: Vec<WeightedPoint>,
+    /// Every case: bits per slot, borders of its zones, its operating point.
+    pub cases: Vec<Case>,
+    /// N_m varied in the case whose point is handed to the scheduler.
+    pub spacings: Vec<Spacing>,
     /// The point handed to the scheduler.
     pub operating_point: OperatingPoint,
 }
 
-/// The boundary of every case and the point `rule` chooses in case `trade.case`.
+/// Sub-carriers' powers of every receiver of a case, `[receiver][draw][subcarrier]`.
+fn draws(scenario: &Scenario, index: usize, seed: u64) -> Vec<Vec<Vec<f64>>> {
+    let receivers = &scenario.communication.cases[index];
+    receivers.iter().map(|&p| link::subcarrier_draws(scenario, p, seed)).collect()
+}
+
+/// Bits of one slot for the receivers of a case.
+struct Bits {
+    /// At the expected gains.
+    expected: Vec<f64>,
+    /// Expected over fading.
+    over_fading: Vec<f64>,
+}
+
+impl Bits {
+    /// Those the scenario states, else those of its channels.
+    fn of(scenario: &Scenario, index: usize, seed: u64) -> Result<Self, OptimizerError> {
+        if let Some(known) = scenario.communication.slot_bit.as_ref().and_then(|cases| cases.get(index)) {
+            return Ok(Bits { expected: known.clone(), over_fading: known.clone() });
+        }
+        let draws = draws(scenario, index, seed);
+        let gains: Vec<_> = draws.iter().map(|draws| link::expected(draws)).collect();
+        let expected = throughput::slot_bits(scenario, &gains)?;
+        let over_fading = draws.iter().map(|draws| throughput::over_fading(scenario, draws)).collect();
+        Ok(Bits { expected, over_fading })
+    }
+}
+
+/// Number of every case and the bits of one slot for its receivers.
 ///
-/// `gains` are `E |H_m|^2`, `[case][receiver][subcarrier]`.
+/// # Errors
+///
+/// [`OptimizerError::Gain`] for a receiver that hears nothing.
+pub fn prices(scenario: &Scenario, seed: u64) -> Result<Vec<(u32, Vec<f64>)>, OptimizerError> {
+    let price = |index: usize| Ok((index as u32 + 1, Bits::of(scenario, index, seed)?.expected));
+    (0..scenario.communication.cases.len()).map(price).collect()
+}
+
+/// A case with its whole boundary.
+struct Priced {
+    case: Case,
+    points: Vec<Point>,
+}
+
+fn price(
+    curve: &Curve,
+    scenario: &Scenario,
+    rule: Rule,
+    index: usize,
+    seed: u64,
+) -> Result<Priced, OptimizerError> {
+    let Bits { expected: slot_bit, over_fading } = Bits::of(scenario, index, seed)?;
+    let points = region::boundary(scenario, curve, &slot_bit)?;
+    let range = region::range(scenario, scenario.frame.spacing_slots)?;
+    let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
+    let case = index as u32 + 1;
+    let operating_point = operating_point::choose(&points, rule).map(|chosen| {
+        let p = &points[chosen];
+        OperatingPoint {
+            case,
+            sensing_slots: p.sensing_slots,
+            spacing_slots: scenario.frame.spacing_slots,
+            period_slots: scenario.frame.period_slots,
+            communication_slots: p.shares.clone(),
+            slot_bit: slot_bit.clone(),
+            accuracy: p.accuracy,
+            throughput_bit: p.throughput_bit,
+            zone: zones.at(p.sensing_slots),
+            rule: rule.words(),
+        }
+    });
+    let case =
+        Case { case, slot_bit, slot_bit_over_fading: over_fading, borders: zones.borders(), operating_point };
+    Ok(Priced { case, points })
+}
+
+/// Every case's prices, zones and operating point.
+///
+/// # Errors
+///
+/// [`OptimizerError`]; a rule no point satisfies is no error here.
+pub fn cases(curve: &Curve, scenario: &Scenario, rule: Rule, seed: u64) -> Result<Vec<Case>, OptimizerError> {
+    let all = 0..scenario.communication.cases.len();
+    all.map(|index| Ok(price(curve, scenario, rule, index, seed)?.case)).collect()
+}
+
+/// The boundary of every case and the point `rule` chooses in case `trade.case`; `replicates` are the curve as other tests would
+/// have it, for the bands.
 ///
 /// # Errors
 ///
 /// [`OptimizerError`].
 pub fn optimise(
     curve: &Curve,
-    gains: &[Vec<Vec<f64>>],
+    replicates: &[Curve],
     scenario: &Scenario,
     rule: Rule,
+    seed: u64,
 ) -> Result<Outcome, OptimizerError> {
+    let range = region::range(scenario, scenario.frame.spacing_slots)?;
+    let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
+    let mut outcome = Vec::new();
+    for index in 0..scenario.communication.cases.len() {
+        outcome.push(price(curve, scenario, rule, index, seed)?);
+    }
     let mut region = Vec::new();
     let mut weighted = Vec::new();
-    let mut operating_point = None;
-    for (index, gains) in gains.iter().enumerate() {
-        let case = index as u32 + 1;
-        let slot_bit = throughput::slot_bits(scenario, gains)?;
-        let points = region::boundary(scenario, curve, &slot_bit)?;
-        let zones = zones::zones(&points, scenario.trade.zone_ratio);
-        for (p, &zone) in points.iter().zip(&zones) {
+    let mut boundary = String::from(
+        "case,sensing_slots,accuracy,throughput_bit,closed_form_bit,pareto,zone,communication_slots\n",
+    );
+    let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
+    let chosen: Vec<u32> = operating.map(|point| point.sensing_slots).collect();
+    for Priced { case, points } in &outcome {
+        let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
+        for (p, front) in points.iter().zip(region::pareto(points)) {
+            let (n, zone) = (p.sensing_slots, zones.at(p.sensing_slots));
+            let closed_form_bit = theorem.throughput_bit(f64::from(n));
+            let shares: Vec<String> = p.shares.iter().map(u32::to_string).collect();
+            boundary += &format!(
+                "{},{n},{},{},{closed_form_bit},{front},{},{}\n",
+                case.case,
+                p.accuracy,
+                p.throughput_bit,
+                zone.name(),
+                shares.join(" ")
+            );
+            if !chosen.contains(&n) && !region::shown(scenario, range, n) {
+                continue;
+            }
+            let band = (!replicates.is_empty()).then(|| interval(replicates, f64::from(n)));
             region.push(RegionPoint {
-                case,
-                sensing_slots: p.sensing_slots,
+                case: case.case,
+                sensing_slots: n,
                 accuracy: p.accuracy,
+                accuracy_low: band.map(|b| b.0),
+                accuracy_high: band.map(|b| b.1),
                 throughput_bit: p.throughput_bit,
+                closed_form_bit,
                 zone,
             });
         }
         for step in 0..=20 {
             let weight = f64::from(step) / 20.0;
-            if let Some(best) = operating_point::choose(&points, Rule::Weighted(weight)) {
+            if let Some(best) = operating_point::choose(points, Rule::Weighted(weight)) {
                 let p = &points[best];
                 weighted.push(WeightedPoint {
-                    case,
+                    case: case.case,
                     weight,
                     sensing_slots: p.sensing_slots,
                     accuracy: p.accuracy,
@@ -118,32 +263,15 @@ pub fn optimise(
                 });
             }
         }
-        if case == scenario.trade.case {
-            let chosen =
-                operating_point::choose(&points, rule).ok_or_else(|| OptimizerError::Unreachable {
-                    rule: rule.words(),
-                    low: points.iter().map(|p| p.accuracy).fold(1.0, f64::min),
-                    high: points.iter().map(|p| p.accuracy).fold(0.0, f64::max),
-                    most: points.iter().map(|p| p.throughput_bit).fold(0.0, f64::max),
-                })?;
-            let p = &points[chosen];
-            operating_point = Some(OperatingPoint {
-                case,
-                sensing_slots: p.sensing_slots,
-                spacing_slots: scenario.frame.spacing_slots,
-                period_slots: scenario.frame.period_slots,
-                communication_slots: p.shares.clone(),
-                slot_bit,
-                accuracy: p.accuracy,
-                throughput_bit: p.throughput_bit,
-                zone: zones[chosen],
-                rule: rule.words(),
-            });
-        }
     }
+    let Some(Priced { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
+        return Err(OptimizerError::Plan(PlanError::Receivers { receivers: 0 }));
+    };
     let operating_point =
-        operating_point.ok_or(OptimizerError::Plan(PlanError::Receivers { receivers: 0 }))?;
-    Ok(Outcome { region, weighted, operating_point })
+        case.operating_point.clone().ok_or_else(|| OptimizerError::unreachable(rule, points))?;
+    let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
+    let cases = outcome.into_iter().map(|priced| priced.case).collect();
+    Ok(Outcome { region, boundary, weighted, cases, spacings, operating_point })
 }
 
 #[cfg(test)]
@@ -155,17 +283,7 @@ mod tests {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
         let scenario = Scenario::default();
-        let gains: Vec<Vec<Vec<f64>>> = scenario
-            .communication
-            .cases
-            .iter()
-            .map(|case| {
-                case.iter()
-                    .map(|&p| crate::simulator::channel::link::subcarrier_gains(&scenario, p, 1))
-                    .collect()
-            })
-            .collect();
-        optimise(&curve, &gains, &scenario, rule)
+        optimise(&curve, &[], &scenario, rule, 1)
     }
 
     #[test]
@@ -180,6 +298,13 @@ mod tests {
             assert!(of(1).any(|p| p.zone == zone), "{zone:?}");
         }
         assert_eq!(found.operating_point.zone, Zone::Adversarial);
+    }
+
+    #[test]
+    fn a_receiver_that_hears_nothing_is_named() {
+        let error =
+            throughput::slot_bits(&Scenario::default(), &[vec![1e-9; 64], vec![0.0; 64]]).unwrap_err();
+        assert!(error.to_string().contains("receiver 1 gets 0 bits"), "{error}");
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! Choosing a point on the boundary: by weights, by a least accuracy, or by a least throughput.
 //!
-//! Problem P of the paper: max w_A A + w_R R, both divided by their span over the boundary so that weights compare.
+//! Problem P of the paper: max w_A A + w_R R, either as printed (R in bits per period) or with both divided by their span over
+//! the boundary so that weights compare.
 
 use super::region::Point;
 
 /// How the operating point is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// Weight of accuracy; throughput has the rest.
+    /// Weight of accuracy; throughput has the rest; both over their span.
     Weighted(f64),
+    /// w_A and w_R as printed: accuracy in 0..=1, throughput in bits per period.
+    Weights(f64, f64),
     /// The fewest sensing slots whose accuracy reaches this.
     AccuracyAtLeast(f64),
     /// The most sensing slots whose throughput in bits per period reaches this.
@@ -22,6 +25,7 @@ impl Rule {
             Rule::Weighted(w) => {
                 format!("largest {w} A + {} R, both over their span on the boundary", 1.0 - w)
             }
+            Rule::Weights(a, r) => format!("largest {a} A + {r} R, R in bit per period"),
             Rule::AccuracyAtLeast(a) => format!("most throughput with accuracy at least {a}"),
             Rule::ThroughputAtLeast(r) => {
                 format!("most accuracy with throughput at least {r} bit per period")
@@ -51,6 +55,7 @@ pub fn choose(points: &[Point], rule: Rule) -> Option<usize> {
             let (a, r) = (range(|p| p.accuracy), range(|p| p.throughput_bit));
             best(&|p| Some(w * (p.accuracy - a.0) / a.1 + (1.0 - w) * (p.throughput_bit - r.0) / r.1))
         }
+        Rule::Weights(a, r) => best(&|p| Some(a * p.accuracy + r * p.throughput_bit)),
         Rule::AccuracyAtLeast(least) => best(&|p| (p.accuracy >= least).then_some(p.throughput_bit)),
         Rule::ThroughputAtLeast(least) => best(&|p| (p.throughput_bit >= least).then_some(p.accuracy)),
     }

@@ -4,6 +4,19 @@ use super::OptimizerError;
 use crate::results::{OperatingPoint, Schedule};
 use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 
+/// Appends a slot to a run-length coded period.
+pub fn lengthen(timeline: &mut Vec<(i32, u32)>, slot: SlotUse) {
+    let code = match slot {
+        SlotUse::Communication(k) => i32::from(k),
+        SlotUse::Sensing => -1,
+        SlotUse::Idle => -2,
+    };
+    match timeline.last_mut() {
+        Some((last, slots)) if *last == code => *slots += 1,
+        _ => timeline.push((code, 1)),
+    }
+}
+
 /// Plays an operating point for one period.
 ///
 /// # Errors
@@ -27,24 +40,19 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
     let mut waits = vec![0; receivers];
     for _ in 0..plan.period() {
         waits.iter_mut().for_each(|wait| *wait += 1);
-        let code = match sequencer.next() {
+        let slot = sequencer.next();
+        match slot {
             SlotUse::Communication(k) => {
                 let k = usize::from(k);
                 schedule.communication_slots[k] += 1;
                 schedule.delivered_bit[k] += point.slot_bit.get(k).copied().unwrap_or(0.0);
                 schedule.longest_wait_slots[k] = schedule.longest_wait_slots[k].max(waits[k] - 1);
                 waits[k] = 0;
-                k as i32
             }
-            _ => {
-                schedule.sensing_slots += 1;
-                -1
-            }
-        };
-        match schedule.timeline.last_mut() {
-            Some((last, slots)) if *last == code => *slots += 1,
-            _ => schedule.timeline.push((code, 1)),
+            SlotUse::Sensing => schedule.sensing_slots += 1,
+            SlotUse::Idle => (),
         }
+        lengthen(&mut schedule.timeline, slot);
     }
     for (longest, wait) in schedule.longest_wait_slots.iter_mut().zip(waits) {
         *longest = (*longest).max(wait);

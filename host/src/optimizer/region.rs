@@ -1,12 +1,14 @@
-//! The accuracy-throughput boundary: for every N_s the largest worst throughput.
+//! The accuracy-throughput boundary in whole slots: for every N_s the largest worst throughput.
 //!
-//! Theorem 1 of the paper, and beside its closed form the exact integer optimum over N_c,k with N_s (N_m + 1) <= N.
+//! Problem P of the paper over integers: N_s + sum N_c,k = N and N_s (N_m + 1) <= N. For a given N_s the shares that maximise the
+//! worst throughput are known exactly ([`divide`]), so going through every N_s is exact too. The integer R lies below Theorem 1's
+//! by at most the share (K - 1) / (N - N_s).
 
 use super::OptimizerError;
+use super::shares::divide;
 use crate::predictor::learning_curve::evaluate;
 use crate::results::Curve;
 use crate::scenario::Scenario;
-use sdp3_core::schedule::apportion;
 
 /// A point of the boundary before its zone is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,52 +23,69 @@ pub struct Point {
     pub throughput_bit: f64,
 }
 
-/// Steps of the grid over N_s.
+/// Steps of the grid that stands for the boundary in results and pictures.
 const STEPS: u32 = 96;
 
-/// R of Theorem 1: (N - N_s) / sum over receivers of 1 / r_k, in bits per period.
-pub fn closed_form(period: u32, sensing: u32, slot_bits: &[f64]) -> f64 {
-    let inverse: f64 = slot_bits.iter().map(|r| 1.0 / r).sum();
-    f64::from(period.saturating_sub(sensing)) / inverse
-}
-
 /// One point: the exact integer division of what sensing leaves.
-pub fn point(scenario: &Scenario, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Point {
-    // rates in units that fill 31 bits: ratios to 1e-9
-    let most = slot_bits.iter().copied().fold(0.0, f64::max);
-    let rates: Vec<u32> =
-        slot_bits.iter().map(|r| ((r / most * f64::from(i32::MAX)).round() as u32).max(1)).collect();
-    let mut shares = vec![0; rates.len()];
-    apportion(&rates, scenario.frame.period_slots - sensing, &mut shares);
-    let worst = shares.iter().zip(slot_bits).map(|(&n, r)| f64::from(n) * r).fold(f64::INFINITY, f64::min);
+pub fn point(period: u32, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Point {
+    let (shares, worst) = divide(slot_bits, period - sensing);
     let accuracy = evaluate(curve, f64::from(sensing)).unwrap_or(0.0);
     Point { sensing_slots: sensing, shares, accuracy, throughput_bit: worst }
 }
 
-/// The boundary over a grid of N_s from one window to the most that fit, the studied ones included.
+/// Least and largest N_s: one window, and the most whose spacing `spacing` (N_m) fits the period.
+///
+/// # Errors
+///
+/// [`OptimizerError::Period`] if not even one window fits.
+pub fn range(scenario: &Scenario, spacing: u32) -> Result<(u32, u32), OptimizerError> {
+    let period = scenario.frame.period_slots;
+    let window = u32::from(scenario.spectrogram.window);
+    let most = period / (spacing + 1);
+    if most < window {
+        return Err(OptimizerError::Period { period, least: window * (spacing + 1) });
+    }
+    Ok((window, most))
+}
+
+/// The boundary at every N_s, ascending.
 ///
 /// # Errors
 ///
 /// [`OptimizerError::Period`] if not even one window fits; [`OptimizerError::Curve`] if the curve's model is unknown.
 pub fn boundary(scenario: &Scenario, curve: &Curve, slot_bits: &[f64]) -> Result<Vec<Point>, OptimizerError> {
     let f = &scenario.frame;
-    let window = u32::from(scenario.spectrogram.window);
-    let most = f.period_slots / (f.spacing_slots + 1);
-    if most < window {
-        return Err(OptimizerError::Period { period: f.period_slots, least: window * (f.spacing_slots + 1) });
-    }
+    let (least, most) = range(scenario, f.spacing_slots)?;
     if evaluate(curve, f64::from(most)).is_none() {
         return Err(OptimizerError::Curve { model: curve.model.clone() });
     }
-    let mut grid: Vec<u32> = (0..=STEPS).map(|s| window + (most - window) * s / STEPS).collect();
-    grid.extend(f.sensing_slots.iter().copied().filter(|n| (window..=most).contains(n)));
-    grid.sort_unstable();
-    grid.dedup();
-    Ok(grid.into_iter().map(|n| point(scenario, curve, slot_bits, n)).collect())
+    Ok((least..=most).map(|n| point(f.period_slots, curve, slot_bits, n)).collect())
+}
+
+/// Whether a boundary's point is worth showing: on a grid, or an N_s that was studied.
+pub fn shown(scenario: &Scenario, (least, most): (u32, u32), sensing_slots: u32) -> bool {
+    let on_grid = (0..=STEPS).any(|s| least + (most - least) * s / STEPS == sensing_slots);
+    on_grid || scenario.frame.sensing_slots.contains(&sensing_slots)
+}
+
+/// Points that no other dominates: none is as good in both and better in one. Whole slots make some points lose both.
+pub fn pareto(points: &[Point]) -> Vec<bool> {
+    points
+        .iter()
+        .map(|p| {
+            let dominates = |q: &Point| {
+                q.accuracy >= p.accuracy
+                    && q.throughput_bit >= p.throughput_bit
+                    && (q.accuracy > p.accuracy || q.throughput_bit > p.throughput_bit)
+            };
+            !points.iter().any(dominates)
+        })
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::theorem::Theorem;
     use super::*;
     use crate::results::Parameters;
     use crate::simulator::random::Random;
@@ -77,17 +96,34 @@ mod tests {
     }
 
     #[test]
-    fn integers_lose_less_than_a_slot_against_the_closed_form() {
+    fn integers_lose_less_than_k_minus_one_slots_against_the_closed_form() {
         let mut random = Random::new(4, 0, 0, 0);
         let scenario = Scenario::default();
-        for _ in 0..200 {
-            let bits: Vec<f64> = (0..3).map(|_| 500.0 + 3000.0 * random.uniform()).collect();
-            for p in boundary(&scenario, &curve(), &bits).unwrap() {
-                let exact = closed_form(4000, p.sensing_slots, &bits);
-                assert!(p.throughput_bit <= exact * (1.0 + 1e-9));
-                assert!(p.throughput_bit >= exact * (1.0 - 2e-3), "{} {exact}", p.throughput_bit);
-                assert_eq!(p.shares.iter().sum::<u32>() + p.sensing_slots, 4000);
+        for receivers in [1, 3, 8] {
+            for _ in 0..10 {
+                let bits: Vec<f64> = (0..receivers).map(|_| 500.0 + 3000.0 * random.uniform()).collect();
+                let theorem = Theorem::new(4000, &bits);
+                for p in boundary(&scenario, &curve(), &bits).unwrap() {
+                    let exact = theorem.throughput_bit(f64::from(p.sensing_slots));
+                    let loss = f64::from(receivers - 1) / f64::from(4000 - p.sensing_slots);
+                    assert!(p.throughput_bit <= exact * (1.0 + 1e-12));
+                    assert!(p.throughput_bit >= exact * (1.0 - loss - 1e-12), "{} {exact}", p.throughput_bit);
+                    assert_eq!(p.shares.iter().sum::<u32>() + p.sensing_slots, 4000);
+                }
             }
+        }
+    }
+
+    #[test]
+    fn the_boundary_is_its_own_pareto_front_but_for_ties() {
+        let points = boundary(&Scenario::default(), &curve(), &[1500.0, 2500.0, 3000.0]).unwrap();
+        assert_eq!(points.len(), 873);
+        let front = pareto(&points);
+        for (p, front) in points.iter().zip(front) {
+            let tie = points
+                .iter()
+                .any(|q| q.sensing_slots > p.sensing_slots && q.throughput_bit >= p.throughput_bit);
+            assert_eq!(front, !tie, "{p:?}");
         }
     }
 

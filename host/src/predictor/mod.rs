@@ -2,6 +2,7 @@
 //!
 //! Paper, section V. `network`, `training`, `trunk` and `tuning` need burn (the feature `train`).
 pub mod accuracy;
+pub mod anytime;
 #[cfg(feature = "train")]
 pub mod baselines;
 pub mod calibration;

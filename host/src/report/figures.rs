@@ -1,9 +1,8 @@
-//! The vector figures: KL curve, grey-level shares, learning curve, losses, region, slot timeline.
+//! The vector figures: KL curve, grey-level shares, learning curve, losses, region.
 
 use super::plot::{Axis, COLOURS, Plot, number};
 use crate::predictor::learning_curve::Model;
-use crate::results::{Calibration, Figures, Run, Zone};
-use std::fmt::Write;
+use crate::results::{Calibration, Figures, RegionPoint, Run, Zone};
 
 /// KL divergence over rho.
 pub fn kl_curve(c: &Calibration) -> String {
@@ -103,28 +102,47 @@ fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
     }
 }
 
-/// The accuracy-throughput region: boundaries of the cases, coloured by zone, and the operating point.
-pub fn region(run: &Run) -> String {
+/// The accuracy-throughput region: the cases' boundaries over the zones, the first one's band, and the operating point.
+pub fn region(run: &Run, figures: &Figures) -> String {
     let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
     let y = Axis::around(
         run.region.iter().map(|p| p.throughput_bit / 1e6),
         "worst throughput R (Mbit per period)",
     );
-
+    let (low, high) = (x.low, x.high);
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
     cases.dedup();
     for (index, case) in cases.iter().enumerate() {
-        let points: Vec<_> = run.region.iter().filter(|p| p.case == *case).collect();
-        let line: Vec<_> = points.iter().map(|p| (p.accuracy, p.throughput_bit / 1e6)).collect();
-        plot.line(&line, COLOURS[if index == 0 { 0 } else { 1 }], 2.0, &format!("case {case}"));
-        for p in points {
-            let (colour, name) = zone_colour(p.zone);
+        let points: Vec<&RegionPoint> = run.region.iter().filter(|p| p.case == *case).collect();
+        let at = |accuracy: f64, p: &RegionPoint| (accuracy, p.throughput_bit / 1e6);
+        if index == 0 {
+            // A follows from N_s alone: the zones are the same in every case
+            zones(&mut plot, &points, (low, high));
+            let borders = figures.cases.iter().filter(|c| c.case == *case).flat_map(|c| &c.borders);
+            for border in borders {
+                let nearest = points.iter().min_by_key(|p| p.sensing_slots.abs_diff(border.sensing_slots));
+                if let Some(p) = nearest {
+                    plot.mark(p.accuracy, &format!("N_s = {}", border.sensing_slots));
+                }
+            }
+            let edge = |end: fn(&RegionPoint) -> Option<f64>| -> Vec<(f64, f64)> {
+                points.iter().filter_map(|p| Some(at(end(p)?, p))).collect()
+            };
+            plot.band(&edge(|p| p.accuracy_low), &edge(|p| p.accuracy_high), COLOURS[0]);
+        }
+        let (colour, band) = (COLOURS[index % 2], if index == 0 { ", 95 % band" } else { "" });
+        let line: Vec<_> = points.iter().map(|p| at(p.accuracy, p)).collect();
+        plot.line(&line, colour, 2.5, &format!("case {case}{band}"));
+        for p in &points {
             let says = format!(
-                "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {name}",
-                p.sensing_slots, p.accuracy, p.throughput_bit
+                "case {case}: N_s = {}, A = {:.4}, R = {:.0} bit, {}",
+                p.sensing_slots,
+                p.accuracy,
+                p.throughput_bit,
+                zone_colour(p.zone).1
             );
-            plot.dot(p.accuracy, p.throughput_bit / 1e6, 3.0, colour, &says);
+            plot.dot(p.accuracy, p.throughput_bit / 1e6, 1.5, colour, &says);
         }
     }
     for zone in [Zone::CommunicationSaturation, Zone::Adversarial, Zone::SensingSaturation] {
@@ -143,45 +161,16 @@ pub fn region(run: &Run) -> String {
     plot.svg()
 }
 
-/// Slots of one period: all of them, and the first eighty.
-pub fn timeline(run: &Run) -> String {
-    let s = &run.schedule;
-    let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 170\" role=\"img\" font-size=\"12\" \
-         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>",
-    );
-    for (y, first, text) in
-        [(20.0, s.period_slots, "whole period"), (90.0, 80.min(s.period_slots), "first slots")]
-    {
-        let width = 600.0 / f64::from(first.max(1));
-        let _ = write!(svg, "<text x=\"20\" y=\"{}\">{text}: slots 1 to {first}</text>", y - 6.0);
-        let mut at = 0;
-        for &(code, slots) in &s.timeline {
-            if at >= first {
-                break;
-            }
-            let shown = slots.min(first - at);
-            let colour = if code < 0 { "var(--ink,#222)" } else { COLOURS[code as usize % 7] };
-            let (x, w) = (20.0 + f64::from(at) * width, f64::from(shown) * width);
-            let _ = write!(
-                svg,
-                "<rect x=\"{x:.2}\" y=\"{y}\" width=\"{w:.2}\" height=\"34\" fill=\"{colour}\"/>"
-            );
-            at += shown;
+/// Every zone as a strip over the accuracies of its points, the outer ones up to the picture's edge.
+fn zones(plot: &mut Plot, points: &[&RegionPoint], (low, high): (f64, f64)) {
+    let mut from = low;
+    for (k, p) in points.iter().enumerate() {
+        let next = points.get(k + 1);
+        if next.is_none_or(|next| next.zone != p.zone) {
+            let to = next.map_or(high, |next| next.accuracy);
+            let (colour, name) = zone_colour(p.zone);
+            plot.strip((from, to), colour, name);
+            from = to;
         }
     }
-    let entry = |svg: &mut String, k: usize, name: &str, colour: &str| {
-        let x = 20 + k * 130;
-        let _ = write!(
-            svg,
-            "<rect x=\"{x}\" y=\"144\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"155\">{name}</text>",
-            x + 18
-        );
-    };
-    entry(&mut svg, 0, "sensing", "var(--ink,#222)");
-    for k in 0..s.communication_slots.len().min(4) {
-        entry(&mut svg, k + 1, &format!("receiver {}", k + 1), COLOURS[k % 7]);
-    }
-    svg.push_str("</svg>");
-    svg
 }

@@ -2,6 +2,7 @@
 //!
 //! [`page`] is one self-contained HTML file: no script, no font, no address outside it.
 
+pub mod anytime;
 #[cfg(feature = "train")]
 pub mod fidelity;
 pub mod figures;
@@ -11,6 +12,7 @@ pub mod spectrograms;
 #[cfg(feature = "train")]
 pub mod studies;
 pub mod tables;
+pub mod timeline;
 
 use crate::results::{Figures, Run};
 use plot::{escape, grouped, number};
@@ -115,7 +117,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
              operating point: {}.",
             escape(&p.rule)
         ),
-        &format!("<figure>{}</figure>", figures::region(run)),
+        &format!("<figure>{}</figure>", figures::region(run, figures)),
     );
     let recognised = run.schedule.recognised.as_ref().map_or_else(String::new, |r| {
         format!(
@@ -134,7 +136,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
              {:?} slots.{recognised}",
             run.schedule.sensing_slots, run.schedule.communication_slots, run.schedule.longest_wait_slots
         ),
-        &format!("<figure>{}</figure>", figures::timeline(run)),
+        &format!("<figure>{}</figure>", timeline::timeline(&run.schedule.timeline)),
     );
     section(
         &mut page,
@@ -157,18 +159,15 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
 
 /// Every vector figure as a file of its own.
 pub fn svgs(run: &Run, figures: &Figures) -> Vec<(String, String)> {
-    let white = |svg: String| {
-        svg.replacen("<style>", "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/><style>", 1)
-    };
     let mut files = vec![
-        ("region.svg".into(), white(figures::region(run))),
-        ("learning-curve.svg".into(), white(figures::learning_curve(run, figures))),
-        ("training-loss.svg".into(), white(figures::losses(figures))),
-        ("grey-levels.svg".into(), white(figures::pmf(&figures.calibration))),
-        ("timeline.svg".into(), figures::timeline(run)),
+        ("region.svg".into(), plot::on_white(figures::region(run, figures))),
+        ("learning-curve.svg".into(), plot::on_white(figures::learning_curve(run, figures))),
+        ("training-loss.svg".into(), plot::on_white(figures::losses(figures))),
+        ("grey-levels.svg".into(), plot::on_white(figures::pmf(&figures.calibration))),
+        ("timeline.svg".into(), plot::on_white(timeline::timeline(&run.schedule.timeline))),
     ];
     if !figures.calibration.curve.is_empty() {
-        files.push(("kl-curve.svg".into(), white(figures::kl_curve(&figures.calibration))));
+        files.push(("kl-curve.svg".into(), plot::on_white(figures::kl_curve(&figures.calibration))));
     }
     files
 }

@@ -50,6 +50,11 @@ pub fn grouped(n: u64) -> String {
     out
 }
 
+/// A picture that stands alone: on white.
+pub fn on_white(svg: String) -> String {
+    svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1)
+}
+
 /// One axis: the interval shown and its name.
 #[derive(Debug, Clone)]
 pub struct Axis {
@@ -178,6 +183,31 @@ impl Plot {
         );
     }
 
+    /// A band between two curves of equal length.
+    pub fn band(&mut self, low: &[(f64, f64)], high: &[(f64, f64)], colour: &str) {
+        let mut path = String::new();
+        for (x, y) in low.iter().chain(high.iter().rev()).filter(|(x, y)| x.is_finite() && y.is_finite()) {
+            // no further than the axes reach
+            let (px, py) = self.at(x.clamp(self.x.low, self.x.high), y.clamp(self.y.low, self.y.high));
+            let _ = write!(path, "{px:.1},{py:.1} ");
+        }
+        let path = path.trim_end();
+        let _ = write!(self.body, "<polygon points=\"{path}\" fill=\"{colour}\" fill-opacity=\"0.13\"/>");
+    }
+
+    /// A tinted strip from one x to another, over the whole height, with what it says when pointed at.
+    pub fn strip(&mut self, (from, to): (f64, f64), colour: &str, says: &str) {
+        let ((left, top), (right, bottom)) = (self.at(from, self.y.high), self.at(to, self.y.low));
+        let _ = write!(
+            self.body,
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\" fill-opacity=\"0.14\">\
+             <title>{}</title></rect>",
+            (right - left).max(0.0),
+            bottom - top,
+            escape(says)
+        );
+    }
+
     /// A dashed vertical line with a label.
     pub fn mark(&mut self, x: f64, label: &str) {
         let (px, _) = self.at(x, self.y.low);
@@ -197,6 +227,11 @@ impl Plot {
     /// An entry of the legend without a line.
     pub fn entry(&mut self, name: &str, colour: &str) {
         self.legend.push((name.into(), colour.into()));
+    }
+
+    /// The finished picture on white.
+    pub fn standalone(self) -> String {
+        on_white(self.svg())
     }
 
     /// The finished picture.

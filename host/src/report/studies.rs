@@ -2,8 +2,9 @@
 
 use super::plot::{Axis, COLOURS, Plot, escape};
 use crate::predictor::learning_curve::Model;
+use crate::predictor::learning_curve::paper;
 use crate::studies::baselines::{Baselines, METHODS};
-use crate::studies::learning_curve::{LearningCurve, PAPER};
+use crate::studies::learning_curve::LearningCurve;
 use crate::studies::robustness::Robustness;
 use std::fmt::Write;
 
@@ -38,7 +39,7 @@ pub fn learning_curve(found: &LearningCurve) -> String {
             &format!("N_s = {n}: int8 {}, float {}", row.int8, row.float),
         );
     }
-    for (n, accuracy) in PAPER.iter().filter(|(n, _)| f64::from(*n) <= most) {
+    for (n, accuracy) in paper::POINTS.iter().filter(|(n, _)| f64::from(*n) <= most) {
         plot.dot(f64::from(*n), *accuracy, 3.5, COLOURS[2], &format!("the paper: {accuracy} at N_s = {n}"));
     }
     plot.entry("int8 over the seeds", COLOURS[1]);

@@ -1,7 +1,8 @@
 //! The tables of the page: conformance, learning curves, confusion.
 
 use super::plot::{escape, grouped, number};
-use crate::results::{ChannelTable, Confusion, Figures, Verify};
+use crate::predictor::learning_curve::{Model, paper};
+use crate::results::{ChannelTable, Confusion, Figures, Prediction, Verify};
 use std::fmt::Write;
 
 /// Every stage of every target.
@@ -61,6 +62,58 @@ pub fn models(figures: &Figures) -> String {
         "<div class=\"scroll\"><table><tr><th>model</th><th>squared error</th><th>rmse</th><th>AICc</th>\
          <th>leave-one-out</th><th>parameters</th></tr>{rows}</table></div>"
     )
+}
+
+/// The seven models in plain text, each with its place by every figure of merit; beside Table III if the points are the paper's.
+pub fn prediction(prediction: &Prediction) -> String {
+    let is_paper = prediction.points.len() == paper::POINTS.len()
+        && prediction
+            .points
+            .iter()
+            .zip(paper::POINTS)
+            .all(|(p, (n, a))| p.sensing_slots == f64::from(n) && (p.accuracy - a).abs() < 1e-3);
+    let places = |list: &[String], name: &str| {
+        list.iter().position(|n| n == name).map_or_else(|| "-".to_owned(), |k| (k + 1).to_string())
+    };
+    let r = &prediction.ranking;
+    let mut text = format!("{:<16}{:>18}{:>9}{:>16}{:>14}{:>6}", "model", "sse", "rmse", "aicc", "loo", "cp");
+    if is_paper {
+        text += &format!("{:>22}", "the paper's sse");
+    }
+    for m in &prediction.models {
+        let merit = |x: Option<f64>, list: &[String]| match x {
+            Some(x) => format!("{x:.4} ({})", places(list, &m.name)),
+            None => "-".to_owned(),
+        };
+        let sse = format!("{:.4e} ({})", m.sse, places(&r.sse, &m.name));
+        let _ = write!(
+            text,
+            "\n{:<16}{sse:>18}{:>9.4}{:>16}{:>14}{:>6}",
+            m.name,
+            m.rmse,
+            merit(m.aicc, &r.aicc),
+            merit(m.loo, &r.loo),
+            places(&r.cp, &m.name)
+        );
+        if let Some(row) = Model::by_name(&m.name).filter(|_| is_paper).and_then(paper::printed) {
+            let place = paper::TABLE_III.iter().position(|r| r.model == row.model).map_or(0, |k| k + 1);
+            let _ = write!(text, "{:>22}", format!("{:.4e} ({place})", row.sse));
+        }
+    }
+    let _ = write!(text, "\nbest: {}; in brackets the place by each figure of merit", prediction.best);
+    if let Some(band) = &prediction.band {
+        let least = prediction.points.iter().map(|p| p.sensing_slots).fold(f64::INFINITY, f64::min);
+        let within = band.points.iter().filter(|p| p.sensing_slots >= least);
+        let width = within.map(|p| p.high - p.low).fold(0.0, f64::max);
+        let _ = write!(
+            text,
+            "\n{:.0} % band by {} draws from {}: at most {width:.3} wide from N_s = {least} on",
+            100.0 * band.coverage,
+            band.draws,
+            band.source
+        );
+    }
+    text
 }
 
 /// One confusion matrix.

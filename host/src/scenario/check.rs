@@ -178,6 +178,12 @@ impl Scenario {
             "1, 2 or 4",
         )?;
         c.within("spectrogram.range_db", s.range_db, 1.0, 190.0)?;
+        let one_window = u32::from(s.window) * (f.spacing_slots + 1);
+        let legal = format!(
+            "at least {one_window}: one STFT window of {} sensing slots, N_m = {} slots apart",
+            s.window, f.spacing_slots
+        );
+        c.legal("frame.period_slots", f.period_slots, f.period_slots >= one_window, &legal)?;
         let shown = format!("{:?}", f.sensing_slots);
         let ascending = f.sensing_slots.windows(2).all(|pair| pair[0] < pair[1]);
         c.legal(
@@ -246,6 +252,17 @@ impl Scenario {
                     distance >= 0.1,
                     "at least 0.1 m from the base station",
                 )?;
+            }
+        }
+        if let Some(known) = &m.slot_bit {
+            let (shape, cases): (Vec<usize>, Vec<usize>) =
+                (known.iter().map(Vec::len).collect(), m.cases.iter().map(Vec::len).collect());
+            let legal = format!("{cases:?}, one number for each receiver of communication.cases");
+            c.legal("communication.slot_bit (receivers)", format!("{shape:?}"), shape == cases, &legal)?;
+            for (case, bits) in known.iter().enumerate() {
+                for (k, &bit) in bits.iter().enumerate() {
+                    c.within(&format!("communication.slot_bit[{case}][{k}]"), bit, 1.0, 1e9)?;
+                }
             }
         }
         c.within("trade.accuracy_weight", self.trade.accuracy_weight, 0.0, 1.0)?;

@@ -433,6 +433,9 @@ pub struct Communication {
     pub cases: Vec<Vec<[f64; 3]>>,
     /// Channel draws averaged for the expected gain of a sub-carrier.
     pub draws: u32,
+    /// Bits that one slot carries to every receiver, one list per case, where links are known: no channel is asked then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slot_bit: Option<Vec<Vec<f64>>>,
 }
 
 /// Zones and operating point.
@@ -590,6 +593,7 @@ impl Default for Communication {
                 vec![[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]],
             ],
             draws: 200,
+            slot_bit: None,
         }
     }
 }

@@ -6,15 +6,11 @@ use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, Spread, Workshop};
 use crate::pipeline::Failure;
-use crate::predictor::learning_curve::fit_all;
+use crate::predictor::learning_curve::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;
 use serde::{Deserialize, Serialize};
-
-/// The paper's points, section IV: accuracy at 200, 300, 400, 500, 600 and 1000 slots.
-pub const PAPER: [(u32, f64); 6] =
-    [(200, 0.7885), (300, 0.9016), (400, 0.9142), (500, 0.9309), (600, 0.9292), (1000, 0.9554)];
 
 /// One N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,7 +100,7 @@ pub fn table(request: &Request, found: &LearningCurve) -> String {
         l.stem_stride
     );
     for row in &found.rows {
-        let paper = PAPER.iter().find(|(n, _)| *n == row.sensing_slots);
+        let paper = paper::POINTS.iter().find(|(n, _)| *n == row.sensing_slots);
         let paper = paper.map_or_else(String::new, |(_, a)| format!("{a:.4}"));
         text += &format!("| {} | {} | {} | {paper} |\n", row.sensing_slots, row.int8, row.float);
     }

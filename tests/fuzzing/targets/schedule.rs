@@ -12,7 +12,7 @@ fn plan(bytes: &mut Bytes<'_>) -> Plan {
     let sensing = u32::from(bytes.u8()) % (period / (spacing + 1) + 1);
     let rates: Vec<u32> = (0..1 + usize::from(bytes.u8()) % RECEIVERS).map(|_| 1 + bytes.u32() % (1 << 28)).collect();
     let mut shares = vec![0; rates.len()];
-    apportion(&rates, period - sensing, &mut shares);
+    apportion(&rates, &vec![0; rates.len()], period - sensing, &mut shares);
     assert_eq!(shares.iter().sum::<u32>(), period - sensing);
     Plan::new(period, spacing, sensing, &shares).expect("it adds up")
 }

@@ -261,6 +261,11 @@ impl<'m> Model<'m> {
         self.interval_us
     }
 
+    /// What one step of a logit is worth, in nat.
+    pub fn logit_scale(&self) -> f32 {
+        self.head.scale
+    }
+
     /// Name of a class, empty if there is no such class.
     pub fn class_name(&self, class: usize) -> &'m str {
         let name = self.names.chunks_exact(NAME_LEN).nth(class).unwrap_or(&[]);

@@ -1,23 +1,28 @@
 //! A whole period of the schedule in a `Vec`, slot by slot, by its definition.
 //!
-//! Slot j = 1..=N senses iff j mod (N_m + 1) = 1 (every slot for N_m = 0) and j <= N_s (N_m + 1); the others go to
-//! the receiver with the largest credit, each slot adding every share to its credit and taking their sum from the
-//! chosen one.
+//! Slot j = 1..=N senses iff j mod (N_m + 1) = 1 (every slot for N_m = 0) and j <= N_s (N_m + 1). Of the other C slots, counted
+//! t = 0, 1, ..., turn i = 0, 1, ... of a receiver with n of them may be played from floor(i C / n) on and is due before
+//! ceil((i + 1) C / n); the turn due first is played, of equals the first receiver's.
 
 /// Use of every slot: `None` sensing, else the receiver.
 pub fn period(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Vec<Option<usize>> {
     let step = u64::from(spacing) + 1;
-    let total: i64 = shares.iter().map(|&share| i64::from(share)).sum();
-    let mut credits = vec![0_i64; shares.len()];
+    let total: u64 = shares.iter().map(|&share| u64::from(share)).sum();
+    let mut had = vec![0_u64; shares.len()];
+    let mut time = 0;
     (1..=u64::from(period))
         .map(|j| {
             if j % step == 1 % step && j <= u64::from(sensing) * step {
                 return None;
             }
-            credits.iter_mut().zip(shares).for_each(|(credit, &share)| *credit += i64::from(share));
-            let most = credits.iter().copied().max()?;
-            let chosen = credits.iter().position(|&credit| credit == most)?;
-            credits[chosen] -= total;
+            let open = |&k: &usize| {
+                let share = u64::from(shares[k]);
+                had[k] < share && had[k] * total / share <= time
+            };
+            let due = |&k: &usize| ((had[k] + 1) * total).div_ceil(u64::from(shares[k]));
+            let chosen = (0..shares.len()).filter(open).min_by_key(due)?;
+            had[chosen] += 1;
+            time += 1;
             Some(chosen)
         })
         .collect()

@@ -1,31 +1,52 @@
 //! The learning curve A(N_s): seven parametric models fitted to measured accuracies.
 //!
-//! Section IV-B of the paper, Table II and eq. (fitting1). Fits are ranked by squared error; AICc and leave-one-out
-//! stand beside it, since with six points the valley is flat.
+//! Section IV-B of the paper, Tables II and III and eq. (fitting1). [`shape`] says which curves are admitted, [`fit`] finds the
+//! best, [`ranking`] chooses among the models, [`bootstrap`] says how sure that is.
 
+pub mod bootstrap;
 pub mod fit;
 pub mod models;
+pub mod paper;
+pub mod points;
+pub mod ranking;
+pub mod shape;
 
-pub use fit::{FitError, fit_all};
 pub use models::Model;
+pub use points::FitError;
+pub use ranking::fit_all;
 
-use crate::results::Curve;
+use crate::results::{Curve, CurvePoint, Prediction};
 
-/// A at `sensing_slots`, clamped to 0..=1; `None` if the curve's model is unknown.
-pub fn evaluate(curve: &Curve, sensing_slots: f64) -> Option<f64> {
-    Some(Model::by_name(&curve.model)?.at(&curve.parameters, sensing_slots).clamp(0.0, 1.0))
+/// All curves through the points, and the best one's confidence band.
+///
+/// # Errors
+///
+/// [`FitError`] names what is wrong with the points.
+pub fn predict(points: &[CurvePoint], seed: u64) -> Result<Prediction, FitError> {
+    let mut prediction = fit_all(points)?;
+    prediction.band = Some(bootstrap::band(&best_curve(&prediction), points, seed));
+    Ok(prediction)
 }
 
-/// The smallest N_s, in steps of one slot, whose accuracy reaches `accuracy`; `None` if none up to `most` does.
-pub fn inverse(curve: &Curve, accuracy: f64, most: u32) -> Option<u32> {
-    let reaches = |n: u32| evaluate(curve, f64::from(n)).is_some_and(|a| a >= accuracy);
-    if !reaches(most) {
-        return None;
+/// A at `sensing_slots`, clamped to 0..=1, 0 below the model's domain; `None` if the curve's model is unknown.
+pub fn evaluate(curve: &Curve, sensing_slots: f64) -> Option<f64> {
+    let value = Model::by_name(&curve.model)?.at(&curve.parameters, sensing_slots);
+    Some(if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) })
+}
+
+/// dA/dN_s, 0 where A is clamped; `None` if the curve's model is unknown.
+pub fn slope(curve: &Curve, sensing_slots: f64) -> Option<f64> {
+    let model = Model::by_name(&curve.model)?;
+    let inside = (0.0..=1.0).contains(&model.at(&curve.parameters, sensing_slots));
+    Some(if inside { model.slope(&curve.parameters, sensing_slots).max(0.0) } else { 0.0 })
+}
+
+/// The best model of a prediction as a curve.
+pub fn best_curve(prediction: &Prediction) -> Curve {
+    let best = prediction.models.first();
+    Curve {
+        model: prediction.best.clone(),
+        parameters: best.map(|m| m.parameters).unwrap_or_default(),
+        rmse: best.map_or(0.0, |m| m.rmse),
     }
-    let (mut low, mut high) = (0, most);
-    while high - low > 1 {
-        let middle = low + (high - low) / 2;
-        if reaches(middle) { high = middle } else { low = middle }
-    }
-    Some(high)
 }

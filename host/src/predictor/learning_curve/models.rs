@@ -1,6 +1,4 @@
-//! The seven learning curves of Table II.
-//!
-//! Each is linear or nearly so in some parameters: `shape` parameters are searched, the rest follow by least squares.
+//! The seven learning curves of Table II, their values and their slopes.
 
 use crate::results::Parameters;
 
@@ -88,52 +86,47 @@ impl Model {
         }
     }
 
-    /// Starting points of the local search for accuracies between `low` (at `n_low`) and `high`.
-    pub fn starts(self, n_low: f64, low: f64, high: f64) -> Vec<Vec<f64>> {
-        let ceilings = [0.002, 0.01, 0.03, 0.1].map(|over| (high + over).min(1.0));
-        let rises = [0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.5];
-        let gap = |ceiling: f64| (ceiling - low).max(1e-4);
-        let mut starts = Vec::new();
+    /// dA/dN, not clamped; NaN outside the model's domain.
+    pub fn slope(self, p: &Parameters, n: f64) -> f64 {
+        let (a, b) = (p.alpha, p.beta);
+        let (g, e) = (p.gamma.unwrap_or(0.0), p.epsilon.unwrap_or(0.0));
         match self {
-            Model::VaporPressure => {
-                starts.push(vec![
-                    libm::log(high.max(1e-3)),
-                    -n_low * libm::log((high / low.max(1e-3)).max(1.001)),
-                ]);
+            Model::VaporPressure => -b / (n * n) * libm::exp(a + b / n),
+            Model::Pow3 => a * b * libm::pow(n, -b - 1.0),
+            Model::LogPower => {
+                let y = libm::pow(n / libm::exp(b), g);
+                // a y / (1 + y)^2, safe for large y
+                -a * g / n / (1.0 + y) / (1.0 + 1.0 / y)
             }
-            Model::LogLogLinear => {
-                starts.extend([0.05, 0.2, 0.5].map(|a| vec![a, libm::exp(low) - a * libm::log(n_low)]));
-            }
-            Model::Ilog2 => starts.extend([0.5, 2.0, 4.0].map(|a| vec![a, low + a / libm::log(n_low)])),
-            Model::Pow3 | Model::LogPower | Model::Exp4 | Model::Pow4 => {
-                for ceiling in ceilings {
-                    for rise in rises {
-                        starts.push(match self {
-                            Model::Pow3 => vec![gap(ceiling) * libm::pow(n_low, rise), rise, ceiling],
-                            Model::LogPower => {
-                                let odds = (ceiling / low.max(1e-3) - 1.0).max(1e-3);
-                                vec![ceiling, libm::log(n_low) + libm::log(odds) / rise, -rise]
-                            }
-                            Model::Exp4 => {
-                                let exponent = 0.15 * rise;
-                                let alpha = rise / libm::pow(n_low, exponent) / exponent;
-                                vec![
-                                    alpha,
-                                    libm::log(gap(ceiling)) + alpha * libm::pow(n_low, exponent),
-                                    exponent,
-                                    ceiling,
-                                ]
-                            }
-                            _ => {
-                                // (alpha N + beta)^-epsilon through the lowest point
-                                let base = libm::pow(gap(ceiling), -1.0 / rise);
-                                vec![base / n_low, 0.0, ceiling, rise]
-                            }
-                        });
-                    }
-                }
+            Model::Exp4 => a * g * libm::pow(n, g - 1.0) * libm::exp(-a * libm::pow(n, g) + b),
+            Model::LogLogLinear => a / n / (a * libm::log(n) + b),
+            Model::Ilog2 => a / n / (libm::log(n) * libm::log(n)),
+            Model::Pow4 => a * e * libm::pow(a * n + b, -e - 1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_the_derivatives() {
+        let cases: [(Model, &[f64]); 7] = [
+            (Model::VaporPressure, &[0.0117, -44.5180]),
+            (Model::Pow3, &[6.1906e4, 2.4297, 0.9499]),
+            (Model::LogPower, &[0.9460, 4.7438, -2.9235]),
+            (Model::Exp4, &[2.9129, 6.9568, 0.2082, 0.9576]),
+            (Model::LogLogLinear, &[0.2347, 1.0423]),
+            (Model::Ilog2, &[3.5228, 1.4863]),
+            (Model::Pow4, &[0.03, -2.0, 1.0, 0.9]),
+        ];
+        for (model, p) in cases {
+            let p = model.parameters(p);
+            for n in [130.0, 200.0, 555.0, 1000.0] {
+                let numerical = (model.at(&p, n + 0.01) - model.at(&p, n - 0.01)) / 0.02;
+                assert!((model.slope(&p, n) / numerical - 1.0).abs() < 1e-6, "{} {n}", model.name());
             }
         }
-        starts
     }
 }

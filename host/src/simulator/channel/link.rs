@@ -1,9 +1,9 @@
-//! The downlink to a communication receiver: expected power gain of every sub-carrier.
+//! The downlink to a communication receiver: its sub-carriers' responses and their expected power gains.
 //!
 //! Eq. (H_sub) averaged over draws of the scenario's channel model between base station and receiver. Antennas are isotropic; the
 //! same draws serve every position, so nearer is better.
 
-use super::{Path, Scene, model, phasor};
+use super::{Complex64, Scene, model, phasor};
 use crate::scenario::Scenario;
 use crate::simulator::body::Vec3;
 use crate::simulator::random::Random;
@@ -12,33 +12,45 @@ use std::f64::consts::PI;
 /// Stream number of the links' random draws.
 const STREAM: u64 = 101;
 
-/// `E |H_m|^2` of the `communication.subcarriers` sub-carriers over 10 MHz, averaged over `communication.draws`.
-pub fn subcarrier_gains(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<f64> {
-    let m = scenario.communication.subcarriers as usize;
-    let draws = scenario.communication.draws;
-    let station = scenario.radar.position_m;
-    let mut gains = vec![0.0; m];
-    let mut paths = Vec::new();
-    for draw in 0..draws {
-        let random = Random::new(seed, STREAM, 0, u64::from(draw));
-        let mut channel = model(scenario, station, receiver, 1.0, random);
-        let scene = Scene { slot: 0, time_s: 0.0, from: station, to: receiver, people: &[] };
-        paths.clear();
-        channel.paths(&scene, &mut paths);
-        add_response(&paths, scenario.radar.bandwidth_hz / m as f64, 1.0 / f64::from(draws), &mut gains);
+/// `|H_m|^2` of the `communication.subcarriers` sub-carriers over 10 MHz, `[draw][subcarrier]`, for `communication.draws` draws.
+pub fn subcarrier_draws(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<Vec<f64>> {
+    let responses = (0..scenario.communication.draws).map(|draw| response(scenario, receiver, seed, draw));
+    responses.map(|h| h.iter().map(|z| z.norm_sqr()).collect()).collect()
+}
+
+/// `E |H_m|^2` of every sub-carrier, averaged over draws `[draw][subcarrier]`.
+pub fn expected(draws: &[Vec<f64>]) -> Vec<f64> {
+    let mut gains = vec![0.0; draws.first().map_or(0, Vec::len)];
+    for draw in draws {
+        gains.iter_mut().zip(draw).for_each(|(gain, h)| *gain += 1.0 / draws.len() as f64 * h);
     }
     gains
 }
 
-/// Adds `weight` |H|^2 at the multiples of `spacing_hz`.
-fn add_response(paths: &[Path], spacing_hz: f64, weight: f64, gains: &mut [f64]) {
-    let mut tones: Vec<_> =
+/// `E |H_m|^2` of the `communication.subcarriers` sub-carriers, averaged over `communication.draws`.
+pub fn subcarrier_gains(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<f64> {
+    expected(&subcarrier_draws(scenario, receiver, seed))
+}
+
+/// H_m of one draw, `[subcarrier]`.
+pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Vec<Complex64> {
+    let station = scenario.radar.position_m;
+    let random = Random::new(seed, STREAM, 0, u64::from(draw));
+    let mut channel = model(scenario, station, receiver, 1.0, random);
+    let scene = Scene { slot: 0, time_s: 0.0, from: station, to: receiver, people: &[] };
+    let mut paths = Vec::new();
+    channel.paths(&scene, &mut paths);
+    let m = scenario.communication.subcarriers;
+    let spacing_hz = scenario.radar.bandwidth_hz / f64::from(m);
+    let mut tones: Vec<(Complex64, Complex64)> =
         paths.iter().map(|p| (p.gain, phasor(-2.0 * PI * spacing_hz * p.delay_s))).collect();
-    for gain in gains {
-        let h: super::Complex64 = tones.iter().map(|(value, _)| value).sum();
-        *gain += weight * h.norm_sqr();
-        tones.iter_mut().for_each(|(value, step)| *value *= *step);
-    }
+    (0..m)
+        .map(|_| {
+            let h = tones.iter().map(|(value, _)| value).sum();
+            tones.iter_mut().for_each(|(value, step)| *value *= *step);
+            h
+        })
+        .collect()
 }
 
 #[cfg(test)]

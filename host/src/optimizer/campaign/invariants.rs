@@ -1,0 +1,136 @@
+//! What the scheduler promises, checked from outside on every period.
+//!
+//! Slots add up; sensing slots lie where the plan says, up to where sensing was ended; without an end every receiver has exactly its
+//! share; nobody there goes without a slot; no wait is longer than its bound, which where plans meet is both plans' together.
+
+use sdp3_core::schedule::{Plan, RECEIVERS};
+
+/// Failures named in full; more are only counted by their number.
+const NAMED: usize = 20;
+
+/// A running check.
+#[derive(Debug, Clone)]
+pub struct Invariants {
+    /// Slots played.
+    now: u64,
+    /// Slot of each receiver's last turn; `None` after a period in which it had no share.
+    last: [Option<u64>; RECEIVERS],
+    /// Longest wait of the period, and of all.
+    waited: [u64; RECEIVERS],
+    longest: [(u32, u32); RECEIVERS],
+    /// Bound of this period's plan and of the one before.
+    bounds: [(u32, u32); RECEIVERS],
+    start: u64,
+    sensed: u32,
+    step: u32,
+    drifted: bool,
+}
+
+impl Invariants {
+    /// Before the first slot.
+    pub fn new() -> Self {
+        Invariants {
+            now: 0,
+            last: [None; RECEIVERS],
+            waited: [0; RECEIVERS],
+            longest: [(0, 0); RECEIVERS],
+            bounds: [(0, 0); RECEIVERS],
+            start: 0,
+            sensed: 0,
+            step: 1,
+            drifted: false,
+        }
+    }
+
+    /// Before a period's first slot.
+    pub fn begin(&mut self) {
+        self.start = self.now;
+        (self.sensed, self.drifted, self.waited) = (0, false, [0; RECEIVERS]);
+    }
+
+    /// The period's plan, after its first slot was decided and before it is played.
+    pub fn plan(&mut self, plan: &Plan) {
+        self.step = plan.spacing() + 1;
+        for (k, bound) in self.bounds.iter_mut().enumerate() {
+            let now = plan.longest_wait(k);
+            *bound = (now.unwrap_or(0), bound.0);
+            if now.is_none() {
+                self.last[k] = None;
+            }
+        }
+    }
+
+    /// A sensing slot at `position`, from 1.
+    pub fn sense(&mut self, position: u32) {
+        self.drifted |= position != 1 + self.sensed * self.step;
+        self.sensed += 1;
+    }
+
+    /// A slot of receiver `k` at `position`, from 1.
+    pub fn serve(&mut self, k: usize, position: u32) {
+        let now = self.start + u64::from(position);
+        if let Some(last) = self.last[k].replace(now) {
+            self.waited[k] = self.waited[k].max(now - last - 1);
+        }
+    }
+
+    /// After a period: `served`, sensed and idle slots; `ended` if its sensing was ended early.
+    pub fn end(
+        &mut self,
+        period: u32,
+        plan: &Plan,
+        (served, sensed, idle): (&[u32; RECEIVERS], u32, u32),
+        ended: bool,
+        broken: &mut Vec<String>,
+    ) {
+        self.now = self.start + u64::from(plan.period());
+        let mut fail = |what: String| {
+            if broken.len() < NAMED {
+                broken.push(format!("period {period}: {what}"));
+            }
+        };
+        let slots = served.iter().sum::<u32>() + sensed + idle;
+        if slots != plan.period() {
+            fail(format!("{slots} slots instead of {}", plan.period()));
+        }
+        if self.drifted {
+            fail("a sensing slot lies elsewhere".into());
+        }
+        if !ended && sensed != plan.sensing() {
+            fail(format!("{sensed} sensing slots instead of {}", plan.sensing()));
+        }
+        let present = plan.shares().iter().filter(|&&share| share > 0).count() as u32;
+        if idle > 0 && present > 0 {
+            fail(format!("{idle} idle slots with {present} receivers"));
+        }
+        for k in 0..RECEIVERS {
+            let share = plan.shares().get(k).copied().unwrap_or(0);
+            if !ended && served[k] != share {
+                fail(format!("receiver {} had {} slots instead of {share}", k + 1, served[k]));
+            }
+            if share > 0 && served[k] == 0 {
+                fail(format!("receiver {} starved", k + 1));
+            }
+            let (now, before) = self.bounds[k];
+            // dealt anew where sensing ends: turns may be twice as far apart there
+            let bound = if ended { 2 * now + before + 1 } else { now + before + 1 };
+            let wait = self.waited[k];
+            if wait > u64::from(bound) {
+                fail(format!("receiver {} waited {wait} slots, bound {bound}", k + 1));
+            }
+            self.longest[k].0 = self.longest[k].0.max(wait as u32);
+            self.longest[k].1 = self.longest[k].1.max(bound);
+        }
+    }
+
+    /// Longest wait of every receiver and the largest bound that held.
+    pub fn waits(&self) -> [(u32, u32); RECEIVERS] {
+        self.longest
+    }
+}
+
+impl Default for Invariants {
+    fn default() -> Self {
+        Self::new()
+    }
+}

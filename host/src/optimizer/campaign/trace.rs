@@ -1,0 +1,133 @@
+//! A trace for Perfetto: Chrome's trace event format, JSON.
+//!
+//! Slots of the first periods as slices on one track per use, boundaries and lost slots as instants, throughput per period as
+//! counters. Times in microseconds of simulated time.
+
+use crate::scenario::Frame;
+use sdp3_core::schedule::{Boundary, Plan, RECEIVERS, SlotUse};
+use std::fmt::Write;
+
+/// A trace being written.
+#[derive(Debug)]
+pub struct Trace {
+    events: String,
+    slot_us: f64,
+    period_slots: u32,
+    /// Track, first slot and number of slots of the slice not yet written.
+    open: Option<(u32, u64, u64)>,
+}
+
+/// Track of sensing slots; receivers' follow, then idle slots'.
+const SENSING: u32 = 1;
+
+impl Trace {
+    /// An empty trace.
+    pub fn new(frame: &Frame) -> Self {
+        let mut trace = Trace {
+            events: String::from("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
+            slot_us: frame.slot_s * 1e6,
+            period_slots: frame.period_slots,
+            open: None,
+        };
+        let name = |track: u32| match track {
+            0 => "plan".to_owned(),
+            SENSING => "sensing".to_owned(),
+            k if k as usize <= RECEIVERS + 1 => format!("receiver {}", k - SENSING),
+            _ => "idle".to_owned(),
+        };
+        trace.events += "{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":1,\"tid\":0,\"args\":{\"name\":\"base station\"}}";
+        for track in 0..=RECEIVERS as u32 + 2 {
+            let _ = write!(
+                trace.events,
+                ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{track},\"args\":{{\"name\":\"{}\"}}}}",
+                name(track)
+            );
+        }
+        trace
+    }
+
+    fn time(&self, period: u32, position: u32) -> u64 {
+        u64::from(period) * u64::from(self.period_slots) + u64::from(position) - 1
+    }
+
+    /// A slot, from 1 within its period.
+    pub fn slot(&mut self, period: u32, position: u32, slot: SlotUse, lost: bool) {
+        let at = self.time(period, position);
+        let track = match slot {
+            SlotUse::Sensing => SENSING,
+            SlotUse::Communication(k) => SENSING + 1 + u32::from(k),
+            SlotUse::Idle => RECEIVERS as u32 + 2,
+        };
+        match &mut self.open {
+            Some((open, first, slots)) if *open == track && *first + *slots == at => *slots += 1,
+            _ => {
+                self.close();
+                self.open = Some((track, at, 1));
+            }
+        }
+        if lost {
+            let ts = at as f64 * self.slot_us;
+            let _ = write!(
+                self.events,
+                ",\n{{\"name\":\"lost\",\"ph\":\"i\",\"s\":\"t\",\"pid\":1,\"tid\":{track},\"ts\":{ts}}}"
+            );
+        }
+    }
+
+    fn close(&mut self) {
+        let Some((track, first, slots)) = self.open.take() else { return };
+        let (ts, dur) = (first as f64 * self.slot_us, slots as f64 * self.slot_us);
+        let name = if track == SENSING { "sense" } else { "send" };
+        let name = if track as usize == RECEIVERS + 2 { "idle" } else { name };
+        let _ = write!(
+            self.events,
+            ",\n{{\"name\":\"{name}\",\"ph\":\"X\",\"pid\":1,\"tid\":{track},\"ts\":{ts},\"dur\":{dur}}}"
+        );
+    }
+
+    /// A period begins.
+    pub fn boundary(&mut self, period: u32, boundary: Boundary, plan: &Plan) {
+        if !boundary.replanned {
+            return;
+        }
+        self.close();
+        let ts = self.time(period, 1) as f64 * self.slot_us;
+        let c = boundary.changes;
+        let _ = write!(
+            self.events,
+            ",\n{{\"name\":\"plan\",\"ph\":\"i\",\"s\":\"p\",\"pid\":1,\"tid\":0,\"ts\":{ts},\"args\":{{\"sensing\":{},\"shares\":{:?},\
+             \"joined\":{},\"left\":{},\"rates\":{},\"lost\":{},\"lost_sensing\":{},\"released\":{}}}}}",
+            plan.sensing(),
+            plan.shares(),
+            c.joined.count_ones(),
+            c.left.count_ones(),
+            c.rates.count_ones(),
+            c.lost,
+            c.sensing_lost,
+            c.released
+        );
+    }
+
+    /// A period ends, having delivered so many bits to each receiver.
+    pub fn period(&mut self, period: u32, delivered_bit: &[f64; RECEIVERS]) {
+        self.close();
+        let ts = self.time(period, 1) as f64 * self.slot_us;
+        let values: Vec<String> = delivered_bit
+            .iter()
+            .enumerate()
+            .map(|(k, bit)| format!("\"{}\":{}", k + 1, bit.round()))
+            .collect();
+        let _ = write!(
+            self.events,
+            ",\n{{\"name\":\"bits delivered\",\"ph\":\"C\",\"pid\":1,\"tid\":0,\"ts\":{ts},\"args\":{{{}}}}}",
+            values.join(",")
+        );
+    }
+
+    /// The file.
+    pub fn finish(mut self) -> String {
+        self.close();
+        self.events += "\n]}\n";
+        self.events
+    }
+}

@@ -1,0 +1,161 @@
+//! The operating point over carrier, power, number of receivers and their distance: every combination, one row each.
+
+use super::operating_point::Rule;
+use super::{OptimizerError, cases};
+use crate::results::{Curve, SweepRow};
+use crate::scenario::Scenario;
+use crate::simulator::random::Random;
+
+/// What is varied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Carrier frequency in Hz.
+    Carrier,
+    /// Transmit power of the communication in W.
+    Power,
+    /// Number of receivers K: the case's own first, then ones placed at random.
+    Receivers,
+    /// Factor on every receiver's distance from the base station.
+    Distance,
+}
+
+impl Axis {
+    /// All, by the names of the command line.
+    pub const ALL: [(Axis, &str); 4] = [
+        (Axis::Carrier, "carrier_hz"),
+        (Axis::Power, "power_w"),
+        (Axis::Receivers, "receivers"),
+        (Axis::Distance, "distance"),
+    ];
+}
+
+/// One axis with its values: `power_w=0.1,1,10`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The axis.
+    pub axis: Axis,
+    /// Values in the order given.
+    pub values: Vec<f64>,
+}
+
+impl std::str::FromStr for Sweep {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = Axis::ALL.map(|(_, name)| name).join(", ");
+        let legal = format!("AXIS=VALUE,VALUE,... with AXIS one of {names}");
+        let (name, values) = text.split_once('=').ok_or(&legal)?;
+        let (axis, _) = Axis::ALL.into_iter().find(|(_, n)| *n == name).ok_or(&legal)?;
+        let number = |value: &str| {
+            let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
+            let number = number.filter(|v| axis != Axis::Receivers || (v.fract() == 0.0 && *v <= 8.0));
+            let range = if axis == Axis::Receivers { "1..=8" } else { "a number above 0" };
+            number.ok_or_else(|| format!("{name} = {value} is outside its legal range: {range}"))
+        };
+        Ok(Sweep { axis, values: values.split(',').map(number).collect::<Result<_, _>>()? })
+    }
+}
+
+/// Stream number of the places of further receivers.
+const STREAM: u64 = 202;
+
+fn apply(scenario: &mut Scenario, axis: Axis, value: f64, seed: u64) {
+    let (room, station) = (scenario.room.size_m, scenario.radar.position_m);
+    match axis {
+        Axis::Carrier => scenario.radar.carrier_hz = value,
+        Axis::Power => scenario.communication.power_w = value,
+        Axis::Receivers => {
+            for (case, receivers) in scenario.communication.cases.iter_mut().enumerate() {
+                receivers.truncate(value as usize);
+                let mut random = Random::new(seed, STREAM, case as u64, 0);
+                while receivers.len() < value as usize {
+                    let place = [room[0] * random.uniform(), room[1] * random.uniform(), station[2]];
+                    let apart = (place[0] - station[0]).hypot(place[1] - station[1]);
+                    if apart >= 0.5 {
+                        receivers.push(place);
+                    }
+                }
+            }
+        }
+        Axis::Distance => {
+            for place in scenario.communication.cases.iter_mut().flatten() {
+                (0..3).for_each(|k| place[k] = station[k] + value * (place[k] - station[k]));
+            }
+        }
+    }
+}
+
+/// The operating points of all combinations, the last axis varying fastest; a rule that cannot be satisfied leaves its row empty.
+///
+/// # Errors
+///
+/// [`OptimizerError::Scenario`] for a combination that is no legal scenario; what [`cases`] refuses.
+pub fn rows(
+    scenario: &Scenario,
+    curve: &Curve,
+    rule: Rule,
+    sweeps: &[Sweep],
+    seed: u64,
+) -> Result<Vec<SweepRow>, OptimizerError> {
+    let mut variants = vec![(scenario.clone(), Vec::new())];
+    for sweep in sweeps {
+        let vary = |(base, named): &(Scenario, Vec<f64>), value: f64| {
+            let (mut scenario, mut named) = (base.clone(), named.clone());
+            apply(&mut scenario, sweep.axis, value, seed);
+            named.push(value);
+            (scenario, named)
+        };
+        variants = variants
+            .iter()
+            .flat_map(|base| sweep.values.iter().map(move |&value| vary(base, value)))
+            .collect();
+    }
+    let mut rows = Vec::new();
+    for (scenario, values) in &variants {
+        scenario.check("command line, --sweep").map_err(OptimizerError::Scenario)?;
+        for case in cases(curve, scenario, rule, seed)? {
+            let distance = sweeps.iter().position(|s| s.axis == Axis::Distance).map_or(1.0, |k| values[k]);
+            let point = case.operating_point;
+            rows.push(SweepRow {
+                carrier_hz: scenario.radar.carrier_hz,
+                power_w: scenario.communication.power_w,
+                receivers: case.slot_bit.len() as u32,
+                distance,
+                case: case.case,
+                sensing_slots: point.as_ref().map(|p| p.sensing_slots),
+                accuracy: point.as_ref().map(|p| p.accuracy),
+                throughput_bit: point.as_ref().map(|p| p.throughput_bit),
+                zone: point.as_ref().map(|p| p.zone),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Parameters;
+
+    #[test]
+    fn every_combination_gets_a_row_and_physics_its_way() {
+        let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
+        let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
+        let sweeps: Vec<Sweep> =
+            ["power_w=0.1,1,10", "receivers=1,3,5"].iter().map(|text| text.parse().unwrap()).collect();
+        let found = rows(&Scenario::default(), &curve, Rule::AccuracyAtLeast(0.9), &sweeps, 1).unwrap();
+        assert_eq!(found.len(), 3 * 3 * 2);
+        let bit = |power: f64, receivers: u32| {
+            let row = found.iter().find(|r| r.power_w == power && r.receivers == receivers && r.case == 1);
+            row.and_then(|r| r.throughput_bit).unwrap()
+        };
+        assert!(bit(10.0, 3) > bit(1.0, 3) && bit(1.0, 3) > bit(0.1, 3));
+        assert!(bit(1.0, 1) > bit(1.0, 3) && bit(1.0, 3) > bit(1.0, 5));
+        assert!("power=1".parse::<Sweep>().unwrap_err().contains("power_w"));
+        assert!("receivers=9".parse::<Sweep>().unwrap_err().contains("1..=8"));
+        let far: Sweep = "distance=3".parse().unwrap();
+        let error =
+            rows(&Scenario::default(), &curve, Rule::Weighted(0.5), &[far], 1).unwrap_err().to_string();
+        assert!(error.contains("communication.cases[0][0]") && error.contains("inside the room"), "{error}");
+    }
+}

@@ -1,0 +1,127 @@
+//! The slots of a period: how they are shared along it, and its first ones one by one.
+
+use super::plot::COLOURS;
+use std::fmt::Write;
+
+/// Slots shown one by one.
+const FIRST: u32 = 80;
+
+/// Columns of the whole period.
+const COLUMNS: u32 = 100;
+
+/// Width and height of a strip.
+const STRIP: (f64, f64) = (600.0, 34.0);
+
+/// Entries of the legend that stand side by side.
+const ABREAST: usize = 5;
+
+/// Colour of a use: -2 nobody, -1 sensing, else the receiver's index.
+fn colour(code: i32) -> &'static str {
+    match usize::try_from(code) {
+        Ok(k) => COLOURS.get(k).copied().unwrap_or("#f0e442"),
+        Err(_) if code == -1 => "var(--ink,#222)",
+        Err(_) => "#e6e6e6",
+    }
+}
+
+/// A period, run-length coded as in [`crate::results::Schedule::timeline`].
+pub fn timeline(runs: &[(i32, u32)]) -> String {
+    let slots: Vec<i32> = runs.iter().flat_map(|&(code, n)| std::iter::repeat_n(code, n as usize)).collect();
+    let mut codes: Vec<i32> = runs.iter().map(|&(code, _)| code).collect();
+    codes.sort_unstable();
+    codes.dedup();
+    let height = 176 + 18 * codes.len().div_ceil(ABREAST);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 {height}\" role=\"img\" font-size=\"12\" \
+         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>"
+    );
+    let first = &slots[..slots.len().min(FIRST as usize)];
+    strip(&mut svg, 20.0, &slots, COLUMNS, &codes);
+    strip(&mut svg, 106.0, first, FIRST, &codes);
+    let text = format!("the whole period: who has how many of the {} slots", slots.len());
+    axis(&mut svg, 20.0, slots.len(), &text);
+    axis(&mut svg, 106.0, first.len(), "its first slots, one by one");
+    legend(&mut svg, &codes);
+    svg + "</svg>"
+}
+
+/// Slots in at most so many columns, each divided among the uses in it.
+fn strip(svg: &mut String, y: f64, slots: &[i32], columns: u32, codes: &[i32]) {
+    let columns = (columns as usize).min(slots.len());
+    let width = STRIP.0 / columns.max(1) as f64;
+    for column in 0..columns {
+        let edge = |column: usize| column * slots.len() / columns;
+        let own = &slots[edge(column)..edge(column + 1)];
+        let mut top = y;
+        for &code in codes {
+            let share = own.iter().filter(|&&slot| slot == code).count() as f64 / own.len().max(1) as f64;
+            if share > 0.0 {
+                let _ = write!(
+                    svg,
+                    "<rect x=\"{:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{:.2}\" fill=\"{}\"/>",
+                    20.0 + column as f64 * width,
+                    share * STRIP.1,
+                    colour(code)
+                );
+            }
+            top += share * STRIP.1;
+        }
+    }
+}
+
+/// A strip's title and the numbers of its slots.
+fn axis(svg: &mut String, y: f64, slots: usize, text: &str) {
+    let _ = write!(svg, "<text x=\"20\" y=\"{}\">{text}</text>", y - 6.0);
+    for tick in 0..=4 {
+        let slot = slots * tick / 4;
+        let x = 20.0 + slot as f64 / slots.max(1) as f64 * STRIP.0;
+        let _ = write!(
+            svg,
+            "<path d=\"M{x:.2} {}v5\" stroke=\"var(--ink,#222)\"/><text x=\"{x:.2}\" y=\"{}\" text-anchor=\"middle\" \
+             font-size=\"11\">{slot}</text>",
+            y + STRIP.1,
+            y + STRIP.1 + 16.0
+        );
+    }
+}
+
+fn legend(svg: &mut String, codes: &[i32]) {
+    for (index, &code) in codes.iter().enumerate() {
+        let name = match code {
+            -2 => "nobody".to_owned(),
+            -1 => "sensing".to_owned(),
+            k => format!("receiver {}", k + 1),
+        };
+        let (x, y) = (20 + index % ABREAST * 122, 176 + index / ABREAST * 18);
+        let _ = write!(
+            svg,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"{}\">{name}</text>",
+            colour(code),
+            x + 18,
+            y + 11
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_strips_are_full() {
+        let svg = timeline(&[(-1, 1), (0, 3), (-2, 440), (7, 56)]);
+        let area: f64 = svg
+            .split("<rect x=")
+            .filter_map(|rect| {
+                let number = |name: &str| rect.split(name).nth(1)?.split('"').next()?.parse::<f64>().ok();
+                Some(number("width=\"")? * number("height=\"")?)
+            })
+            .filter(|area| *area != 144.0)
+            .sum();
+        assert!((area / (2.0 * STRIP.0 * STRIP.1) - 1.0).abs() < 1e-3, "{area}");
+        for name in ["nobody", "sensing", "receiver 1", "receiver 8", "500 slots"] {
+            assert!(svg.contains(name), "{name}");
+        }
+        assert!(timeline(&[]).ends_with("</svg>"));
+    }
+}

@@ -1,0 +1,231 @@
+//! The command `schedule`: one period of the run's operating point, or many in a world that changes.
+
+use super::{models, rho, trained};
+use crate::cli::WorldArgs;
+use crate::{RUN_FIRST, print};
+use sdp3::conformance::compare::OwnedBuffers;
+use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::Radar, trace::Trace, world::World};
+use sdp3::optimizer::playback;
+use sdp3::pipeline::{Failure, Job};
+use sdp3::report::{plot::on_white, timeline::timeline};
+use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Run, Schedule};
+use sdp3::scenario::Scenario;
+use sdp3_core::anytime::{Anytime, EXITS, Exit};
+use sdp3_core::dsn::{Model, Portable};
+use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+use sdp3_core::station::Station;
+use std::fmt::Write;
+use std::time::Instant;
+
+fn settings(world: &WorldArgs, scenario: &Scenario, sensing_slots: u32) -> Result<Settings, Failure> {
+    let within = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("command line: {name} = {value} is outside its legal range: {low}..={high}")),
+    };
+    let most = scenario.frame.period_slots / (scenario.frame.spacing_slots + 1);
+    within("--sensing-slots", f64::from(sensing_slots), 0.0, f64::from(most))?;
+    if let Some(threshold) = world.threshold {
+        within("--threshold", threshold, 0.0, 1.0)?;
+    }
+    Ok(Settings {
+        periods: world.periods.unwrap_or(1),
+        sensing_slots,
+        coherence_s: within("--coherence", world.coherence, 1e-3, 1e12)?,
+        load: world.load.map(|load| within("--load", load, 0.0, 1e3)).transpose()?,
+        churn: within("--churn", world.churn, 0.0, 1.0)?,
+        loss: within("--loss", world.loss, 0.0, 1.0)?,
+        retarget: within("--retarget", world.retarget, 0.0, 1.0)?,
+        traced: world.traced,
+        recognise_every: world.recognise_every,
+    })
+}
+
+pub fn schedule(job: &mut Job, args: &WorldArgs, given: bool, json: bool) -> Result<bool, Failure> {
+    if args.periods.is_none() {
+        let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+        let schedule = playback::play(&run.operating_point)?;
+        job.output.write_json("schedule.json", &schedule)?;
+        draw(job, &schedule.timeline)?;
+        print(json, &schedule, || one_period(&schedule));
+        return Ok(true);
+    }
+    let sensing_slots = match args.sensing_slots {
+        Some(slots) => slots,
+        None => job.output.read_json::<Run>("run.json", RUN_FIRST)?.operating_point.sensing_slots,
+    };
+    if args.recognise_every > 0 {
+        job.scenario = trained(job, given)?;
+    }
+    let settings = settings(args, &job.scenario, sensing_slots)?;
+    job.output.write("schedule-scenario.toml", job.scenario.to_toml().as_bytes())?;
+    let (found, trace) = play(job, args, &settings)?;
+    job.output.write("trace.json", trace.as_bytes())?;
+    job.output.write_json("campaign.json", &found)?;
+    draw(job, &found.timeline)?;
+    print(json, &found, || campaign_words(&found));
+    Ok(found.broken.is_empty())
+}
+
+/// The (first) period's slots as a picture.
+fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
+    let svg = on_white(timeline(runs));
+    job.output.write("timeline.svg", svg.as_bytes())?;
+    Ok(())
+}
+
+fn play(job: &Job, args: &WorldArgs, settings: &Settings) -> Result<(Campaign, String), Failure> {
+    let scenario = &job.scenario;
+    let stage = job.progress.stage("schedule", "periods");
+    let world = World::new(scenario, settings, job.seed);
+    let scheduler = campaign::scheduler(scenario, settings, &world)?;
+    let plan = scheduler.plan().clone();
+    let mut trace = Trace::new(&scenario.frame);
+    let bytes = if settings.recognise_every > 0 { models(job)? } else { Vec::new() };
+    let parsed = bytes.iter().map(|b| Model::parse(b)).collect::<Result<Vec<_>, _>>()?;
+    let mut buffers = parsed.last().map(OwnedBuffers::for_model);
+    let slots = match &mut buffers {
+        None => Loop::Schedule(Box::new(scheduler)),
+        Some(buffers) => {
+            let exits = match args.threshold {
+                Some(_) => fitted(job, &parsed)?,
+                None => vec![largest(&parsed, settings.sensing_slots)?],
+            };
+            let receiver = Anytime::new(exits, args.threshold.unwrap_or(2.0) as f32, buffers.view())?;
+            let station = Station::new(scheduler, receiver);
+            Loop::Station(Box::new(Radar::new(station, scenario, rho(scenario), job.seed)))
+        }
+    };
+    let begun = Instant::now();
+    let found =
+        campaign::play(scenario, settings, world, slots, &mut trace, &|done, all| stage.at(done, all));
+    let took = begun.elapsed().as_secs_f64();
+    stage.finish(&format!("{} decisions, {} promises broken", found.decisions, found.broken.len()));
+    if settings.recognise_every == 0 {
+        job.progress.note("schedule", &speeds(&plan, &found, took));
+    }
+    Ok((found, trace.finish()))
+}
+
+/// Every model as an exit, with the weights that `sdp3 anytime` fitted.
+fn fitted<'m>(job: &Job, models: &[Model<'m>]) -> Result<Vec<Exit<'m, Portable>>, Failure> {
+    let known: AnytimeResult =
+        job.output.read_json("anytime.json", "`sdp3 anytime` with the same --out makes it")?;
+    let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
+    if slots != job.scenario.frame.sensing_slots {
+        let own = &job.scenario.frame.sensing_slots;
+        return Err(format!("anytime.json: exits = {slots:?} are not frame.sensing_slots = {own:?}").into());
+    }
+    let exit = |(model, known): (&Model<'m>, &AnytimeExit)| {
+        let mut weights = [0; EXITS];
+        weights.iter_mut().zip(&known.weights).for_each(|(to, from)| *to = *from);
+        Exit { model: model.clone(), kernels: Portable, weights }
+    };
+    Ok(models.iter().zip(&known.exits).map(exit).collect())
+}
+
+/// The model of most sensing slots that a period has, as the only exit.
+fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<Exit<'m, Portable>, Failure> {
+    let fits = models.iter().filter(|m| m.sensing_slots() <= sensing_slots as usize);
+    let model = fits.max_by_key(|m| m.sensing_slots());
+    let model = model.ok_or_else(|| {
+        let least = models.iter().map(Model::sensing_slots).min().unwrap_or(0);
+        format!("--sensing-slots = {sensing_slots} is outside its legal range: at least {least}, the smallest model of --out")
+    })?;
+    Ok(Exit::alone(model.clone(), Portable))
+}
+
+/// Decisions per second of the campaign, of the core's scheduler alone, and of the plainest loop, one after the other.
+fn speeds(plan: &Plan, found: &Campaign, took: f64) -> String {
+    // the loop that repeats a plan counts its slots in 32 bits
+    let most = u64::from(u32::MAX / plan.period()).min(10_000);
+    let periods = (found.decisions / u64::from(plan.period())).clamp(1, most) as u32;
+    let count = f64::from(periods) * f64::from(plan.period());
+    let mut heard = 0_u64;
+    let mut hear = |slot: SlotUse| {
+        if let SlotUse::Communication(k) = slot {
+            heard = heard.wrapping_mul(31).wrapping_add(u64::from(k));
+        }
+    };
+    let begun = Instant::now();
+    let mut sequencer = Sequencer::new(plan);
+    (0..periods * plan.period()).for_each(|_| hear(sequencer.next()));
+    let core = begun.elapsed().as_secs_f64();
+    let begun = Instant::now();
+    plain::play(plan, periods, &mut hear);
+    let plain = begun.elapsed().as_secs_f64();
+    std::hint::black_box(heard);
+    let million = |count: f64, s: f64| count / s / 1e6;
+    format!(
+        "million decisions a second, one core: the whole simulation {:.1}, the scheduler {:.1}, a plain loop {:.1}; the scheduler \
+         is {:.2} times the plain loop",
+        million(found.decisions as f64, took),
+        million(count, core),
+        million(count, plain),
+        plain / core
+    )
+}
+
+fn one_period(s: &Schedule) -> String {
+    format!(
+        "N = {}: {} sensing, {:?} communication, longest waits {:?} slots",
+        s.period_slots, s.sensing_slots, s.communication_slots, s.longest_wait_slots
+    )
+}
+
+fn campaign_words(found: &Campaign) -> String {
+    let r = &found.replans;
+    let mut text = format!(
+        "{} periods, {} decisions: {} sensing, {} idle\n{} new plans: {} joined, {} left, {} rates, {} targets, {} slots lost and \
+         {} of sensing, {} given back\n{:<9}{:>9}{:>13}{:>14}{:>14}{:>10}{:>8}\n",
+        found.periods,
+        found.decisions,
+        found.sensing_slots,
+        found.idle_slots,
+        r.replanned,
+        r.joined,
+        r.left,
+        r.rates,
+        r.retargeted,
+        r.lost_slots,
+        r.lost_sensing_slots,
+        r.released_slots,
+        "receiver",
+        "periods",
+        "slots",
+        "bit a period",
+        "offered",
+        "wait",
+        "bound"
+    );
+    for (k, c) in found.receivers.iter().enumerate().filter(|(_, c)| c.periods > 0) {
+        let per_period = |bits: f64| bits / c.periods as f64;
+        let _ = writeln!(
+            text,
+            "{:<9}{:>9}{:>13}{:>14.0}{:>14.0}{:>10}{:>8}",
+            k + 1,
+            c.periods,
+            c.slots,
+            per_period(c.delivered_bit),
+            per_period(c.offered_bit),
+            c.longest_wait_slots,
+            c.wait_bound_slots
+        );
+    }
+    if let Some(n) = &found.recognitions {
+        let _ = writeln!(
+            text,
+            "{} of {} people recognised, {} without a verdict, {:.0} sensing slots each",
+            n.right,
+            n.count,
+            n.silent,
+            n.slots as f64 / n.count.max(1) as f64
+        );
+    }
+    match found.broken.first() {
+        None => text += "every promise held",
+        Some(first) => {
+            let _ = write!(text, "BROKEN, {} times or more: {first}", found.broken.len());
+        }
+    }
+    text
+}

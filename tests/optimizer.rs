@@ -1,0 +1,139 @@
+//! Water-filling, the weighted sum and the whole integer problem against scipy and trying all, 200 random instances each.
+//!
+//! The vectors and the program that made them lie in `tests/oracles`.
+
+use sdp3::optimizer::operating_point::{Rule, choose};
+use sdp3::optimizer::region::point;
+use sdp3::optimizer::theorem::Theorem;
+use sdp3::optimizer::water_filling::allocate;
+use sdp3::results::{Curve, Parameters};
+use sdp3_tests::{call, outcome, program};
+use serde_json::Value;
+
+fn golden() -> Value {
+    serde_json::from_str(include_str!("oracles/allocation.json")).expect("JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(number).collect()
+}
+
+fn instances<'a>(golden: &'a Value, kind: &str) -> &'a Vec<Value> {
+    let all = golden[kind].as_array().expect("instances");
+    assert_eq!(all.len(), 200, "{kind}");
+    all
+}
+
+/// The pow3 curve of an instance.
+fn curve(instance: &Value) -> Curve {
+    let of = |name: &str| number(&instance["curve"][name]);
+    let parameters =
+        Parameters { alpha: of("alpha"), beta: of("beta"), gamma: Some(of("gamma")), epsilon: None };
+    Curve { model: "pow3".into(), parameters, rmse: 0.0 }
+}
+
+fn weights(instance: &Value) -> (f64, f64) {
+    (number(&instance["weights"][0]), number(&instance["weights"][1]))
+}
+
+#[test]
+fn water_filling_is_the_convex_solvers() {
+    let golden = golden();
+    for instance in instances(&golden, "water_filling") {
+        let found = allocate(&numbers(&instance["gamma"]));
+        let expected = number(&instance["rate"]);
+        assert!((found.rate_bit / expected - 1.0).abs() < 1e-9, "{} {expected}", found.rate_bit);
+        assert!((found.shares.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn the_weighted_sum_is_the_convex_solvers() {
+    let golden = golden();
+    for instance in instances(&golden, "weighted") {
+        let bits = numbers(&instance["bits"]);
+        let theorem = Theorem::new(number(&instance["period"]) as u32, &bits);
+        let linear = &instance["linear"];
+        let expected = number(&linear["throughput"]);
+        assert!((theorem.throughput_bit(number(&linear["n"])) / expected - 1.0).abs() < 1e-9);
+        let range = (number(&instance["range"][0]), number(&instance["range"][1]));
+        let (a, r) = weights(instance);
+        let found = theorem.weighted(&curve(instance), (a, r), range);
+        let value = a * found.accuracy + r * found.throughput_bit;
+        assert!((value / number(&instance["value"]) - 1.0).abs() < 1e-9, "{found:?} {instance}");
+    }
+}
+
+#[test]
+fn whole_slots_are_the_optimum_found_by_trying_all() {
+    let golden = golden();
+    for instance in instances(&golden, "integer") {
+        let period = number(&instance["period"]) as u32;
+        let (bits, curve) = (numbers(&instance["bits"]), curve(instance));
+        let throughput = instance["throughput"].as_object().expect("throughputs");
+        let mut points = Vec::new();
+        for (n, best) in throughput {
+            let p = point(period, &curve, &bits, n.parse().expect("N_s"));
+            assert_eq!(p.shares.iter().sum::<u32>() + p.sensing_slots, period);
+            assert!(
+                (p.throughput_bit - number(best)).abs() <= 1e-12 * number(best),
+                "{p:?} {best} {instance}"
+            );
+            points.push(p);
+        }
+        points.sort_by_key(|p| p.sensing_slots);
+        let (least, most) = (points[0].sensing_slots, points[points.len() - 1].sensing_slots);
+        assert_eq!(least, number(&instance["window"]) as u32);
+        assert_eq!(most, period / (number(&instance["spacing"]) as u32 + 1));
+        let (a, r) = weights(instance);
+        let chosen = &points[choose(&points, Rule::Weights(a, r)).expect("a point")];
+        let value = a * chosen.accuracy + r * chosen.throughput_bit;
+        assert!((value / number(&instance["value"]) - 1.0).abs() < 1e-12, "{chosen:?} {instance}");
+    }
+}
+
+#[test]
+fn case_two_contains_case_one_at_every_number_of_slots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let points = "sensing_slots,accuracy,tested\n200,0.7885,500\n300,0.9016,500\n400,0.9142,500\n500,0.9309,500\n\
+                  600,0.9292,500\n1000,0.9554,500\n";
+    std::fs::write(file("p.csv"), points).expect("points");
+    let optimize = |rule: &[&str]| {
+        let fixed =
+            ["optimize", "--json", "--points", &file("p.csv"), "--out", &file("out")].map(String::from);
+        let arguments: Vec<&str> = fixed.iter().map(String::as_str).chain(rule.iter().copied()).collect();
+        let (code, stdout, stderr) = outcome(&call(&program(), &arguments));
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).expect("JSON")
+    };
+    let found = optimize(&["--accuracy", "0.93"]);
+    let boundary = std::fs::read_to_string(file("out/boundary.csv")).expect("the boundary");
+    let rows: Vec<Vec<&str>> = boundary.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let of = |case: &str| rows.iter().filter(|r| r[0] == case).cloned().collect::<Vec<_>>();
+    let (one, two) = (of("1"), of("2"));
+    assert_eq!((one.len(), two.len()), (873, 873));
+    for (one, two) in one.iter().zip(&two) {
+        let bit = |row: &Vec<&str>| row[3].parse::<f64>().expect("bits");
+        assert_eq!(one[1], two[1]);
+        assert!(bit(two) > bit(one), "N_s = {}", one[1]);
+    }
+    // the fewest slots that reach it
+    let point = &found["operating_point"];
+    let at = |n: u64| one.iter().find(|r| r[1] == n.to_string()).map(|r| r[2].parse::<f64>().expect("A"));
+    let n = point["sensing_slots"].as_u64().expect("N_s");
+    assert!(at(n).is_some_and(|a| a >= 0.93) && at(n - 1).is_some_and(|a| a < 0.93));
+    assert_eq!(found["cases"].as_array().map(Vec::len), Some(2));
+    assert_eq!(found["cases"][0]["borders"].as_array().map(Vec::len), Some(2));
+    let spacings = found["spacings"].as_array().expect("every N_m");
+    assert_eq!(spacings.len(), 31);
+    // throughput asked for is throughput got, and one slot more of sensing would not do
+    let asked = number(&point["throughput_bit"]);
+    let again = optimize(&["--throughput", &asked.to_string()]);
+    assert!(again["operating_point"]["sensing_slots"].as_u64() >= Some(n));
+    assert!(number(&again["operating_point"]["throughput_bit"]) >= asked);
+}
