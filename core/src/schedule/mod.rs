@@ -1,7 +1,7 @@
 //! Who gets which slot: sensing slots exactly periodic, the others in optimal proportions, spread evenly.
 //!
 //! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1). [`plan`] says how many
-//! slots each use gets ([`apportion`]), [`sequencer`] which slot is whose ([`turns`]), [`scheduler`] what to do when the world
+//! slots each use gets ([`mod@apportion`]), [`sequencer`] which slot is whose ([`turns`]), [`scheduler`] what to do when the world
 //! changes.
 
 pub mod apportion;
