@@ -5,6 +5,7 @@ use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::random::Random;
 use sdp3_core::anytime::Verdict;
+use sdp3_core::dsn::Portable;
 use sdp3_core::frame::Slot;
 use sdp3_core::station::Station;
 
@@ -14,7 +15,7 @@ const STREAM: u64 = 204;
 /// A station and the people before its radar.
 pub struct Radar<'m, 'b> {
     /// The core's.
-    pub station: Station<'m, 'b>,
+    pub station: Station<'m, 'b, Portable>,
     scenario: &'m Scenario,
     rho: f64,
     seed: u64,
@@ -27,7 +28,7 @@ pub struct Radar<'m, 'b> {
 
 impl<'m, 'b> Radar<'m, 'b> {
     /// Before the first period.
-    pub fn new(station: Station<'m, 'b>, scenario: &'m Scenario, rho: f64, seed: u64) -> Self {
+    pub fn new(station: Station<'m, 'b, Portable>, scenario: &'m Scenario, rho: f64, seed: u64) -> Self {
         Radar {
             station,
             scenario,
