@@ -38,7 +38,7 @@ fn recordings(file: &str, slots: u32, carrier_hz: f64, count: u32) -> Result<Vec
     let take = |class: Class, index: u32| Case {
         name: format!("{} {index} at {} GHz, N_s = {slots}", class.name(), carrier_hz / 1e9),
         model: model.clone(),
-        transform: if index % 2 == 0 { Transform::Float } else { Transform::Fixed },
+        transform: if index.is_multiple_of(2) { Transform::Float } else { Transform::Fixed },
         slots: recording(&scenario, rho, 5, Set::Demo, class, index, slots).slots,
     };
     Ok((0..count).flat_map(|index| Class::ALL.map(|class| take(class, index))).collect())

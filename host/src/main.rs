@@ -255,6 +255,8 @@ fn apply(preset: Preset, job: &mut Job, from_file: bool) {
         learning.windows = 4;
         learning.epochs = 12;
         learning.channels = 8;
+        // so few passes have nothing to forget
+        learning.mask_rows = 0;
     }
 }
 

@@ -95,7 +95,7 @@ pub fn stimuli(model: &[u8], slots: usize, seed: u64) -> Vec<Case> {
         let round = |x: f64| libm::round(amplitude * x).clamp(-32768.0, 32767.0) as i16;
         Iq { i: round(libm::cos(phase)), q: round(libm::sin(phase)) }
     };
-    let cases = vec![
+    let cases = [
         make("silence", &mut |_, _| Iq::default()),
         make("full-scale-alternating", &mut |slot, n| {
             let value = if (slot + n).is_multiple_of(2) { i16::MAX } else { i16::MIN };
