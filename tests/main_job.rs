@@ -31,7 +31,9 @@ fn every_target_agrees_and_the_json_has_its_fields() {
             "confidence",
             "schedule",
         ];
-        assert_eq!(stages, expected, "{}", target.name);
+        for stage in expected {
+            assert!(stages.contains(&stage), "{}: no {stage} in {stages:?}", target.name);
+        }
     }
     assert!(run.verify.targets[1].instructions.is_some_and(|n| n > 1_000_000));
     assert_eq!(run.accuracy.len(), 2);
