@@ -27,7 +27,7 @@ mod firmware {
             }
         }
         core::hint::black_box(heard);
-        instructions().wrapping_sub(before) / u64::from(plan.period())
+        instructions().wrapping_sub(before).checked_div(plan.period().into()).unwrap_or(0)
     }
 
     /// Most instructions of a period's first decision, which may plan anew, and of an end of sensing, under the self test's churn.
