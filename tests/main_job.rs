@@ -31,9 +31,13 @@ fn every_target_agrees_and_the_json_has_its_fields() {
             "confidence",
             "schedule",
         ];
-        for stage in expected {
-            assert!(stages.contains(&stage), "{}: no {stage} in {stages:?}", target.name);
-        }
+        // the reference judges frames of either arithmetic by a bound of its own
+        let also: &[&str] = if target.name == "host-reference" { &["frame in integers"] } else { &[] };
+        let sorted = |mut names: Vec<&str>| -> Vec<String> {
+            names.sort_unstable();
+            names.into_iter().map(str::to_owned).collect()
+        };
+        assert_eq!(sorted(stages), sorted([&expected[..], also].concat()), "{}", target.name);
     }
     assert!(run.verify.targets[1].instructions.is_some_and(|n| n > 1_000_000));
     assert_eq!(run.accuracy.len(), 2);

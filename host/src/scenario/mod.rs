@@ -4,6 +4,7 @@
 //! the paper's section VI where it gives a value.
 
 mod check;
+mod defaults;
 
 pub use check::ScenarioError;
 
@@ -450,156 +451,9 @@ pub struct Trade {
     pub zone_ratio: f64,
 }
 
-impl Default for Scenario {
-    fn default() -> Self {
-        Scenario {
-            name: "conference-room".into(),
-            room: Room::default(),
-            radar: Radar::default(),
-            frame: Frame::default(),
-            channel: Channel::default(),
-            target: Target::default(),
-            spectrogram: SpectrogramSettings::default(),
-            learning: Learning::default(),
-            communication: Communication::default(),
-            trade: Trade::default(),
-        }
-    }
-}
-
-impl Default for Room {
-    fn default() -> Self {
-        Room { size_m: [3.0, 4.5, 3.0] }
-    }
-}
-
-impl Default for Radar {
-    fn default() -> Self {
-        Radar {
-            position_m: [1.5, 1.0, 1.0],
-            carrier_hz: 3.5e9,
-            bandwidth_hz: 10e6,
-            power_w: 1.0,
-            antenna_gain_db: 25.0,
-            sidelobe_db: 10.0,
-            noise_figure_db: 10.0,
-            headroom_db: 12.0,
-            phase_noise_deg: 0.0,
-            iq_gain_db: 0.0,
-            iq_phase_deg: 0.0,
-        }
-    }
-}
-
-impl Default for Frame {
-    fn default() -> Self {
-        Frame {
-            slot_s: 250e-6,
-            period_slots: 4000,
-            spacing_slots: 3,
-            sensing_slots: vec![200, 300, 400, 500, 600, 1000],
-        }
-    }
-}
-
-impl Default for Channel {
-    fn default() -> Self {
-        Channel {
-            model: Model::Dahc,
-            rho: None,
-            mode: ArMode::Paper,
-            clusters: Clusters::Ieee80211ax,
-            advance: Advance::SensingSlot,
-            stationary_start: false,
-            tgn: Tgn::B,
-            blockage: false,
-            line_of_sight: true,
-            interferer: false,
-        }
-    }
-}
-
-impl Default for Target {
-    fn default() -> Self {
-        Target {
-            start_m: [2.7, 4.2],
-            waypoints_m: Vec::new(),
-            turns: true,
-            heading_spread_deg: 15.0,
-            speed_jitter: 0.05,
-            adult_height_m: [1.6, 1.9],
-            child_height_m: [0.9, 1.2],
-            capture: None,
-            others: Vec::new(),
-        }
-    }
-}
-
-impl Default for SpectrogramSettings {
-    fn default() -> Self {
-        SpectrogramSettings {
-            first_kept: 2,
-            last_kept: 8,
-            window: 128,
-            beta: 4.0,
-            hop: 8,
-            bins_per_row: 1,
-            range_db: 50.0,
-        }
-    }
-}
-
 impl Learning {
     /// Sensing slots of a training recording in which the longest window has `slots`.
     pub fn training_slots(&self, slots: u32) -> u32 {
         if self.windows > 1 { 2 * slots } else { slots }
-    }
-}
-
-impl Default for Learning {
-    fn default() -> Self {
-        Learning {
-            train_per_class: 200,
-            windows: 8,
-            test_per_class: 500,
-            epochs: 20,
-            batch: 50,
-            optimizer: Optimizer::Adamw,
-            schedule: Schedule::OneCycle,
-            learning_rate: 5e-3,
-            weight_decay: 1e-2,
-            mixup: 0.0,
-            mask_rows: 12,
-            validation: 0.0,
-            patience: 0,
-            tune_above: 0.01,
-            tuning_images: 2000,
-            channels: 16,
-            blocks: 5,
-            stem_stride: 2,
-        }
-    }
-}
-
-impl Default for Communication {
-    fn default() -> Self {
-        Communication {
-            subcarriers: 64,
-            symbol_s: 50e-6,
-            power_w: 1.0,
-            noise_figure_db: 10.0,
-            cases: vec![
-                vec![[1.5, 3.0, 1.0], [2.5, 1.0, 1.0], [0.5, 1.0, 1.0]],
-                vec![[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]],
-            ],
-            draws: 200,
-            slot_bit: None,
-        }
-    }
-}
-
-impl Default for Trade {
-    fn default() -> Self {
-        Trade { accuracy_weight: 0.5, case: 1, zone_ratio: 0.2 }
     }
 }

@@ -1,0 +1,340 @@
+//! What the trade finds: regions, operating points, schedules, campaigns, anytime sensing.
+
+use serde::{Deserialize, Serialize};
+
+/// One point of the accuracy-throughput boundary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RegionPoint {
+    /// Receiver placement: `1` or `2` in the paper's section VI.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Predicted accuracy, 0..=1.
+    pub accuracy: f64,
+    /// Lower end of its confidence band.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub accuracy_low: Option<f64>,
+    /// Upper end of its confidence band.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub accuracy_high: Option<f64>,
+    /// Worst receiver's throughput in bits per period.
+    pub throughput_bit: f64,
+    /// The same by Theorem 1, over real numbers of slots.
+    #[serde(default)]
+    pub closed_form_bit: f64,
+    /// Which of the paper's three zones it lies in.
+    pub zone: Zone,
+}
+
+/// Where one zone ends and another begins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Border {
+    /// The first N_s of the second zone.
+    pub sensing_slots: u32,
+    /// Zone of fewer sensing slots.
+    pub from: Zone,
+    /// Zone of more.
+    pub to: Zone,
+    /// Normalised marginal rate |dA / dR| there.
+    pub marginal: f64,
+}
+
+/// A receiver placement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// Number, from 1.
+    pub case: u32,
+    /// Bits of one slot for each receiver at the expected gains: the paper's approximation, which the optimizer uses.
+    pub slot_bit: Vec<f64>,
+    /// Bits of one slot for each receiver, expected over fading.
+    pub slot_bit_over_fading: Vec<f64>,
+    /// Borders of the zones.
+    pub borders: Vec<Border>,
+    /// The operating point; absent if no point satisfies the rule.
+    pub operating_point: Option<OperatingPoint>,
+}
+
+/// The operating point at one N_m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Spacing {
+    /// N_m.
+    pub spacing_slots: u32,
+    /// Most sensing slots that fit the period.
+    pub most_sensing_slots: u32,
+    /// Fastest radial speed that does not alias, m/s.
+    pub unambiguous_m_s: f64,
+    /// Whether the curve was learnt at this spacing.
+    pub learnt: bool,
+    /// N_s of the operating point; absent if no point satisfies the rule.
+    pub sensing_slots: Option<u32>,
+    /// Its accuracy by the curve.
+    pub accuracy: Option<f64>,
+    /// Its worst throughput in bits per period.
+    pub throughput_bit: Option<f64>,
+    /// How long the radar sees the motion there, in s.
+    pub observation_s: Option<f64>,
+}
+
+/// The operating point of one combination of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepRow {
+    /// Carrier in Hz.
+    pub carrier_hz: f64,
+    /// Transmit power in W.
+    pub power_w: f64,
+    /// K.
+    pub receivers: u32,
+    /// Factor on the receivers' distance.
+    pub distance: f64,
+    /// Receiver placement.
+    pub case: u32,
+    /// N_s; absent if no point satisfies the rule.
+    pub sensing_slots: Option<u32>,
+    /// Accuracy.
+    pub accuracy: Option<f64>,
+    /// Worst throughput in bits per period.
+    pub throughput_bit: Option<f64>,
+    /// Zone.
+    pub zone: Option<Zone>,
+}
+
+/// The paper's three zones of the region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Zone {
+    /// Throughput is near its ceiling: giving up a little of it buys much accuracy.
+    CommunicationSaturation,
+    /// Both react to each other: where an operating point belongs.
+    Adversarial,
+    /// Accuracy is near its ceiling: more sensing buys almost nothing.
+    SensingSaturation,
+}
+
+impl Zone {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Zone::CommunicationSaturation => "communication-saturation",
+            Zone::Adversarial => "adversarial",
+            Zone::SensingSaturation => "sensing-saturation",
+        }
+    }
+}
+
+/// The operating point chosen on the boundary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OperatingPoint {
+    /// Receiver placement.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// `N_m`: communication slots between two sensing slots.
+    pub spacing_slots: u32,
+    /// `N`.
+    pub period_slots: u32,
+    /// `N_c,k` of each receiver.
+    pub communication_slots: Vec<u32>,
+    /// Bits one slot carries to each receiver.
+    pub slot_bit: Vec<f64>,
+    /// Predicted accuracy.
+    pub accuracy: f64,
+    /// Worst receiver's throughput in bits per period.
+    pub throughput_bit: f64,
+    /// Zone of the point.
+    pub zone: Zone,
+    /// How it was chosen, in words.
+    pub rule: String,
+}
+
+/// One period as the core's scheduler played it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Schedule {
+    /// `N`.
+    pub period_slots: u32,
+    /// Slots used for sensing.
+    pub sensing_slots: u32,
+    /// Slots each receiver got.
+    pub communication_slots: Vec<u32>,
+    /// Longest run of slots each receiver waited.
+    pub longest_wait_slots: Vec<u32>,
+    /// Bits delivered to each receiver.
+    pub delivered_bit: Vec<f64>,
+    /// The period run-length coded: `[use, slots]`, use -1 sensing, -2 nobody, else the receiver's index.
+    pub timeline: Vec<(i32, u32)>,
+    /// Class the core recognised at the end of the sensing slots, if signals were played.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub recognised: Option<Recognised>,
+}
+
+/// A recognition made while a period was played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recognised {
+    /// Class played.
+    pub truth: String,
+    /// Class recognised by the core.
+    pub class: String,
+    /// Its confidence, 0..=1.
+    pub confidence: f64,
+}
+
+/// Thousands of periods as the core's scheduler played them: what `sdp3 schedule --periods` finds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// Periods.
+    pub periods: u32,
+    /// Slots decided.
+    pub decisions: u64,
+    /// Slots used for sensing.
+    pub sensing_slots: u64,
+    /// Slots nobody had.
+    pub idle_slots: u64,
+    /// Every receiver that may be there.
+    pub receivers: Vec<CampaignReceiver>,
+    /// What the boundaries did.
+    pub replans: Replans,
+    /// Recognitions, if somebody moved before the radar.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub recognitions: Option<Recognitions>,
+    /// The first period as [`Schedule::timeline`], for its picture.
+    #[serde(skip)]
+    pub timeline: Vec<(i32, u32)>,
+    /// Promises that did not hold, the first twenty.
+    pub broken: Vec<String>,
+}
+
+/// A receiver in a campaign.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CampaignReceiver {
+    /// Periods it was there.
+    pub periods: u64,
+    /// Slots it had.
+    pub slots: u64,
+    /// Bits that arrived for it; those delivered if there is always something to send.
+    pub offered_bit: f64,
+    /// Bits delivered to it.
+    pub delivered_bit: f64,
+    /// Most slots between two of its own while it had a share.
+    pub longest_wait_slots: u32,
+    /// The bound that held, largest of all periods.
+    pub wait_bound_slots: u32,
+}
+
+/// What period boundaries did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Replans {
+    /// Boundaries.
+    pub boundaries: u64,
+    /// Those with a new plan.
+    pub replanned: u64,
+    /// Receivers that joined.
+    pub joined: u64,
+    /// Receivers that left.
+    pub left: u64,
+    /// Rates that changed.
+    pub rates: u64,
+    /// Changes of N_s.
+    pub retargeted: u64,
+    /// Communication slots lost.
+    pub lost_slots: u64,
+    /// Sensing slots lost.
+    pub lost_sensing_slots: u64,
+    /// Sensing slots given back to the receivers.
+    pub released_slots: u64,
+}
+
+/// Recognitions in a campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Recognitions {
+    /// Periods in which somebody moved before the radar.
+    pub count: u64,
+    /// Those recognised.
+    pub right: u64,
+    /// Those without any verdict: a lost sensing slot, or too few for the first exit.
+    pub silent: u64,
+    /// Sensing slots used in them.
+    pub slots: u64,
+}
+
+/// An exit of anytime sensing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AnytimeExit {
+    /// Sensing slots after which it classifies.
+    pub sensing_slots: u32,
+    /// Weight of a logit step of each exit so far, first to own, in 2^-16 nat.
+    pub weights: Vec<i32>,
+}
+
+/// What a threshold brings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimePoint {
+    /// Confidence that stops; above 1 none does.
+    pub threshold: f64,
+    /// Sensing slots of the last exit.
+    pub most_sensing_slots: u32,
+    /// Share recognised, 0..=1.
+    pub accuracy: f64,
+    /// Mean confidence of the verdicts; equal to the accuracy if calibrated.
+    pub confidence: f64,
+    /// Mean number of sensing slots.
+    pub sensing_slots: f64,
+    /// Recordings that stopped at each exit.
+    pub stops: Vec<u32>,
+}
+
+/// A static number of sensing slots and the anytime policy of the same accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeGain {
+    /// N_s of the network alone.
+    pub static_slots: u32,
+    /// Its accuracy.
+    pub static_accuracy: f64,
+    /// The anytime policy.
+    pub anytime: AnytimePoint,
+    /// Share of the sensing slots it saves.
+    pub saved: f64,
+}
+
+/// A point of the anytime region.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeRegionPoint {
+    /// Receiver placement.
+    pub case: u32,
+    /// Expected worst throughput in bits per period.
+    pub throughput_bit: f64,
+    /// Threshold, accuracy, sensing slots.
+    pub point: AnytimePoint,
+}
+
+/// The anytime region beside the static one: what `sdp3 anytime` finds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeResult {
+    /// Exits and weights: with a threshold, all that a receiver needs beside the models.
+    pub exits: Vec<AnytimeExit>,
+    /// Recordings the weights were fitted to and thresholds chosen on.
+    pub calibrated_on: u32,
+    /// Test recordings.
+    pub tested: u32,
+    /// For every static N_s the policy of its accuracy.
+    pub gains: Vec<AnytimeGain>,
+    /// Accuracy at every static N_s if all earlier exits' logits are weighed in too.
+    pub fused_accuracy: Vec<f64>,
+    /// The anytime region of every receiver placement.
+    pub region: Vec<AnytimeRegionPoint>,
+    /// The static points of every receiver placement, measured on the same test recordings.
+    pub static_region: Vec<StaticPoint>,
+    /// The threshold and last exit that the rule chooses in `trade.case`.
+    pub operating_point: AnytimeRegionPoint,
+}
+
+/// A static point as measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StaticPoint {
+    /// Receiver placement.
+    pub case: u32,
+    /// N_s.
+    pub sensing_slots: u32,
+    /// Accuracy.
+    pub accuracy: f64,
+    /// Worst throughput in bits per period.
+    pub throughput_bit: f64,
+}
