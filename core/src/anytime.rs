@@ -75,6 +75,7 @@ pub fn decide(evidence: &[i32]) -> (u8, f32) {
 
 /// What an exit says.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Verdict {
     /// Number of the exit, from 0.
     pub exit: u8,

@@ -45,6 +45,7 @@ impl Digest {
 
 /// One digest for every stage.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StageDigests([Digest; Stage::ALL.len()]);
 
 impl Sink for StageDigests {

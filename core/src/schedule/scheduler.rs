@@ -41,6 +41,7 @@ pub struct Boundary {
 
 /// A running schedule.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scheduler {
     wanted: Sensing,
     rates: [u32; RECEIVERS],

@@ -19,6 +19,7 @@ pub enum SlotUse {
 ///
 /// Between two slots of a receiver lie at most [`Plan::longest_wait`] others.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequencer {
     plan: Plan,
     turns: Turns,

@@ -9,6 +9,7 @@ use super::plan::RECEIVERS;
 
 /// One receiver's next turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Turn {
     /// First slot of the window, floor(j C / n).
     opens: u32,
@@ -54,6 +55,7 @@ impl Turn {
 
 /// The turns of a run of communication slots.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turns {
     turns: [Turn; RECEIVERS],
     receivers: usize,

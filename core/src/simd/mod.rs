@@ -159,6 +159,7 @@ pub(crate) fn quad_words<const INPUTS: usize>(four: [i8; 4], words: &mut [i32]) 
 /// An instruction set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Isa {
     /// The plain loops of [`crate::dsn`], which every processor runs.
     Scalar,

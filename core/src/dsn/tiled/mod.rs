@@ -33,6 +33,7 @@ pub struct TiledMemory<'b> {
 
 /// How much of each a network takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TiledSizes {
     /// Sixteens of bytes: a place is 3.6 times the bytes of a convolution's weights.
     pub eights: usize,
