@@ -1,29 +1,24 @@
 //! Commands that train: `run`, `train`, `quantize`, `study`.
 
-use crate::cli::{self, MeasuredArgs, ProofArgs, Study, TrainArgs};
-use crate::{check_targets, measurement, model_name, print, print_verify, report, resolved, schedule_case};
+use super::context::{Context, model_name};
+use super::job::{self, RunArgs, check_targets, schedule_case};
+use super::simulator::{measurement, rho};
+use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
 use sdp3::formats::dataset::Stored;
 use sdp3::formats::measured::Stated;
 use sdp3::optimizer::Rule;
-use sdp3::output::to_json;
 use sdp3::pipeline::{Failure, Job};
 use sdp3::predictor::parameters::Parameters;
 use sdp3::predictor::safetensors;
 use sdp3::predictor::spectrograms::Collected;
-use sdp3::results::{Figures, Run, Verify};
+use sdp3::results::{Figures, OperatingPoint, Run, Verify};
 use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
-use std::path::Path;
 
-pub fn run(
-    job: &Job,
-    measured: MeasuredArgs,
-    proof: &ProofArgs,
-    threads: usize,
-    json: bool,
-) -> Result<bool, Failure> {
-    use sdp3::results::OperatingPoint;
-    check_targets(proof)?;
+pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
+    let RunArgs { preset, measured, proof } = args;
+    let job = &context.job_of(preset)?;
+    check_targets(&proof)?;
     job.warn_of_aliasing();
     job.warn_of_few_tests();
     job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
@@ -42,7 +37,7 @@ pub fn run(
         job.progress.note("calibrate", &text);
     }
     let spectrograms = job.gallery(rho);
-    let (learned, _) = job.learn(rho, workers(threads))?;
+    let (learned, _) = job.learn(rho, context.workers())?;
     for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
         job.output.write(&model_name(*n), bytes)?;
     }
@@ -77,42 +72,33 @@ pub fn run(
     };
     job.output.write_json("run.json", &result)?;
     job.output.write_json("figures.json", &figures)?;
-    let page = report(job, &result, &figures)?;
-    if json {
-        println!("{}", to_json(&result));
-    } else {
-        print_verify(&result.verify);
-        println!("report: {page}");
-    }
+    let page = job::page(job, &result, &figures)?;
+    context.print(&result, || format!("{}\nreport: {}", job::table(&result.verify), page.display()))?;
     Ok(result.verify.mismatches == 0)
 }
 
-pub fn train(
-    mut job: Job,
-    args: TrainArgs,
-    (from_file, threads): (bool, usize),
-    json: bool,
-) -> Result<bool, Failure> {
+pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
     use sdp3::predictor::learn::{How, history};
     use sdp3::predictor::recipe::Recipe;
     use sdp3::predictor::training::Backend;
     let backend = match args.backend {
-        cli::Backend::Flex => Backend::Flex,
+        training::Backend::Flex => Backend::Flex,
         #[cfg(feature = "wgpu")]
-        cli::Backend::Wgpu => Backend::Wgpu,
+        training::Backend::Wgpu => Backend::Wgpu,
         #[cfg(feature = "cuda")]
-        cli::Backend::Cuda => Backend::Cuda,
+        training::Backend::Cuda => Backend::Cuda,
         #[cfg(not(all(feature = "wgpu", feature = "cuda")))]
         other => {
             let name = format!("{other:?}").to_lowercase();
             return Err(format!("--backend {name}: build it with the feature `{name}`").into());
         }
     };
+    let mut job = context.job_of(args.preset)?;
     if let Some(recipe) = args.recipe {
         let recipe = match recipe {
-            cli::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,
-            cli::Recipe::PaperAdam => Recipe::PaperAdam,
-            cli::Recipe::PaperMomentum => Recipe::PaperMomentum,
+            training::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,
+            training::Recipe::PaperAdam => Recipe::PaperAdam,
+            training::Recipe::PaperMomentum => Recipe::PaperMomentum,
         };
         recipe.apply(&mut job.scenario.learning);
     }
@@ -120,7 +106,7 @@ pub fn train(
         Some(folder) => {
             let stored = Stored::open(folder)?;
             let asked = job.scenario.learning.windows;
-            job.scenario = stored.scenario(&job.scenario, from_file)?;
+            job.scenario = stored.scenario(&job.scenario, context.given())?;
             if job.scenario.learning.windows != asked {
                 let slots = stored.slots();
                 let text =
@@ -132,27 +118,25 @@ pub fn train(
         None => simulated(&job),
     };
     let how = How { backend, checkpoints: true, resume: args.resume };
-    let trained = job.train(&images, workers(threads), how)?;
+    let trained = job.train(&images, context.workers(), how)?;
     job.output.write("training.csv", history(&trained.training).as_bytes())?;
     for (parameters, n) in trained.parameters.iter().zip(&job.scenario.frame.sensing_slots) {
         job.output.write_json(&format!("models/dsn-{n}.json"), parameters)?;
     }
     job.output.write_json("training.json", &trained.training)?;
-    if json {
-        println!("{}", to_json(&trained.training));
-    }
+    context.print(&trained.training, String::new)?;
     Ok(true)
 }
 
 /// Images of the training recordings that a scenario asks for.
 fn simulated(job: &Job) -> Collected {
-    let rho = job.scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(&job.scenario).0);
-    job.collect(rho, Set::Train, "training recordings")
+    job.collect(rho(&job.scenario), Set::Train, "training recordings")
 }
 
-pub fn quantize(job: &Job, data: Option<&Path>, json: bool) -> Result<bool, Failure> {
+pub fn quantize(context: &Context, args: QuantizeArgs) -> Result<bool, Failure> {
     const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
-    let job = Job { scenario: resolved(job)?, ..job.clone() };
+    let mut job = context.job()?;
+    job.scenario = context.resolved(&job)?;
     let networks = job
         .scenario
         .frame
@@ -166,7 +150,7 @@ pub fn quantize(job: &Job, data: Option<&Path>, json: bool) -> Result<bool, Fail
             Ok(network)
         })
         .collect::<Result<Vec<_>, Failure>>()?;
-    let images = match data {
+    let images = match &args.data {
         Some(folder) => {
             let stored = Stored::open(folder)?;
             stored.scenario(&job.scenario, true)?;
@@ -177,58 +161,53 @@ pub fn quantize(job: &Job, data: Option<&Path>, json: bool) -> Result<bool, Fail
     let models = job.quantize(&networks, &images)?;
     let mut files = Vec::new();
     for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
-        files.push(job.output.write(&model_name(*n), bytes)?.display().to_string());
+        files.push(job.output.write(&model_name(*n), bytes)?);
     }
-    println!("{}", if json { to_json(&files) } else { files.join("\n") });
+    context.print_files(&files)?;
     Ok(true)
 }
 
-pub fn study(
-    job: &Job,
-    (name, seeds): (Study, u32),
-    measured: Option<(&Path, Stated)>,
-    threads: usize,
-    json: bool,
-) -> Result<bool, Failure> {
+pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     use sdp3::studies::cells::Cells;
     use sdp3::studies::{Request, Workshop, baselines, fidelity, learning_curve, recordings, robustness};
+    let StudyArgs { name, seeds, measured, carrier, rate } = args;
+    if measured.is_some() && name != Study::Fidelity {
+        return Err("command line: --measured belongs to the study fidelity".into());
+    }
+    let job = context.job()?;
     let name_of = |name: Study| clap::ValueEnum::to_possible_value(&name).map(|v| v.get_name().to_owned());
     let study = name_of(name).unwrap_or_default();
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
     let cells = Cells::open(&job.output, &request)?;
     job.warn_of_few_tests();
-    let workshop = Workshop { progress: job.progress, workers: workers(threads) };
+    let workshop = Workshop { progress: job.progress, workers: context.workers() };
     let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
     match name {
         Study::LearningCurve => {
             let found = learning_curve::study(&request, &cells, workshop)?;
             draw("learning-curve.svg", sdp3::report::studies::learning_curve(&found))?;
-            print(json, &found, || learning_curve::table(&request, &found));
+            context.print(&found, || learning_curve::table(&request, &found))?;
         }
         Study::Robustness => {
             let found = robustness::study(&request, &cells, workshop)?;
             draw("robustness.svg", sdp3::report::studies::robustness(&found))?;
-            print(json, &found, || robustness::table(&request, &found));
+            context.print(&found, || robustness::table(&request, &found))?;
         }
         Study::Fidelity => {
+            let stated = Stated { carrier_hz: carrier, rate_hz: rate, ..Stated::default() };
             let recordings = match measured {
-                Some((folder, stated)) => recordings::read(folder, &stated)?,
+                Some(folder) => recordings::read(&folder, &stated)?,
                 None => Default::default(),
             };
             let found = fidelity::study(&request, &cells, recordings, workshop)?;
             draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
-            print(json, &found, || fidelity::table(&request, &found));
+            context.print(&found, || fidelity::table(&request, &found))?;
         }
         Study::Baselines => {
             let found = baselines::study(&request, &cells, workshop)?;
             draw("baselines.svg", sdp3::report::studies::baselines(&found))?;
-            print(json, &found, || baselines::table(&request, &found));
+            context.print(&found, || baselines::table(&request, &found))?;
         }
     }
     Ok(true)
-}
-
-fn workers(threads: usize) -> usize {
-    let all = std::thread::available_parallelism().map_or(1, usize::from);
-    if threads == 0 { all } else { threads }
 }

@@ -2,25 +2,82 @@
 
 mod schedule;
 
-use crate::cli::RuleArgs;
-use crate::{RUN_FIRST, model_name, print, resolved};
+use super::context::{Context, model_name};
+use super::{job, simulator};
+use clap::Args;
 use sdp3::formats::points;
 use sdp3::optimizer::sweep::{self, Sweep};
 use sdp3::optimizer::{Outcome, Rule};
 use sdp3::pipeline::{Failure, Job};
-use sdp3::predictor::learning_curve::{best_curve, fit_all, predict};
+use sdp3::predictor::learning_curve::{best_curve, fit_all, predict as fitted};
 use sdp3::report;
-use sdp3::results::{Curve, CurvePoint, Run, SweepRow};
+use sdp3::results::{Curve, CurvePoint, SweepRow};
 use sdp3::scenario::Scenario;
-use sdp3::simulator::calibration::stored_rho;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-pub use schedule::schedule;
+pub use schedule::{WorldArgs, schedule};
+
+/// Accuracies to fit.
+#[derive(Debug, Clone, Args)]
+pub struct PredictArgs {
+    /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+}
+
+/// A region to draw and a point to choose.
+#[derive(Debug, Clone, Args)]
+pub struct OptimizeArgs {
+    /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Learning curve; absent: the best one.
+    #[arg(long, value_name = "NAME")]
+    pub curve: Option<String>,
+    #[command(flatten)]
+    pub rule: RuleArgs,
+    /// Vary carrier_hz, power_w, receivers (K) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
+    #[arg(long, value_name = "AXIS=VALUES")]
+    pub sweep: Vec<Sweep>,
+}
+
+/// Anytime sensing to fit.
+#[derive(Debug, Clone, Args)]
+pub struct AnytimeArgs {
+    /// Recordings of each class to fit and choose on, behind those trained on.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub calibrate_per_class: u32,
+    #[command(flatten)]
+    pub rule: RuleArgs,
+}
+
+/// How the operating point is chosen; absent: the scenario's weight.
+#[derive(Debug, Clone, Copy, Args)]
+#[group(multiple = false)]
+pub struct RuleArgs {
+    /// Accuracy of at least this, 0..=1.
+    #[arg(long)]
+    pub accuracy: Option<f64>,
+    /// Throughput of at least this, in bits per period.
+    #[arg(long)]
+    pub throughput: Option<f64>,
+    /// Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary.
+    #[arg(long)]
+    pub weight: Option<f64>,
+    /// w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period.
+    #[arg(long, value_name = "WA,WR", value_parser = pair)]
+    pub weights: Option<(f64, f64)>,
+}
+
+fn pair(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    numbers.ok_or_else(|| "two numbers with a comma between them".into())
+}
 
 /// The accuracies of `--out`'s run.
-pub fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
-    let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
+fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
+    let run = job::stored(job)?;
     let point = |a: &sdp3::results::Accuracy| CurvePoint {
         sensing_slots: f64::from(a.sensing_slots),
         accuracy: a.int8,
@@ -29,14 +86,18 @@ pub fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
     Ok(run.accuracy.iter().map(point).collect())
 }
 
-pub fn predict_file(file: &Path, seed: u64, json: bool) -> Result<bool, Failure> {
-    let prediction = predict(&points::read(file)?, seed).map_err(|e| format!("{}: {e}", file.display()))?;
-    print(json, &prediction, || report::tables::prediction(&prediction));
+pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
+    let prediction = match &args.points {
+        Some(file) => fitted(&points::read(file)?, context.common.seed)
+            .map_err(|e| format!("{}: {e}", file.display()))?,
+        None => fitted(&stored_points(&context.job()?)?, context.common.seed)?,
+    };
+    context.print(&prediction, || report::tables::prediction(&prediction))?;
     Ok(true)
 }
 
 /// The rule that the command line or else the scenario states.
-pub fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
+fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
         false => Err(format!("command line: {name} = {value} is outside its legal range: 0..=1")),
@@ -59,19 +120,9 @@ pub fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
     Ok(Rule::Weighted(share("--weight", args.weight.unwrap_or(scenario.trade.accuracy_weight))?))
 }
 
-/// What `optimize` is asked.
-pub struct Question {
-    /// File of points, or those of the run.
-    pub points: Option<PathBuf>,
-    /// Name of the curve, or the best.
-    pub curve: Option<String>,
-    /// How the point is chosen.
-    pub rule: Rule,
-    /// What is varied.
-    pub sweep: Vec<Sweep>,
-}
-
-pub fn optimize(job: &Job, ask: Question, json: bool) -> Result<bool, Failure> {
+pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
+    let job = &context.job()?;
+    let rule = rule(&ask.rule, &job.scenario)?;
     let (points, origin) = match &ask.points {
         Some(file) => (points::read(file)?, format!("{}: ", file.display())),
         None => (stored_points(job)?, String::new()),
@@ -95,12 +146,12 @@ pub fn optimize(job: &Job, ask: Question, json: bool) -> Result<bool, Failure> {
                     .into(),
             );
         }
-        let rows = sweep::rows(&job.scenario, &curve, ask.rule, &ask.sweep, job.seed)?;
+        let rows = sweep::rows(&job.scenario, &curve, rule, &ask.sweep, job.seed)?;
         job.output.write("sweep.csv", sweep_table(&rows, ",").as_bytes())?;
-        print(json, &rows, || sweep_table(&rows, "\t").trim_end().to_owned());
+        context.print(&rows, || sweep_table(&rows, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
-    let outcome = job.trade(&curve, &points, ask.rule)?;
+    let outcome = job.trade(&curve, &points, rule)?;
     let value = serde_json::json!({
         "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
         "weighted": outcome.weighted, "cases": outcome.cases, "spacings": outcome.spacings,
@@ -108,7 +159,7 @@ pub fn optimize(job: &Job, ask: Question, json: bool) -> Result<bool, Failure> {
     });
     job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
     job.output.write_json("optimize.json", &value)?;
-    print(json, &value, || words(&outcome, &curve, job.scenario.trade.zone_ratio));
+    context.print(&value, || words(&outcome, &curve, job.scenario.trade.zone_ratio))?;
     Ok(true)
 }
 
@@ -177,25 +228,19 @@ fn words(outcome: &Outcome, curve: &Curve, ratio: f64) -> String {
     text
 }
 
-/// The scenario that --out's networks were trained in; one given on the command line goes before it.
-pub fn trained(job: &Job, given: bool) -> Result<Scenario, Failure> {
-    if given { Ok(job.scenario.clone()) } else { resolved(job) }
-}
-
 fn models(job: &Job) -> Result<Vec<Vec<u8>>, Failure> {
     const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
     let slots = &job.scenario.frame.sensing_slots;
     slots.iter().map(|n| Ok(job.output.read(&model_name(*n), QUANTIZE_FIRST)?)).collect()
 }
 
-fn rho(scenario: &Scenario) -> f64 {
-    scenario.channel.rho.unwrap_or_else(|| stored_rho(scenario).0)
-}
-
-pub fn anytime(job: &Job, per_class: u32, rule: Rule, json: bool) -> Result<bool, Failure> {
-    let found = job.anytime(rho(&job.scenario), &models(job)?, per_class, rule)?;
+pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
+    let mut job = context.job()?;
+    job.scenario = context.trained(&job)?;
+    let rule = rule(&args.rule, &job.scenario)?;
+    let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
     job.output.write_json("anytime.json", &found)?;
     job.output.write("anytime.svg", report::anytime::region(&found).as_bytes())?;
-    print(json, &found, || report::anytime::table(&found));
+    context.print(&found, || report::anytime::table(&found))?;
     Ok(true)
 }

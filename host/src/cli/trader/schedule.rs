@@ -1,14 +1,16 @@
 //! The command `schedule`: one period of the run's operating point, or many in a world that changes.
 
-use super::{models, rho, trained};
-use crate::cli::WorldArgs;
-use crate::{RUN_FIRST, print};
+use super::models;
+use crate::cli::context::Context;
+use crate::cli::job::stored;
+use crate::cli::simulator::rho;
+use clap::Args;
 use sdp3::conformance::compare::OwnedBuffers;
 use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::Radar, trace::Trace, world::World};
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
 use sdp3::report::{plot::on_white, timeline::timeline};
-use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Run, Schedule};
+use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
 use sdp3_core::anytime::{Anytime, EXITS, Exit};
 use sdp3_core::dsn::{Model, Portable};
@@ -16,6 +18,41 @@ use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
 use sdp3_core::station::Station;
 use std::fmt::Write;
 use std::time::Instant;
+
+/// A world for the scheduler. With --periods its promises are checked in every one.
+#[derive(Debug, Clone, Args)]
+pub struct WorldArgs {
+    /// Periods; absent: one, in a world that does not change.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub periods: Option<u32>,
+    /// N_s; absent: that of the run's operating point.
+    #[arg(long, value_name = "N", requires = "periods")]
+    pub sensing_slots: Option<u32>,
+    /// Mean time in s that a channel stays as it is.
+    #[arg(long, value_name = "S", default_value_t = 5.0, requires = "periods")]
+    pub coherence: f64,
+    /// Mean arrivals of a receiver over its fair share; absent: always something to send.
+    #[arg(long, value_name = "SHARE", requires = "periods")]
+    pub load: Option<f64>,
+    /// Probability that a receiver joins or leaves in a period.
+    #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
+    pub churn: f64,
+    /// Probability that a slot is lost.
+    #[arg(long, value_name = "P", default_value_t = 0.0005, requires = "periods")]
+    pub loss: f64,
+    /// Probability that N_s becomes another of the scenario's in a period.
+    #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
+    pub retarget: f64,
+    /// Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never.
+    #[arg(long, value_name = "PERIODS", default_value_t = 0, requires = "periods")]
+    pub recognise_every: u32,
+    /// Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out.
+    #[arg(long, value_name = "CONFIDENCE", requires = "recognise_every")]
+    pub threshold: Option<f64>,
+    /// Periods drawn slot by slot in trace.json, which Perfetto opens.
+    #[arg(long, value_name = "PERIODS", default_value_t = 3, requires = "periods")]
+    pub traced: u32,
+}
 
 fn settings(world: &WorldArgs, scenario: &Scenario, sensing_slots: u32) -> Result<Settings, Failure> {
     let within = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
@@ -40,29 +77,29 @@ fn settings(world: &WorldArgs, scenario: &Scenario, sensing_slots: u32) -> Resul
     })
 }
 
-pub fn schedule(job: &mut Job, args: &WorldArgs, given: bool, json: bool) -> Result<bool, Failure> {
+pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
+    let mut job = context.job()?;
     if args.periods.is_none() {
-        let run: Run = job.output.read_json("run.json", RUN_FIRST)?;
-        let schedule = playback::play(&run.operating_point)?;
+        let schedule = playback::play(&stored(&job)?.operating_point)?;
         job.output.write_json("schedule.json", &schedule)?;
-        draw(job, &schedule.timeline)?;
-        print(json, &schedule, || one_period(&schedule));
+        draw(&job, &schedule.timeline)?;
+        context.print(&schedule, || one_period(&schedule))?;
         return Ok(true);
     }
     let sensing_slots = match args.sensing_slots {
         Some(slots) => slots,
-        None => job.output.read_json::<Run>("run.json", RUN_FIRST)?.operating_point.sensing_slots,
+        None => stored(&job)?.operating_point.sensing_slots,
     };
     if args.recognise_every > 0 {
-        job.scenario = trained(job, given)?;
+        job.scenario = context.trained(&job)?;
     }
     let settings = settings(args, &job.scenario, sensing_slots)?;
     job.output.write("schedule-scenario.toml", job.scenario.to_toml().as_bytes())?;
-    let (found, trace) = play(job, args, &settings)?;
+    let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
-    draw(job, &found.timeline)?;
-    print(json, &found, || campaign_words(&found));
+    draw(&job, &found.timeline)?;
+    context.print(&found, || campaign_words(&found))?;
     Ok(found.broken.is_empty())
 }
 

@@ -1,0 +1,149 @@
+//! What every command has: the common options, the scenario they give, and where results go.
+
+#[cfg(feature = "train")]
+use super::job::Preset;
+use clap::Args;
+use sdp3::output::{Output, OutputError, to_json};
+use sdp3::pipeline::{Failure, Job};
+use sdp3::progress::Progress;
+use sdp3::scenario::Scenario;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Scenario in TOML; absent: the paper's conference room.
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    pub scenario: Option<PathBuf>,
+    /// Seed of everything random.
+    #[arg(long, global = true, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for results.
+    #[arg(long, global = true, default_value = "out", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Threads; 0 takes all processors. Results do not depend on it.
+    #[arg(long, global = true, default_value_t = 0)]
+    pub threads: usize,
+    /// Print results as JSON, and nothing else, on stdout.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say more on stderr.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// Say nothing on stderr but errors.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+/// A command's surroundings.
+#[derive(Debug)]
+pub struct Context {
+    /// The common options.
+    pub common: Common,
+    /// The scenario they give, checked.
+    pub scenario: Scenario,
+    /// How to show progress.
+    pub progress: Progress,
+}
+
+impl Context {
+    /// Reads and checks the scenario.
+    pub fn new(common: Common) -> Result<Self, Failure> {
+        let progress = if common.quiet { Progress::Quiet } else { Progress::Shown };
+        let scenario = match &common.scenario {
+            Some(file) => Scenario::load(file)?,
+            None => Scenario::default(),
+        };
+        if common.verbose {
+            let file = common.scenario.as_ref().map_or("built in".into(), |file| file.display().to_string());
+            progress.note("sdp3", &format!("scenario {} ({file}), seed {}", scenario.name, common.seed));
+            let threads = rayon::current_num_threads();
+            progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
+        }
+        sdp3::simulator::dataset::check(&scenario)?;
+        Ok(Context { common, scenario, progress })
+    }
+
+    /// Whether the command line gives a scenario.
+    pub fn given(&self) -> bool {
+        self.common.scenario.is_some()
+    }
+
+    /// The scenario and a writable output folder.
+    pub fn job(&self) -> Result<Job, OutputError> {
+        let output = Output::create(&self.common.out)?;
+        Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed, progress: self.progress, output })
+    }
+
+    /// The same at the size of a preset: quick makes an untouched scenario small; one from a file is taken as it is.
+    #[cfg(feature = "train")]
+    pub fn job_of(&self, preset: Preset) -> Result<Job, OutputError> {
+        let mut job = self.job()?;
+        if preset == Preset::Quick && !self.given() {
+            let learning = &mut job.scenario.learning;
+            learning.train_per_class = 100;
+            learning.test_per_class = 60;
+            learning.windows = 4;
+            learning.epochs = 12;
+            learning.channels = 8;
+            // so few passes have nothing to forget
+            learning.mask_rows = 0;
+        }
+        Ok(job)
+    }
+
+    /// The resolved scenario of `--out`'s run.
+    pub fn resolved(&self, job: &Job) -> Result<Scenario, Failure> {
+        Ok(Scenario::load(&job.output.path("scenario.toml"))?)
+    }
+
+    /// The scenario that `--out`'s networks were trained in; one given on the command line goes before it.
+    pub fn trained(&self, job: &Job) -> Result<Scenario, Failure> {
+        if self.given() { Ok(self.scenario.clone()) } else { self.resolved(job) }
+    }
+
+    /// Processors to train on.
+    #[cfg(feature = "train")]
+    pub fn workers(&self) -> usize {
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        if self.common.threads == 0 { all } else { self.common.threads }
+    }
+
+    /// A result on stdout: as JSON, or in words if there are any.
+    pub fn print(&self, value: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
+        let text = if self.common.json { to_json(value) } else { words() };
+        if text.is_empty() { Ok(()) } else { say(&text) }
+    }
+
+    /// The files that were written, one on a line.
+    pub fn print_files(&self, files: &[PathBuf]) -> Result<(), Failure> {
+        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        self.print(&names, || names.join("\n"))
+    }
+}
+
+/// A line or more on stdout. A reader who has gone away has read enough.
+pub fn say(text: &str) -> Result<(), Failure> {
+    use std::io::{ErrorKind, Write, stdout};
+    let written = writeln!(stdout(), "{text}").and_then(|()| stdout().flush());
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(format!("stdout: cannot be written: {error}").into())
+        }
+        _ => Ok(()),
+    }
+}
+
+pub fn folder_of(file: &Path) -> PathBuf {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(".".into(), Path::to_path_buf)
+}
+
+pub fn name_of(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Where `--out` has the int8 network of so many sensing slots.
+pub fn model_name(sensing_slots: u32) -> String {
+    format!("models/dsn-{sensing_slots}.sdp3")
+}

@@ -1,0 +1,133 @@
+//! The main job and what belongs to its results: `run`, `verify`, `report`.
+
+use super::context::{Context, model_name};
+use super::simulator::MeasuredArgs;
+use clap::{Args, ValueEnum};
+use sdp3::conformance::qemu::MACHINES;
+use sdp3::conformance::suite::ScheduleCase;
+use sdp3::output::OutputError;
+use sdp3::pipeline::{Failure, Job, REFERENCE, TARGETS};
+use sdp3::results::{Figures, Run, Verify};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Size of the main job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Minutes: fewer recordings, a strided network.
+    Quick,
+    /// The paper's sizes: 200 recordings per class to train, 100 to test.
+    Paper,
+}
+
+/// The main job.
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// Size of the job.
+    #[arg(long, value_enum, default_value_t = Preset::Quick)]
+    pub preset: Preset,
+    #[command(flatten)]
+    pub measured: MeasuredArgs,
+    #[command(flatten)]
+    pub proof: ProofArgs,
+}
+
+/// Targets of the proof.
+#[derive(Debug, Clone, Args)]
+pub struct ProofArgs {
+    /// Targets to compare.
+    #[arg(long, value_delimiter = ',', default_values = TARGETS)]
+    pub targets: Vec<String>,
+    /// Folder of ready-built firmware; absent: firmware-sim/build makes it.
+    #[arg(long, value_name = "DIR")]
+    pub firmware: Option<PathBuf>,
+}
+
+/// Compares the core with reference and firmware on the models of a run.
+pub fn verify(context: &Context, proof: &ProofArgs) -> Result<bool, Failure> {
+    let job = context.job()?;
+    let run = stored(&job)?;
+    let job = Job { scenario: context.resolved(&job)?, seed: run.seed, ..job };
+    let verify = prove(&job, &run, proof)?;
+    context.print(&verify, || table(&verify))?;
+    Ok(verify.mismatches == 0)
+}
+
+/// Writes the page of a run again.
+pub fn report(context: &Context) -> Result<bool, Failure> {
+    let job = context.job()?;
+    let run = stored(&job)?;
+    let figures: Figures = job.output.read_json("figures.json", RUN_FIRST)?;
+    let job = Job { scenario: context.resolved(&job)?, ..job };
+    let page = page(&job, &run, &figures)?;
+    context.print_files(&[page])?;
+    Ok(true)
+}
+
+/// What makes the files a command reads from `--out`.
+const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
+
+/// The results of `--out`'s run.
+pub fn stored(job: &Job) -> Result<Run, OutputError> {
+    job.output.read_json("run.json", RUN_FIRST)
+}
+
+fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
+    check_targets(proof)?;
+    let models = job
+        .scenario
+        .frame
+        .sensing_slots
+        .iter()
+        .map(|n| job.output.read(&model_name(*n), RUN_FIRST))
+        .collect::<Result<Vec<_>, _>>()?;
+    for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
+        let path = job.output.path(&model_name(*n));
+        sdp3_core::dsn::Model::parse(bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    let suite = job.suite(run.rho, &models, schedule_case(run))?;
+    job.prove(&suite, &proof.targets, proof.firmware.as_deref())
+}
+
+pub fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
+    let legal = || [REFERENCE].into_iter().chain(MACHINES);
+    match proof.targets.iter().find(|target| legal().all(|name| name != *target)) {
+        Some(unknown) => {
+            let names: Vec<&str> = legal().collect();
+            Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
+        }
+        None => Ok(()),
+    }
+}
+
+pub fn schedule_case(run: &Run) -> ScheduleCase {
+    let p = &run.operating_point;
+    ScheduleCase {
+        period: p.period_slots,
+        spacing: p.spacing_slots,
+        sensing: p.sensing_slots,
+        shares: p.communication_slots.clone(),
+    }
+}
+
+/// Pictures and page of a run; the page's path.
+pub fn page(job: &Job, run: &Run, figures: &Figures) -> Result<PathBuf, Failure> {
+    let page = sdp3::report::page(run, figures, &job.scenario.to_toml());
+    for (name, svg) in sdp3::report::svgs(run, figures) {
+        job.output.write(&format!("figures/{name}"), svg.as_bytes())?;
+    }
+    Ok(job.output.write("report.html", page.as_bytes())?)
+}
+
+/// A proof in words.
+pub fn table(verify: &Verify) -> String {
+    let mut text = format!("{:<16}{:>12}{:>12}{:>16}", "target", "compared", "mismatches", "instructions");
+    for t in &verify.targets {
+        let instructions = t.instructions.map_or_else(|| "-".to_owned(), |n| n.to_string());
+        let _ = write!(text, "\n{:<16}{:>12}{:>12}{:>16}", t.name, t.compared, t.mismatches, instructions);
+        if let Some(detail) = &t.detail {
+            let _ = write!(text, "\n  {detail}");
+        }
+    }
+    text
+}

@@ -1,0 +1,172 @@
+//! What simulates and compares with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
+
+use super::context::{Context, folder_of, name_of};
+use clap::Args;
+use sdp3::formats::dataset::{self, PER_CLASS, Shard};
+use sdp3::formats::measured::Stated;
+use sdp3::output::Output;
+use sdp3::pipeline::{Failure, Measured};
+use sdp3::report;
+use sdp3::scenario::{Class, Model, Scenario};
+use sdp3::simulator::calibration;
+use sdp3::simulator::channel::properties;
+use std::path::{Path, PathBuf};
+
+/// A measured signal.
+#[derive(Debug, Clone, Args)]
+pub struct MeasuredArgs {
+    /// A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5.
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Its carrier in Hz, if the file does not say.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub carrier: Option<f64>,
+    /// Its sampling or slow-time rate in Hz, if the file does not say.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub rate: Option<f64>,
+    /// Gain of the sensor in dB, taken off.
+    #[arg(long, value_name = "DB", requires = "measured", allow_negative_numbers = true)]
+    pub gain: Option<f64>,
+    /// Which array of an NPZ or which dataset of an HDF5 file.
+    #[arg(long, value_name = "NAME", requires = "measured")]
+    pub dataset: Option<String>,
+    /// How the person in it moves: a class, such as adult-walking or standing.
+    #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking")]
+    pub motion: String,
+}
+
+/// A dataset to simulate.
+#[derive(Debug, Clone, Args)]
+pub struct SimulateArgs {
+    /// Recordings of each class.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(PER_CLASS))]
+    pub per_class: u32,
+    /// Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent:
+    /// the scenario's.
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+    /// Classes, by name; absent: the paper's five. Also child-stepping, adult-stepping, child-running, adult-running.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub classes: Option<Vec<String>>,
+    /// Store the raw slots in the parts too.
+    #[arg(long)]
+    pub raw: bool,
+    /// Write each recording's raw slots as SigMF too.
+    #[arg(long)]
+    pub sigmf: bool,
+    /// Make only the I-th of N shards of the parts; whichever comes last writes the manifest.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
+}
+
+/// A measured signal to calibrate on, or the table.
+#[derive(Debug, Clone, Args)]
+pub struct CalibrateArgs {
+    #[command(flatten)]
+    pub measured: MeasuredArgs,
+    /// Write the look-up table of rho again, to this file.
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "measured")]
+    pub table: Option<PathBuf>,
+}
+
+pub fn simulate(context: &Context, args: SimulateArgs) -> Result<bool, Failure> {
+    let mut job = context.job()?;
+    let SimulateArgs { per_class, channel, classes, raw, sigmf, shard } = args;
+    with_channel(&mut job.scenario, channel.as_deref())?;
+    let classes = match classes {
+        Some(names) => names.iter().map(|name| class(name, "--classes")).collect::<Result<_, _>>()?,
+        None => Class::ALL.to_vec(),
+    };
+    job.warn_of_aliasing();
+    let rho = rho(&job.scenario);
+    let stage = job.progress.stage("simulate", "recordings");
+    let work = dataset::Work::new(&job.scenario, rho, job.seed, per_class, classes, raw, sigmf);
+    let written = work.write(shard, &job.output, &|done, all| stage.at(done, all))?;
+    let state = if written.manifest.is_some() { "complete" } else { "not yet complete" };
+    stage.finish(&format!(
+        "{} parts made, {} kept; {} recordings in {}, {state}",
+        written.made,
+        written.kept,
+        written.recordings,
+        job.output.folder().display()
+    ));
+    context.print(&written, String::new)?;
+    Ok(true)
+}
+
+pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure> {
+    let CalibrateArgs { measured, table } = args;
+    if let Some(file) = table {
+        return calibrate_table(context, &file);
+    }
+    let job = context.job()?;
+    let found = job.calibrate(measurement(measured)?.as_ref())?;
+    let path = job.output.write_json("calibration.json", &found)?;
+    context
+        .print(&found, || format!("rho = {} ({}); curve in {}", found.rho, found.source, path.display()))?;
+    Ok(true)
+}
+
+fn calibrate_table(context: &Context, file: &Path) -> Result<bool, Failure> {
+    let stage = context.progress.stage("calibrate", "the table of rho");
+    let table = calibration::stored::regenerate(context.common.seed, &|done, all| stage.at(done, all));
+    let text = format!("{}{}", calibration::stored::HEADER, toml::to_string(&table)?);
+    Output::create(&folder_of(file))?.write(&name_of(file), text.as_bytes())?;
+    stage.finish(&format!("{} entries in {}", table.entry.len(), file.display()));
+    context.print(&table, String::new)?;
+    Ok(true)
+}
+
+pub fn channels(context: &Context) -> Result<bool, Failure> {
+    let job = context.job()?;
+    let stage = job.progress.stage("channels", "models through the property tests");
+    let table = properties::table(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+    stage.finish(&format!("{} models", table.models.len()));
+    job.output.write_json("channels.json", &table)?;
+    context.print(&table, || report::tables::channels(&table))?;
+    Ok(true)
+}
+
+pub fn gallery(context: &Context) -> Result<bool, Failure> {
+    let job = context.job()?;
+    let stage = job.progress.stage("gallery", "spectrograms");
+    let shown =
+        sdp3::predictor::spectrograms::gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+    let page = job.output.write("gallery.html", report::gallery::page(&shown).as_bytes())?;
+    stage.finish(&format!("{} of them", shown.len()));
+    context.print_files(&[page])?;
+    Ok(true)
+}
+
+/// The scenario's memory of the room, or the stored one.
+pub fn rho(scenario: &Scenario) -> f64 {
+    scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(scenario).0)
+}
+
+/// The measured signal that the command line names.
+pub fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
+    let Some(file) = args.measured else { return Ok(None) };
+    let motion = class(&args.motion, "--motion")?;
+    let stated =
+        Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
+    Ok(Some(Measured { file, stated, motion }))
+}
+
+/// A class by its name.
+fn class(name: &str, flag: &str) -> Result<Class, Failure> {
+    Class::EVERY.into_iter().find(|class| class.name() == name).ok_or_else(|| {
+        let names = Class::EVERY.map(Class::name).join(", ");
+        format!("command line: {flag} = {name} is outside its legal range: one of {names}").into()
+    })
+}
+
+/// The scenario with the channel model of this name.
+fn with_channel(scenario: &mut Scenario, name: Option<&str>) -> Result<(), Failure> {
+    let Some(name) = name else { return Ok(()) };
+    let found = Model::ALL.into_iter().find(|model| model.name() == name);
+    scenario.channel.model = found.ok_or_else(|| {
+        let names = Model::ALL.map(Model::name).join(", ");
+        format!("command line: --channel = {name} is outside its legal range: one of {names}")
+    })?;
+    Ok(())
+}

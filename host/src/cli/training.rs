@@ -1,0 +1,88 @@
+//! What can be asked of training: the words of `train`, `quantize`, `study`, the same in a build that cannot train.
+
+use super::job::Preset;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// How to train.
+#[derive(Debug, Clone, Args)]
+pub struct TrainArgs {
+    /// Size of the job.
+    #[arg(long, value_enum, default_value_t = Preset::Quick)]
+    pub preset: Preset,
+    /// A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Optimiser, learning rate and batch in one; absent: the scenario's.
+    #[arg(long, value_enum)]
+    pub recipe: Option<Recipe>,
+    /// Go on from the checkpoints in --out, with the same result as without the interruption.
+    #[arg(long)]
+    pub resume: bool,
+    /// Where to train: the processor, or a GPU in a build with that feature.
+    #[arg(long, value_enum, default_value_t = Backend::Flex)]
+    pub backend: Backend,
+}
+
+/// A way to train.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Recipe {
+    /// AdamW, peak 5e-3, one cycle, batch 50.
+    AdamwOneCycle,
+    /// The paper's: Adam, 0.01, batch 500.
+    PaperAdam,
+    /// The paper's: momentum 0.9, 0.06, batch 300.
+    PaperMomentum,
+}
+
+/// Where to train.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// The processor.
+    Flex,
+    /// A GPU through Vulkan, Metal, DirectX 12 or WebGPU; needs the feature `wgpu`.
+    Wgpu,
+    /// An NVIDIA GPU; needs the feature `cuda`.
+    Cuda,
+}
+
+/// Networks to quantise.
+#[derive(Debug, Clone, Args)]
+pub struct QuantizeArgs {
+    /// The dataset they were trained on, to measure ranges on; absent: training recordings are simulated.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// A study to make.
+#[derive(Debug, Clone, Args)]
+pub struct StudyArgs {
+    /// Which question.
+    #[arg(value_enum)]
+    pub name: Study,
+    /// Seeds, from --seed upwards.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Of `fidelity`: a folder of measured recordings, in any depth, whose names tell the motion (walk, run, still, stand, sit).
+    #[arg(long, value_name = "FOLDER")]
+    pub measured: Option<PathBuf>,
+    /// Carrier in Hz of recordings that do not say theirs.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub carrier: Option<f64>,
+    /// Rate in Hz of recordings that do not say theirs.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub rate: Option<f64>,
+}
+
+/// A study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Study {
+    /// Accuracy over the number of sensing slots, and the curves of Table III.
+    LearningCurve,
+    /// Accuracy under other headings, rho, power, d, people and carriers.
+    Robustness,
+    /// Divergence and recognition against ray tracing, a richer model and measured recordings.
+    Fidelity,
+    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
+    Baselines,
+}
