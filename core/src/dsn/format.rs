@@ -12,7 +12,8 @@
 //! | 24..32 | dynamic range in 1/64 octave, frames (u16 each), Kaiser window's beta (f32) |
 //! | 32..36 | channels, blocks, classes, signature: 0 none, 1 ed25519 |
 //! | 36..44 | carrier in kHz, interval of the sensing slots in us (u32 each; for people) |
-//! | 44..64 | zeros |
+//! | 44..48 | revision (u32), which only grows: what a rollback is known by |
+//! | 48..64 | zeros |
 
 /// First bytes of a model file.
 pub const MAGIC: [u8; 4] = *b"SDP3";
@@ -29,4 +30,6 @@ pub const SIGNATURE_LEN: usize = 64;
 /// Bytes of an ed25519 public key.
 pub const KEY_LEN: usize = 32;
 /// Where the header says whether there is a signature.
-pub(super) const SIGNATURE_AT: usize = 35;
+pub const SIGNATURE_AT: usize = 35;
+/// Where the header has its revision (u32, little-endian).
+pub const REVISION_AT: usize = 44;

@@ -16,6 +16,8 @@ mod firmware {
 
     static MODEL: &[u8] = include_bytes!("../../models/dsn-200-signed.sdp3");
     static KEY: &[u8; KEY_LEN] = include_bytes!("../../models/station.pub");
+    /// Oldest revision that runs: a station in the field keeps it where no update can lower it.
+    const OLDEST: u32 = 0;
     const SHAPE: Shape = match Shape::of(MODEL) {
         Some(shape) => shape,
         None => panic!("dsn-200-signed.sdp3 is no model"),
@@ -29,7 +31,7 @@ mod firmware {
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
-        match (Model::parse_signed(MODEL, KEY), MEMORY.take()) {
+        match (Model::parse_signed(MODEL, KEY, OLDEST), MEMORY.take()) {
             (Ok(model), Some(memory)) => run(model, memory.view()),
             _ => exit(2),
         }

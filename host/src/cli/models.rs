@@ -54,6 +54,9 @@ pub struct SignArgs {
     /// Secret key.
     #[arg(long, value_name = "NAME.key")]
     pub key: PathBuf,
+    /// Its revision: firmware that ran a later one refuses it.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub revision: u32,
     /// Where the signed model goes.
     #[arg(long, value_name = "FILE")]
     pub to: PathBuf,
@@ -93,9 +96,9 @@ pub fn model(context: &Context, args: &ModelArgs) -> Result<bool, Failure> {
 }
 
 pub fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
-    let SignArgs { file, key, to } = args;
+    let SignArgs { file, key, revision, to } = args;
     let model = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    let model = signed(&model, read_key(key)?).map_err(|e| format!("{}: {e}", file.display()))?;
+    let model = signed(&model, read_key(key)?, *revision).map_err(|e| format!("{}: {e}", file.display()))?;
     let written = Output::create(&folder_of(to))?.write(&name_of(to), &model)?;
     context.print_files(&[written])?;
     Ok(true)

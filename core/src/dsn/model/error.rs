@@ -46,6 +46,13 @@ pub enum ModelError {
     Unsigned,
     /// The signature is not the key's for this content.
     Signature,
+    /// The model is signed, but older than what this firmware may run.
+    Older {
+        /// Revision of the model.
+        revision: u32,
+        /// Oldest revision that is taken.
+        oldest: u32,
+    },
     /// The content is longer or shorter than the layers need.
     Layers {
         /// Bytes the layers need.
@@ -74,6 +81,9 @@ impl core::fmt::Display for ModelError {
             ModelError::Field { name, value } => write!(f, "field {name} has the illegal value {value}"),
             ModelError::Unsigned => write!(f, "not signed; a signature is required"),
             ModelError::Signature => write!(f, "its signature does not belong to this key and content"),
+            ModelError::Older { revision, oldest } => {
+                write!(f, "revision {revision} is a rollback: the oldest that is taken is {oldest}")
+            }
             ModelError::Layers { need, have } => {
                 write!(f, "its layers need {need} bytes, it has {have}")
             }

@@ -10,8 +10,9 @@ mod signature;
 use super::add::Add;
 use super::affine::Affine;
 use super::conv::{Conv, MAX_CHANNELS};
-use super::format::SIGNATURE_AT;
-pub use super::format::{HEADER_LEN, KEY_LEN, MAGIC, MAX_BLOCKS, NAME_LEN, SIGNATURE_LEN, VERSION};
+pub use super::format::{
+    HEADER_LEN, KEY_LEN, MAGIC, MAX_BLOCKS, NAME_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN, VERSION,
+};
 use super::head::{Head, MAX_CLASSES};
 use super::shape::Shape;
 use crate::clutter::Kept;
@@ -40,6 +41,7 @@ pub struct Model<'m> {
     stem_stride: u8,
     carrier_khz: u32,
     interval_us: u32,
+    revision: u32,
     signed: bool,
     names: &'m [u8],
     pub(in crate::dsn) stem: Conv<'m>,
@@ -132,8 +134,8 @@ impl<'m> Model<'m> {
         let (range, frames) = (r.u16()?, r.u16()?);
         let beta = f32::from_le_bytes(r.array()?);
         let (channels, blocks, classes, _signature) = (r.u8()?, r.u8()?, r.u8()?, r.u8()?);
-        let (carrier_khz, interval_us) = (r.u32()?, r.u32()?);
-        let zeros = r.take(20)?;
+        let (carrier_khz, interval_us, revision) = (r.u32()?, r.u32()?, r.u32()?);
+        let zeros = r.take(16)?;
 
         check("first_kept", i64::from(kept.first), (1..=8).contains(&kept.first))?;
         check("last_kept", i64::from(kept.last), (kept.first..=8).contains(&kept.last))?;
@@ -193,6 +195,7 @@ impl<'m> Model<'m> {
             stem_stride,
             carrier_khz,
             interval_us,
+            revision,
             signed: envelope.signature.is_some(),
             names,
             stem,
@@ -209,6 +212,11 @@ impl<'m> Model<'m> {
             channels: self.channels(),
             stem_stride: self.stem_stride(),
         }
+    }
+
+    /// Its revision, which only grows; 0 if nobody counted.
+    pub fn revision(&self) -> u32 {
+        self.revision
     }
 
     /// Whether it carries a signature (which only `Model::parse_signed` looks at).

@@ -4,23 +4,21 @@
 
 use super::ModelFileError;
 use ed25519_dalek::{Signer, SigningKey};
-use sdp3_core::dsn::model::{KEY_LEN, SIGNATURE_LEN};
+use sdp3_core::dsn::model::{KEY_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN};
 use sdp3_core::dsn::{Model, ModelError};
 use std::path::{Path, PathBuf};
 
-/// Where the header says whether there is a signature.
-const SIGNATURE_AT: usize = 35;
-
-/// The model with a signature by the key of this seed in place of any other.
+/// The model as this revision, with a signature by the key of this seed in place of any other.
 ///
 /// # Errors
 /// What the radar module's parser finds wrong.
-pub fn sign(model: &[u8], seed: [u8; KEY_LEN]) -> Result<Vec<u8>, ModelError> {
+pub fn sign(model: &[u8], seed: [u8; KEY_LEN], revision: u32) -> Result<Vec<u8>, ModelError> {
     let parsed = Model::parse(model)?;
     let trailer = 4 + if parsed.is_signed() { SIGNATURE_LEN } else { 0 };
     let mut file = model[..model.len() - trailer].to_vec();
     let total = (file.len() + SIGNATURE_LEN + 4) as u32;
     file[SIGNATURE_AT] = 1;
+    file[REVISION_AT..REVISION_AT + 4].copy_from_slice(&revision.to_le_bytes());
     file[8..12].copy_from_slice(&total.to_le_bytes());
     let signature = SigningKey::from_bytes(&seed).sign(&file);
     file.extend_from_slice(&signature.to_bytes());
@@ -83,20 +81,24 @@ mod tests {
     #[test]
     fn a_signed_model_is_taken_with_its_key_and_no_other() {
         let plain = network().to_bytes().unwrap();
-        let signed = sign(&plain, [7; 32]).unwrap();
+        let signed = sign(&plain, [7; 32], 4).unwrap();
         let key = public_key([7; 32]);
-        assert!(Model::parse_signed(&signed, &key).unwrap().is_signed());
+        assert!(Model::parse_signed(&signed, &key, 4).unwrap().is_signed());
+        let older = ModelError::Older { revision: 4, oldest: 5 };
+        assert_eq!(Model::parse_signed(&signed, &key, 5).unwrap_err(), older);
         assert!(Model::parse(&signed).unwrap().is_signed());
-        assert_eq!(Model::parse_signed(&plain, &key).unwrap_err(), ModelError::Unsigned);
-        assert_eq!(Model::parse_signed(&signed, &public_key([8; 32])).unwrap_err(), ModelError::Signature);
-        assert_eq!(sign(&signed, [7; 32]).unwrap(), signed, "signing again replaces the signature");
+        assert_eq!(Model::parse_signed(&plain, &key, 0).unwrap_err(), ModelError::Unsigned);
+        let other = public_key([8; 32]);
+        assert_eq!(Model::parse_signed(&signed, &other, 0).unwrap_err(), ModelError::Signature);
+        assert_eq!(sign(&signed, [7; 32], 4).unwrap(), signed, "signing again replaces the signature");
         // a change that mends the checksum is a change all the same
-        for at in [40, 200, signed.len() - 10] {
+        for at in [40, REVISION_AT, 200, signed.len() - 10] {
             let mut forged = signed[..signed.len() - 4].to_vec();
             forged[at] ^= 1;
             let checksum = crc32fast::hash(&forged);
             forged.extend_from_slice(&checksum.to_le_bytes());
-            assert_eq!(Model::parse_signed(&forged, &key).unwrap_err(), ModelError::Signature, "byte {at}");
+            let error = Model::parse_signed(&forged, &key, 0).unwrap_err();
+            assert_eq!(error, ModelError::Signature, "byte {at}");
         }
     }
 
@@ -113,8 +115,8 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models");
         let signed = std::fs::read(folder.join("dsn-200-signed.sdp3")).unwrap();
         let plain = std::fs::read(folder.join("dsn-200.sdp3")).unwrap();
-        assert!(Model::parse_signed(&signed, &read_key(&folder.join("station.pub")).unwrap()).is_ok());
-        assert_eq!(sign(&plain, [3; 32]).unwrap(), signed);
+        assert!(Model::parse_signed(&signed, &read_key(&folder.join("station.pub")).unwrap(), 0).is_ok());
+        assert_eq!(sign(&plain, [3; 32], 0).unwrap(), signed);
     }
 
     #[test]

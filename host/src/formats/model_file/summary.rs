@@ -15,6 +15,8 @@ pub struct Summary {
     pub bytes: usize,
     /// CRC-32 of all but itself.
     pub checksum: String,
+    /// Its revision, which only grows.
+    pub revision: u32,
     /// Whether it carries a signature.
     pub signed: bool,
     /// Whether the signature is the given key's; absent if none was given.
@@ -42,8 +44,9 @@ impl Summary {
             version: super::VERSION,
             bytes: bytes.len(),
             checksum: format!("{checksum:08x}"),
+            revision: model.revision(),
             signed: model.is_signed(),
-            signature_holds: key.map(|key| Model::parse_signed(bytes, key).is_ok()),
+            signature_holds: key.map(|key| Model::parse_signed(bytes, key, 0).is_ok()),
             scratch_bytes: shape.scratch_bytes(),
             required_bytes: shape.required_bytes(),
             network,
@@ -70,8 +73,14 @@ impl Summary {
             (true, Some(false)) => "signed, but not with the given key or not for this content",
         };
         format!(
-            "model file, version {}, {} bytes, checksum {} holds, {signature}\n{}memory: {} bytes, {} of them scratch of the network",
-            self.version, self.bytes, self.checksum, self.network, self.required_bytes, self.scratch_bytes
+            "model file, version {}, revision {}, {} bytes, checksum {} holds, {signature}\n{}memory: {} bytes, {} of them scratch of the network",
+            self.version,
+            self.revision,
+            self.bytes,
+            self.checksum,
+            self.network,
+            self.required_bytes,
+            self.scratch_bytes
         )
     }
 }
@@ -86,10 +95,11 @@ mod tests {
     fn the_words_tell_envelope_memory_and_network() {
         let plain = network().to_bytes().unwrap();
         let text = Summary::of(&plain, None).unwrap().describe();
-        for part in ["version 1", "not signed", "memory: ", "200 sensing slots", "block 1 conv2"] {
+        for part in ["version 1, revision 0", "not signed", "memory: ", "200 sensing slots", "block 1 conv2"]
+        {
             assert!(text.contains(part), "{part} missing in {text}");
         }
-        let signed = sign(&plain, [1; 32]).unwrap();
+        let signed = sign(&plain, [1; 32], 3).unwrap();
         let holds = |seed| Summary::of(&signed, Some(&public_key([seed; 32]))).unwrap().signature_holds;
         assert_eq!((holds(1), holds(2)), (Some(true), Some(false)));
     }
