@@ -16,7 +16,7 @@
 //!
 //! [`front_end`] is the street up to the image, [`receiver`] the whole of it as one object: push a slot, ask for a
 //! class; [`anytime`] asks on the way and stops when it is sure. [`schedule`] divides a period between sensing and the receivers; [`station`] joins scheduler and receiver:
-//! one call per slot. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of int8), [`math`]
+//! one call per slot. [`guard`] stands between them and a world that loses slots, skips numbers and flips bits. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of int8), [`math`]
 //! (the only door to floats). [`probe`] lets an observer see every stage's values, [`mod@values`] gives them as bytes,
 //! [`digest`] folds them to one number per stage, and [`selftest`] runs the street on a seeded signal whose digest is
 //! known.
@@ -47,6 +47,7 @@ pub mod dsn;
 pub mod fixed;
 pub mod frame;
 pub mod front_end;
+pub mod guard;
 pub mod math;
 pub mod probe;
 pub mod receiver;
@@ -54,6 +55,7 @@ pub mod schedule;
 pub mod selftest;
 pub mod simd;
 pub mod spectrogram;
+pub mod state;
 pub mod station;
 pub mod stft;
 pub mod values;

@@ -3,6 +3,7 @@
 //! N_s + sum N_c,k = N and N_s (N_m + 1) <= N; problem P of the paper in integers.
 
 use super::apportion::apportion;
+use crate::state::State;
 use heapless::Vec;
 
 /// Most receivers of a plan.
@@ -108,6 +109,12 @@ impl Sensing {
     }
 }
 
+impl State for Sensing {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        [&mut self.period, &mut self.spacing, &mut self.slots].into_iter().for_each(visit);
+    }
+}
+
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -190,6 +197,18 @@ impl Plan {
             spacing => apart.div_ceil(spacing).min(self.sensing()),
         };
         Some(apart.saturating_sub(1).saturating_add(sensing))
+    }
+}
+
+impl State for Plan {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.sensing.words(visit);
+        let mut receivers = self.shares.len() as u32;
+        visit(&mut receivers);
+        let _ = self.shares.resize((receivers as usize).min(RECEIVERS), 0); // it fits
+        for k in 0..RECEIVERS {
+            visit(self.shares.get_mut(k).unwrap_or(&mut 0));
+        }
     }
 }
 

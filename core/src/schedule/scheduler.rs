@@ -6,6 +6,7 @@
 use super::apportion::apportion;
 use super::plan::{Plan, PlanError, RECEIVERS, Sensing};
 use super::sequencer::{Sequencer, SlotUse};
+use crate::state::{State, byte, flag};
 
 /// What happened since the period before began, and hence why this period's plan differs from that one's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,6 +73,21 @@ impl Scheduler {
             last: SlotUse::Idle,
             sequencer: Sequencer::new(&Plan::optimal(sensing, &rates, &[0; RECEIVERS])),
         }
+    }
+
+    /// Sensing as it was set last.
+    pub fn wanted(&self) -> Sensing {
+        self.wanted
+    }
+
+    /// Rates as they were set last, bits a slot.
+    pub fn rates(&self) -> [u32; RECEIVERS] {
+        self.rates
+    }
+
+    /// What [`Scheduler::next`] gave last.
+    pub fn last(&self) -> SlotUse {
+        self.last
     }
 
     /// The plan being played.
@@ -184,6 +200,30 @@ impl Scheduler {
         self.begun = self.begun.wrapping_add(1);
         self.changes = Changes::default();
         self.lost = [0; RECEIVERS];
+    }
+}
+
+impl State for Changes {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        let Changes { joined, left, rates, sensing, lost, sensing_lost, released } = self;
+        [joined, left, rates].into_iter().for_each(|bits| byte(bits, visit));
+        flag(sensing, visit);
+        [lost, sensing_lost, released].into_iter().for_each(visit);
+    }
+}
+
+impl State for Scheduler {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.wanted.words(visit);
+        [&mut self.rates, &mut self.lost, &mut self.planned].into_iter().flatten().for_each(&mut *visit);
+        self.changes.words(visit);
+        flag(&mut self.repaying, visit);
+        visit(&mut self.begun);
+        visit(&mut self.boundary.period);
+        flag(&mut self.boundary.replanned, visit);
+        self.boundary.changes.words(visit);
+        self.last.words(visit);
+        self.sequencer.words(visit);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::plan::{Plan, RECEIVERS};
 use super::turns::Turns;
+use crate::state::State;
 
 /// What a slot is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +14,22 @@ pub enum SlotUse {
     Communication(u8),
     /// Nothing is planned (no receiver has a share).
     Idle,
+}
+
+impl State for SlotUse {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        let mut word = match *self {
+            SlotUse::Communication(k) => u32::from(k),
+            SlotUse::Sensing => 254,
+            SlotUse::Idle => 255,
+        };
+        visit(&mut word);
+        *self = match word as u8 {
+            254 => SlotUse::Sensing,
+            255 => SlotUse::Idle,
+            k => SlotUse::Communication(k),
+        };
+    }
 }
 
 /// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, [`Turns`] whose the other slots are.
@@ -103,6 +120,15 @@ impl Sequencer {
             self.restart(None);
         }
         slot
+    }
+}
+
+impl State for Sequencer {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.plan.words(visit);
+        self.turns.words(visit);
+        [&mut self.position, &mut self.due, &mut self.left].into_iter().for_each(&mut *visit);
+        self.before.iter_mut().for_each(visit);
     }
 }
 

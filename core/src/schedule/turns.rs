@@ -6,6 +6,7 @@
 //! has its exact proportion to less than one slot.
 
 use super::plan::RECEIVERS;
+use crate::state::State;
 
 /// One receiver's next turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,12 +54,19 @@ impl Turn {
     }
 }
 
+impl State for Turn {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        let Turn { opens, due, whole, part, rest, share, served } = self;
+        [opens, due, whole, part, rest, share, served].into_iter().for_each(visit);
+    }
+}
+
 /// The turns of a run of communication slots.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turns {
     turns: [Turn; RECEIVERS],
-    receivers: usize,
+    receivers: u32,
     played: u32,
 }
 
@@ -68,14 +76,14 @@ impl Turns {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
         let mut turns = [Turn::first(0, 0); RECEIVERS];
         turns.iter_mut().zip(shares).for_each(|(turn, &share)| *turn = Turn::first(share, slots));
-        Turns { turns, receivers: shares.len().min(RECEIVERS), played: 0 }
+        Turns { turns, receivers: shares.len().min(RECEIVERS) as u32, played: 0 }
     }
 
     /// The receiver of the next slot; `None` if nobody has a turn left. Cost: O(K), no division, no multiplication.
     #[allow(clippy::should_implement_trait)] // slots go on after a `None`
     pub fn next(&mut self) -> Option<usize> {
         let (mut first, mut due) = (None, u32::MAX);
-        for (k, turn) in self.turns.iter().enumerate().take(self.receivers) {
+        for (k, turn) in self.turns.iter().enumerate().take(self.receivers as usize) {
             if turn.opens <= self.played && turn.due < due {
                 (first, due) = (Some(k), turn.due);
             }
@@ -92,6 +100,13 @@ impl Turns {
     /// Turns each receiver has had.
     pub fn served(&self) -> [u32; RECEIVERS] {
         self.turns.map(|turn| turn.served)
+    }
+}
+
+impl State for Turns {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.turns.iter_mut().for_each(|turn| turn.words(visit));
+        [&mut self.receivers, &mut self.played].into_iter().for_each(visit);
     }
 }
 

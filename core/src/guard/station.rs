@@ -1,0 +1,136 @@
+//! The slot loop of a radio that fails: [`Station`](crate::station::Station) with every guard.
+//!
+//! [`Guarded::begin`] takes the radio's number of the slot and says what it is for; in a sensing slot the samples go to
+//! [`Guarded::sensed`] with the same number. A recording with a gap is no recording: it begins anew, or the period's sensing ends
+//! if too few slots are left for the first exit.
+
+use super::health::{self, SampleFault};
+use super::intact::Intact;
+use super::watch::{Fault, Watch};
+use crate::anytime::{Anytime, EXITS, Verdict};
+use crate::dsn::{Kernels, ModelError, Tiled};
+use crate::frame::Slot;
+use crate::schedule::SlotUse;
+use crate::stft::{NativeStft, ShortTime};
+use heapless::Vec;
+
+/// Something that went wrong. Told once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Trouble {
+    /// With the numbers of slots or the schedule's memory.
+    Slot(Fault),
+    /// With a slot's samples: they are not used.
+    Samples(SampleFault),
+    /// A sensing slot's samples did not come before the next slot.
+    Missing,
+    /// Samples that nobody waits for: late, or given twice. They are not used.
+    Unasked,
+    /// A model has changed: nothing is recognised, and the receivers have the sensing slots, until it is whole again.
+    Model(ModelError),
+}
+
+/// A slot that begins.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Begun {
+    /// What it is for.
+    pub slot: SlotUse,
+    /// What went wrong since the slot before.
+    pub troubles: Vec<Trouble, 3>,
+}
+
+/// A base station's slot loop, guarded.
+#[derive(Debug)]
+pub struct Guarded<'m, 'b, K = Tiled<'b>, T = NativeStft> {
+    watch: Watch,
+    receiver: Anytime<'m, 'b, K, T>,
+    models: Vec<Intact<'m>, EXITS>,
+    /// Whether all models were whole when the period began.
+    sound: bool,
+    /// Number of the sensing slot whose samples are to come.
+    awaited: Option<u32>,
+}
+
+impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
+    /// Joins a watched schedule, a receiver and the files of its models, which are looked at again when a period begins.
+    pub fn new(watch: Watch, receiver: Anytime<'m, 'b, K, T>, models: Vec<Intact<'m>, EXITS>) -> Self {
+        Guarded { watch, receiver, models, sound: true, awaited: None }
+    }
+
+    /// The slot that the radio gives this number. Cost: [`Watch::next`]; when a period begins, [`Intact::check`] of every model.
+    pub fn begin(&mut self, number: u32) -> Begun {
+        let mut troubles = Vec::new();
+        let mut tell = |trouble| {
+            let _ = troubles.push(trouble); // three kinds, three places
+        };
+        let step = self.watch.next(number);
+        let mut gap = matches!(step.fault, Some(Fault::Skipped { sensing: 1.., .. }));
+        if let Some(fault) = step.fault {
+            tell(Trouble::Slot(fault));
+        }
+        let again = step.fault == Some(Fault::Repeated);
+        if self.awaited.is_some() && !again {
+            tell(Trouble::Missing);
+            self.awaited = None;
+            gap = true;
+        }
+        if step.begins {
+            self.receiver.reset();
+            let damage = self.models.iter().find_map(|model| model.check().err());
+            if let (true, Some(error)) = (self.sound, damage) {
+                tell(Trouble::Model(error));
+            }
+            self.sound = damage.is_none();
+        } else if gap {
+            self.restart();
+        }
+        if !self.sound {
+            self.watch.end_sensing();
+        }
+        if self.sound && step.slot == SlotUse::Sensing && !again && !self.receiver.stopped() {
+            self.awaited = Some(number);
+        }
+        Begun { slot: step.slot, troubles }
+    }
+
+    /// The samples of the sensing slot that began with this number. The verdict that stops ends the period's sensing.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble::Samples`], [`Trouble::Unasked`]: the samples are not used.
+    pub fn sensed(&mut self, number: u32, slot: &Slot) -> Result<Option<Verdict>, Trouble> {
+        if self.awaited != Some(number) {
+            return Err(Trouble::Unasked);
+        }
+        self.awaited = None;
+        if let Err(fault) = health::check(slot) {
+            self.watch.lose();
+            self.restart();
+            return Err(Trouble::Samples(fault));
+        }
+        let verdict = self.receiver.push(slot, &mut ());
+        if verdict.as_ref().is_some_and(|verdict| verdict.stop) {
+            self.watch.end_sensing();
+        }
+        Ok(verdict)
+    }
+
+    /// The watched schedule, to tell it what changes.
+    pub fn watch(&mut self) -> &mut Watch {
+        &mut self.watch
+    }
+
+    /// The recording begins anew, if the period has slots enough for one.
+    fn restart(&mut self) {
+        if self.receiver.stopped() {
+            return;
+        }
+        self.receiver.reset();
+        let need = self.receiver.exits().first().map_or(0, |exit| exit.model.sensing_slots());
+        if (self.watch.scheduler().sensing_left() as usize) < need {
+            self.watch.end_sensing();
+        }
+    }
+}
