@@ -32,6 +32,11 @@ impl File {
         (handle >= 0).then_some(File { handle: handle as usize })
     }
 
+    /// Its bytes.
+    pub fn length(&self) -> Option<usize> {
+        usize::try_from(call(0x0c, &[self.handle, 0, 0, 0])).ok()
+    }
+
     /// Fills the buffer; false if the file ends before.
     pub fn read(&mut self, buffer: &mut [u8]) -> bool {
         buffer.is_empty() || call(0x06, &[self.handle, buffer.as_mut_ptr() as usize, buffer.len(), 0]) == 0

@@ -26,16 +26,11 @@ mod firmware {
         exit(2)
     }
 
-    /// The file's bytes: their number is the header's.
+    /// The file's bytes.
     fn load<'b>(path: &str, memory: &'b mut [u8]) -> Option<&'b mut [u8]> {
         let mut file = File::open(path)?;
-        let (head, _) = memory.split_first_chunk_mut::<12>()?;
-        if !file.read(head) {
-            return None;
-        }
-        let stated = head.last_chunk::<4>().map(|bytes| u32::from_le_bytes(*bytes))?;
-        let whole = memory.get_mut(..stated as usize)?;
-        file.read(whole.get_mut(12..)?).then_some(whole)
+        let whole = memory.get_mut(..file.length()?)?;
+        file.read(whole).then_some(whole)
     }
 
     /// Flips one seeded bit a time, mends the checksum if wanted, and counts what is refused as `wanted` and what is taken.

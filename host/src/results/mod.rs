@@ -3,8 +3,10 @@
 //! The rooms fill these in; nothing here computes. Every file holding them is a function of the
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
+mod faults;
 mod trade;
 
+pub use faults::*;
 pub use trade::*;
 
 use serde::{Deserialize, Serialize};
