@@ -40,7 +40,7 @@ pub enum OutputError {
 }
 
 /// What a file is called while it is written, before the process's number.
-const PARTIAL: &str = ".partial-";
+const PARTIAL: &str = ".sdp3-partial-";
 /// The file that tries whether the folder can be written to, before the process's number.
 const PROBE: &str = ".sdp3-probe-";
 
@@ -66,7 +66,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Makes the folder if need be and tries to write to it.
+    /// Makes the folder if need be, tries to write to it, and removes what killed runs left half-written.
     ///
     /// # Errors
     ///
@@ -77,6 +77,7 @@ impl Output {
         std::fs::create_dir_all(folder).map_err(fail)?;
         let probe = folder.join(format!("{PROBE}{}", std::process::id()));
         std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
+        output.sweep()?;
         Ok(output)
     }
 
@@ -132,34 +133,35 @@ impl Output {
         written.map_err(fail)
     }
 
-    /// Removes what runs that were killed left half-written: `*.partial-PID` of the files `ours` knows, and probes, unless that
-    /// process still runs.
-    ///
-    /// # Errors
-    ///
-    /// [`OutputError::Write`] naming the file or folder.
-    pub fn sweep(&self, ours: impl Fn(&str) -> bool) -> Result<(), OutputError> {
+    /// Removes what runs that were killed left half-written in the folder and the folders in it, unless that process still runs.
+    fn sweep(&self) -> Result<(), OutputError> {
         let fail = |path: &Path| {
             let path = path.to_owned();
             move |source| OutputError::Write { path, source }
         };
-        for entry in std::fs::read_dir(&self.folder).map_err(fail(&self.folder))? {
-            let entry = entry.map_err(fail(&self.folder))?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let process = match name.rsplit_once(PARTIAL) {
-                Some((file, process)) if ours(file) => Some(process),
-                Some(_) => None,
-                None => name.strip_prefix(PROBE),
+        let mut folders = vec![self.folder.clone()];
+        while let Some(folder) = folders.pop() {
+            let entries = match std::fs::read_dir(&folder) {
+                Err(_) if folder != self.folder => continue, // somebody else's
+                entries => entries.map_err(fail(&folder))?,
             };
-            let Some(process) = process.and_then(|process| process.parse().ok()) else { continue };
-            if runs(process) {
-                continue;
-            }
-            match std::fs::remove_file(entry.path()) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(fail(&entry.path())(error));
+            for entry in entries {
+                let entry = entry.map_err(fail(&folder))?;
+                if folder == self.folder && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                    folders.push(entry.path());
                 }
-                _ => {}
+                let name = entry.file_name().to_string_lossy().into_owned();
+                let process = name.rsplit_once(PARTIAL).map(|(_, process)| process);
+                let process = process.or(name.strip_prefix(PROBE)).and_then(|process| process.parse().ok());
+                if process.is_none_or(runs) {
+                    continue;
+                }
+                match std::fs::remove_file(entry.path()) {
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                        return Err(fail(&entry.path())(error));
+                    }
+                    _ => {}
+                }
             }
         }
         Ok(())
@@ -223,13 +225,18 @@ mod tests {
     fn only_our_leftovers_of_dead_runs_are_swept() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::create(folder.path()).unwrap();
-        let own = format!("a.npz.partial-{}", std::process::id());
+        let own = format!("a.npz.sdp3-partial-{}", std::process::id());
         // 4294967295 is no process
-        let gone = ["a.npz.partial-4294967295", ".sdp3-probe-4294967295", &own];
-        let kept =
-            ["a.npz", "b.txt.partial-4294967295", "a.npz.partial-", "a.npz.partial-x", "partial-4294967295"];
+        let gone = [
+            "a.npz.sdp3-partial-4294967295",
+            ".sdp3-probe-4294967295",
+            "models/b.sdp3-partial-4294967295",
+            &own,
+        ];
+        let kept = ["a.npz", "b.txt.partial-4294967295", "a.npz.sdp3-partial-", "a.npz.sdp3-partial-x"];
+        std::fs::create_dir(output.path("models")).unwrap();
         gone.iter().chain(&kept).for_each(|name| std::fs::write(output.path(name), b"").unwrap());
-        output.sweep(|name| name == "a.npz").unwrap();
+        Output::create(folder.path()).unwrap();
         assert!(gone.iter().all(|name| !output.path(name).exists()));
         assert!(kept.iter().all(|name| output.path(name).exists()));
     }

@@ -143,7 +143,6 @@ impl<'a> Work<'a> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Written, OutputError> {
         self.refuse_another(output)?;
-        output.sweep(is_ours)?;
         let request = format!("{}\n", crate::output::to_json(&self.request));
         for (name, text) in [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)] {
             if std::fs::read(output.path(name)).ok().is_none_or(|found| found != text.as_bytes()) {
@@ -206,19 +205,6 @@ pub struct Written {
     pub kept: u32,
     /// The manifest, if the dataset is complete.
     pub manifest: Option<&'static str>,
-}
-
-/// Whether a dataset has a file of that name.
-fn is_ours(name: &str) -> bool {
-    let numbered = |prefix: &str, ends: &[&str]| {
-        let number = name.strip_prefix(prefix).and_then(|rest| rest.split_once('.'));
-        number.is_some_and(|(n, end)| {
-            n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()) && ends.contains(&end)
-        })
-    };
-    [SCENARIO, REQUEST, manifest::NAME].contains(&name)
-        || numbered("part-", &["npz", "json"])
-        || numbered("recording-", &["sigmf-data", "sigmf-meta"])
 }
 
 /// Refuses a file that is there and says something else.

@@ -142,6 +142,27 @@ fn write<W: Write + Seek>(
     files: &mut Vec<FileRecord>,
     tick: &(dyn Fn() + Sync),
 ) -> io::Result<Vec<One>> {
+    let mut archive = ZipWriter::new(file);
+    let written = fill(work, range, output, &mut archive, files, tick);
+    let finished = written.and_then(|all| {
+        archive.finish()?;
+        Ok(all)
+    });
+    if finished.is_err() {
+        // dropped, it would try to end the archive once more and print that it cannot
+        std::mem::forget(archive);
+    }
+    finished
+}
+
+fn fill<W: Write + Seek>(
+    work: &Work,
+    range: Range<u32>,
+    output: &Output,
+    archive: &mut ZipWriter<W>,
+    files: &mut Vec<FileRecord>,
+    tick: &(dyn Fn() + Sync),
+) -> io::Result<Vec<One>> {
     let made = |index: u32| {
         let mut one = one(work, index);
         let mut described = Vec::new();
@@ -156,7 +177,6 @@ fn write<W: Write + Seek>(
         Ok((one, described))
     };
     let (n, slots) = (range.len(), work.slots() as usize);
-    let mut archive = ZipWriter::new(file);
     let mut all = Vec::with_capacity(n);
     // the raw slots, if wanted, come first and go to the file as they are made
     let step = match work.request.raw {
@@ -171,7 +191,7 @@ fn write<W: Write + Seek>(
         Ok(ones)
     };
     if work.request.raw {
-        array(&mut archive, "raw", ("<i2", 2), &[n, slots, SLOT_SAMPLES, 2], |put| {
+        array(archive, "raw", ("<i2", 2), &[n, slots, SLOT_SAMPLES, 2], |put| {
             for from in range.clone().step_by(step) {
                 let mut ones = batch(from)?;
                 for one in &mut ones {
@@ -185,18 +205,17 @@ fn write<W: Write + Seek>(
         all = batch(range.start)?;
     }
     let frames = work.scenario.spectrogram.preprocessing().frames(slots);
-    array(&mut archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
+    array(archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
         all.iter_mut().try_for_each(|one| {
             put(&std::mem::take(&mut one.image).into_iter().map(i8::cast_unsigned).collect::<Vec<_>>())
         })
     })?;
-    array(&mut archive, "beat", ("<i4", 4), &[n, slots, BEATS, 2], |put| {
+    array(archive, "beat", ("<i4", 4), &[n, slots, BEATS, 2], |put| {
         all.iter_mut().try_for_each(|one| {
             put(&std::mem::take(&mut one.beat).into_iter().flat_map(i32::to_le_bytes).collect::<Vec<_>>())
         })
     })?;
-    array(&mut archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;
-    archive.finish()?;
+    array(archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;
     Ok(all)
 }
 
