@@ -158,16 +158,19 @@ pub fn train_all(
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Trained, TrainingError>>>> =
         order.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..workers.clamp(1, jobs.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(&j) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let watch = |state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| watch(j, state, epochs);
-                    let trained = train(&images[j], settings, classes, &jobs[j], threads, &watch);
-                    *results[j].lock().unwrap_or_else(|e| e.into_inner()) = Some(trained);
-                }
-            });
+    let work = || {
+        while let Some(&j) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let watch = |state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| watch(j, state, epochs);
+            let trained = train(&images[j], settings, classes, &jobs[j], threads, &watch);
+            *results[j].lock().unwrap_or_else(|e| e.into_inner()) = Some(trained);
         }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..workers.clamp(1, jobs.len().max(1)) {
+            // a thread that the system refuses is a worker less
+            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
+        }
+        work();
     });
     results
         .into_iter()
