@@ -1,5 +1,7 @@
 //! Bytes as numbers, and model files made of bytes, for the fuzz targets.
 
+pub mod files;
+
 use sdp3_core::dsn::model::crc32;
 
 /// Bytes read as numbers; zeros beyond the end.

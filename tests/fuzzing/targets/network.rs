@@ -58,7 +58,8 @@ fuzz_target!(|data: &[u8]| {
         assert_eq!(layers(model.clone(), &image, kernels), expected, "tiles, {places} places");
     }
     for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-        let (mut lines, mut words) = (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
+        let (mut lines, mut words) =
+            (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
         let memory = VectorMemory { lines: &mut lines, words: &mut words };
         let Some(kernels) = Vector::new(&model, isa, memory) else { continue };
         assert_eq!(layers(model.clone(), &image, kernels), expected, "{}", isa.name());

@@ -10,7 +10,8 @@ fn plan(bytes: &mut Bytes<'_>) -> Plan {
     let period = 1 + u32::from(bytes.u8()) % 200;
     let spacing = u32::from(bytes.u8()) % 6;
     let sensing = u32::from(bytes.u8()) % (period / (spacing + 1) + 1);
-    let rates: Vec<u32> = (0..1 + usize::from(bytes.u8()) % RECEIVERS).map(|_| 1 + bytes.u32() % (1 << 28)).collect();
+    let rates: Vec<u32> =
+        (0..1 + usize::from(bytes.u8()) % RECEIVERS).map(|_| 1 + bytes.u32() % (1 << 28)).collect();
     let mut shares = vec![0; rates.len()];
     apportion(&rates, &vec![0; rates.len()], period - sensing, &mut shares);
     assert_eq!(shares.iter().sum::<u32>(), period - sensing);
