@@ -8,7 +8,7 @@
 //! `[recording]` and, if asked for, `raw` int16 `[recording, slot, 1000, 2]` (I, Q), whose beats `beat` then are.
 
 mod manifest;
-mod part;
+pub mod part;
 mod record;
 mod sigmf;
 #[cfg(feature = "train")]
@@ -114,7 +114,8 @@ impl<'a> Work<'a> {
         Work { scenario, rho, request }
     }
 
-    fn recordings(&self) -> u32 {
+    /// Recordings of all classes.
+    pub fn recordings(&self) -> u32 {
         self.request.per_class.saturating_mul(self.request.classes.len() as u32)
     }
 
@@ -127,7 +128,8 @@ impl<'a> Work<'a> {
         first..self.recordings().min(first + part::RECORDINGS)
     }
 
-    fn slots(&self) -> u32 {
+    /// Sensing slots of a recording: the largest N_s.
+    pub fn slots(&self) -> u32 {
         self.scenario.largest_sensing_slots()
     }
 

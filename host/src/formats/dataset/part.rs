@@ -45,17 +45,23 @@ pub fn sidecar_name(part: u32) -> String {
 }
 
 /// One recording as it is stored.
-struct One {
-    slots: Vec<Slot>,
-    image: Vec<i8>,
-    beat: Vec<i32>,
-    label: u8,
-    truth: Truth,
+#[derive(Debug, Clone)]
+pub struct One {
+    /// Raw slots, if they are wanted.
+    pub slots: Vec<Slot>,
+    /// `[64, frames]`, of the largest N_s.
+    pub image: Vec<i8>,
+    /// `[slow_time, fast_time, 2]`.
+    pub beat: Vec<i32>,
+    /// Its class's place among those of the dataset.
+    pub label: u8,
+    /// What is true of it.
+    pub truth: Truth,
 }
 
 /// Recording `index`: a function of (scenario, classes, rho, seed, index) alone. Raw slots are made where they are stored, and
 /// beats and image are then theirs; else the beats are made directly.
-fn one(work: &Work, index: u32) -> One {
+pub fn one(work: &Work, index: u32) -> One {
     let Work { scenario, rho, request, .. } = work;
     let count = request.classes.len() as u32;
     let (class, n) = (request.classes[(index % count) as usize], index / count);

@@ -200,6 +200,19 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
             return Err(source.value("extension", format!("{extension:?}"), legal));
         }
     };
+    checked(source, contents, stated)
+}
+
+/// A signal that is in memory, held to the same limits as one in a file; `name` stands for the file in errors.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn signal(name: &str, samples: Samples, stated: &Stated) -> Result<Signal, MeasuredError> {
+    checked(Source(Path::new(name)), Contents { samples, rate_hz: None, carrier_hz: None }, stated)
+}
+
+fn checked(source: Source, contents: Contents, stated: &Stated) -> Result<Signal, MeasuredError> {
     let rate_hz = source.known(
         (stated.rate_hz, contents.rate_hz),
         ("rate (Hz)", "--rate"),
@@ -228,7 +241,7 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
     if power == 0.0 {
         return Err(source.value("mean power", 0, "above 0: nothing was recorded"));
     }
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = source.0.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name} (mean power {:.1} dB)", 10.0 * libm::log10(power) - gain_db);
     Ok(Signal { samples: contents.samples, rate_hz, carrier_hz, title })
 }

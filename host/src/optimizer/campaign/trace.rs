@@ -1,7 +1,8 @@
 //! A trace for Perfetto: Chrome's trace event format, JSON.
 //!
 //! Slots of the first periods as slices on one track per use, boundaries and lost slots as instants, throughput per period as
-//! counters. Times in microseconds of simulated time.
+//! counters. Times in microseconds of simulated time. Of longer campaigns the first [`PERIODS`] periods are kept: what a viewer opens, in
+//! a few megabytes of memory.
 
 use crate::scenario::Frame;
 use sdp3_core::schedule::{Boundary, Plan, RECEIVERS, SlotUse};
@@ -16,6 +17,9 @@ pub struct Trace {
     /// Track, first slot and number of slots of the slice not yet written.
     open: Option<(u32, u64, u64)>,
 }
+
+/// Periods that a trace tells of.
+pub const PERIODS: u32 = 10_000;
 
 /// Track of sensing slots; receivers' follow, then idle slots'.
 const SENSING: u32 = 1;
@@ -87,7 +91,7 @@ impl Trace {
 
     /// A period begins.
     pub fn boundary(&mut self, period: u32, boundary: Boundary, plan: &Plan) {
-        if !boundary.replanned {
+        if !boundary.replanned || period >= PERIODS {
             return;
         }
         self.close();
@@ -110,6 +114,9 @@ impl Trace {
 
     /// A period ends, having delivered so many bits to each receiver.
     pub fn period(&mut self, period: u32, delivered_bit: &[f64; RECEIVERS]) {
+        if period >= PERIODS {
+            return;
+        }
         self.close();
         let ts = self.time(period, 1) as f64 * self.slot_us;
         let values: Vec<String> = delivered_bit

@@ -1,0 +1,100 @@
+from collections.abc import Sequence
+from typing import Any, Final, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: Final[str]
+CLASSES: Final[list[str]]
+
+class Recordings(TypedDict, total=False):
+    beat: NDArray[np.int32]
+    image: NDArray[np.int8]
+    label: NDArray[np.uint8]
+    raw: NDArray[np.int16]
+
+def scenario(text: str = "") -> str:
+    """The scenario resolved: every field with its value, as TOML. ValueError names a field that is not legal."""
+
+def simulate(
+    scenario: str = "",
+    *,
+    per_class: int = 1,
+    seed: int = 1,
+    classes: Sequence[str] | None = None,
+    rho: float | None = None,
+    raw: bool = False,
+) -> Recordings:
+    """What ``sdp3 simulate`` stores, recordings of each class in turn.
+
+    ``beat`` [recording, slow time, fast time, 2] int32, eighths of an LSB; ``image`` [recording, 64, frame] int8, grey levels - 128;
+    ``label`` [recording] uint8; with ``raw`` also ``raw`` [recording, slow time, 1000, 2] int16, LSB.
+    """
+
+def calibrate(
+    signal: NDArray[Any],
+    rate_hz: float,
+    carrier_hz: float,
+    *,
+    motion: str = "adult-walking",
+    scenario: str = "",
+    seed: int = 1,
+) -> dict[str, Any]:
+    """rho of the room that a measured signal, real or complex, shows, with the KL curve: the answer of ``sdp3 calibrate --json``."""
+
+def fit(points: Sequence[Sequence[float]], *, seed: int = 1) -> dict[str, Any]:
+    """The seven learning curves through (sensing slots, accuracy[, tested]): the answer of ``sdp3 predict --json``."""
+
+def optimize(
+    points: Sequence[Sequence[float]],
+    scenario: str = "",
+    *,
+    accuracy: float | None = None,
+    throughput: float | None = None,
+    weight: float | None = None,
+    seed: int = 1,
+) -> dict[str, Any]:
+    """Region, zones and operating point under at most one rule: the answer of ``sdp3 optimize --json``."""
+
+def dechirp(slots: NDArray[np.int16]) -> NDArray[np.int32]:
+    """[slow time, 1000, 2] LSB to [slow time, 8, 2], by the radar module's code."""
+
+class Scheduler:
+    """The radar module's scheduler. Slots are -1 for sensing, -2 for nobody's, else the receiver's number."""
+
+    def __init__(self, period: int, spacing: int, sensing: int, rates: Sequence[int]) -> None: ...
+    def next(self) -> int: ...
+    def play(self, slots: int) -> NDArray[np.int8]: ...
+    def lose(self) -> None: ...
+    def end_sensing(self) -> None: ...
+    def set_rate(self, receiver: int, rate: int) -> None: ...
+    def set_sensing_slots(self, slots: int) -> None: ...
+    @property
+    def position(self) -> int: ...
+    @property
+    def shares(self) -> list[int]: ...
+    @property
+    def longest_waits(self) -> list[int | None]: ...
+
+class Model:
+    """A model file, run by the radar module's code: the same bits as on every other processor."""
+
+    def __init__(self, file: bytes) -> None: ...
+    @property
+    def classes(self) -> list[str]: ...
+    @property
+    def sensing_slots(self) -> int: ...
+    @property
+    def frames(self) -> int: ...
+    @property
+    def revision(self) -> int: ...
+    @property
+    def signed(self) -> bool: ...
+    def image(self, slots: NDArray[np.int16]) -> NDArray[np.int8]:
+        """[slow time, 1000, 2] LSB to the network's image, [64, frames]."""
+
+    def logits(self, image: NDArray[np.int8]) -> NDArray[np.int8]:
+        """[64, frames] or [recording, 64, frames] to [classes] or [recording, classes]."""
+
+    def classify(self, slots: NDArray[np.int16]) -> tuple[str, float]:
+        """Raw slots to a class and its confidence, as the base station does it."""

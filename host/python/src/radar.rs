@@ -1,0 +1,217 @@
+//! The radar module: `dechirp`, `Scheduler`, `Model`.
+
+use crate::refused;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use sdp3::conformance::compare::OwnedBuffers;
+use sdp3_core::dsn::Model as Parsed;
+use sdp3_core::frame::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
+use sdp3_core::probe::Probe;
+use sdp3_core::schedule::{RECEIVERS, Sensing, SlotUse};
+
+/// Raw slots of an array [slow time, 1000, 2].
+fn slots(array: &PyReadonlyArray3<'_, i16>) -> PyResult<Vec<Slot>> {
+    let (shape, samples) = (array.shape(), array.as_array());
+    if shape[1] != SLOT_SAMPLES || shape[2] != 2 {
+        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: [slow time, {SLOT_SAMPLES}, 2]")));
+    }
+    let slot = |n: usize| core::array::from_fn(|l| Iq { i: samples[[n, l, 0]], q: samples[[n, l, 1]] });
+    Ok((0..shape[0]).map(slot).collect())
+}
+
+/// [slow time, 1000, 2] to [slow time, 8, 2].
+#[pyfunction]
+pub fn dechirp<'py>(
+    py: Python<'py>,
+    slots: PyReadonlyArray3<'py, i16>,
+) -> PyResult<Bound<'py, numpy::PyArray3<i32>>> {
+    let slots = self::slots(&slots)?;
+    let beats = slots.iter().flat_map(|slot| sdp3_core::dechirp::dechirp(slot).map(|z| [z.re, z.im]));
+    PyArray1::from_vec(py, beats.flatten().collect()).reshape([slots.len(), BEATS, 2])
+}
+
+/// The scheduler.
+#[pyclass]
+pub struct Scheduler(sdp3_core::schedule::Scheduler);
+
+fn number(slot: SlotUse) -> i8 {
+    match slot {
+        SlotUse::Sensing => -1,
+        SlotUse::Idle => -2,
+        SlotUse::Communication(k) => k as i8,
+    }
+}
+
+#[pymethods]
+impl Scheduler {
+    #[new]
+    fn new(period: u32, spacing: u32, sensing: u32, rates: Vec<u32>) -> PyResult<Self> {
+        let sensing = Sensing::new(period, spacing, sensing).map_err(refused)?;
+        if rates.is_empty() || rates.len() > RECEIVERS {
+            let n = rates.len();
+            return Err(refused(format!("rates: {n} receivers are outside the legal range: 1..={RECEIVERS}")));
+        }
+        let mut all = [0; RECEIVERS];
+        all.iter_mut().zip(rates).for_each(|(to, rate)| *to = rate);
+        Ok(Scheduler(sdp3_core::schedule::Scheduler::new(sensing, all)))
+    }
+
+    fn next(&mut self) -> i8 {
+        number(self.0.next())
+    }
+
+    fn play<'py>(&mut self, py: Python<'py>, slots: usize) -> Bound<'py, PyArray1<i8>> {
+        PyArray1::from_vec(py, (0..slots).map(|_| number(self.0.next())).collect())
+    }
+
+    fn lose(&mut self) {
+        self.0.lose();
+    }
+
+    fn end_sensing(&mut self) {
+        self.0.end_sensing();
+    }
+
+    fn set_rate(&mut self, receiver: usize, rate: u32) -> PyResult<()> {
+        if receiver >= RECEIVERS {
+            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0..{RECEIVERS}")));
+        }
+        self.0.set_rate(receiver, rate);
+        Ok(())
+    }
+
+    fn set_sensing_slots(&mut self, slots: u32) -> PyResult<()> {
+        self.0.set_sensing_slots(slots).map_err(refused)
+    }
+
+    #[getter]
+    fn position(&self) -> u32 {
+        self.0.position()
+    }
+
+    #[getter]
+    fn shares(&self) -> Vec<u32> {
+        self.0.plan().shares().to_vec()
+    }
+
+    #[getter]
+    fn longest_waits(&self) -> Vec<Option<u32>> {
+        (0..RECEIVERS).map(|k| self.0.plan().longest_wait(k)).collect()
+    }
+}
+
+/// A model file.
+#[pyclass(frozen)]
+pub struct Model {
+    file: Vec<u8>,
+}
+
+/// Keeps the network's image.
+#[derive(Default)]
+struct Kept(Vec<i8>);
+
+impl Probe for Kept {
+    fn image(&mut self, image: &[i8]) {
+        self.0 = image.to_vec();
+    }
+}
+
+impl Model {
+    fn parsed(&self) -> PyResult<Parsed<'_>> {
+        Parsed::parse(&self.file).map_err(refused)
+    }
+
+    /// Slots through the receiver.
+    fn recognise(&self, slots: &[Slot], probe: &mut impl Probe) -> PyResult<sdp3_core::receiver::Recognition> {
+        let model = self.parsed()?;
+        if slots.len() != model.sensing_slots() {
+            let (have, need) = (slots.len(), model.sensing_slots());
+            return Err(refused(format!("slots: {have} are outside the legal range: the model takes {need}")));
+        }
+        let mut buffers = OwnedBuffers::for_model(&model);
+        let mut receiver = buffers.receiver(model).map_err(refused)?;
+        for slot in slots {
+            receiver.push(slot, &mut ()).map_err(refused)?;
+        }
+        receiver.classify(probe).map_err(refused)
+    }
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    fn new(file: Vec<u8>) -> PyResult<Self> {
+        let model = Model { file };
+        model.parsed()?;
+        Ok(model)
+    }
+
+    #[getter]
+    fn classes(&self) -> PyResult<Vec<String>> {
+        let model = self.parsed()?;
+        Ok((0..model.classes()).map(|class| model.class_name(class).to_owned()).collect())
+    }
+
+    #[getter]
+    fn sensing_slots(&self) -> PyResult<usize> {
+        Ok(self.parsed()?.sensing_slots())
+    }
+
+    #[getter]
+    fn frames(&self) -> PyResult<usize> {
+        Ok(self.parsed()?.frames())
+    }
+
+    #[getter]
+    fn revision(&self) -> PyResult<u32> {
+        Ok(self.parsed()?.revision())
+    }
+
+    #[getter]
+    fn signed(&self) -> PyResult<bool> {
+        Ok(self.parsed()?.is_signed())
+    }
+
+    fn image<'py>(
+        &self,
+        py: Python<'py>,
+        slots: PyReadonlyArray3<'py, i16>,
+    ) -> PyResult<Bound<'py, numpy::PyArray2<i8>>> {
+        let mut kept = Kept::default();
+        self.recognise(&self::slots(&slots)?, &mut kept)?;
+        PyArray1::from_vec(py, kept.0).reshape([ROWS, self.frames()?])
+    }
+
+    fn logits<'py>(
+        &self,
+        py: Python<'py>,
+        image: PyReadonlyArrayDyn<'py, i8>,
+    ) -> PyResult<Bound<'py, numpy::PyArrayDyn<i8>>> {
+        let model = self.parsed()?;
+        let (frames, classes) = (model.frames(), model.classes());
+        let shape = image.shape().to_vec();
+        let count = match shape[..] {
+            [ROWS, f] if f == frames => 1,
+            [count, ROWS, f] if f == frames => count,
+            _ => {
+                let legal = format!("[{ROWS}, {frames}] or [recording, {ROWS}, {frames}]");
+                return Err(refused(format!("image: shape {shape:?} is outside its legal range: {legal}")));
+            }
+        };
+        let pixels: Vec<i8> = image.as_array().iter().copied().collect();
+        let mut buffers = OwnedBuffers::for_model(&model);
+        let mut network = buffers.network(model).map_err(refused)?;
+        let mut logits = Vec::with_capacity(count * classes);
+        for image in pixels.chunks_exact(ROWS * frames) {
+            logits.extend_from_slice(&network.infer(image, &mut ()).logits);
+        }
+        let wanted = if shape.len() == 2 { vec![classes] } else { vec![count, classes] };
+        PyArray1::from_vec(py, logits).reshape(wanted)
+    }
+
+    fn classify(&self, slots: PyReadonlyArray3<'_, i16>) -> PyResult<(String, f32)> {
+        let answer = self.recognise(&self::slots(&slots)?, &mut ())?;
+        let model = self.parsed()?;
+        Ok((model.class_name(usize::from(answer.class)).to_owned(), answer.confidence))
+    }
+}
