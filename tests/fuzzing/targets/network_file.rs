@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::formats::model_file::Preprocessing;
-use sdp3::formats::tflite::import::{Surroundings, import};
+use sdp3::formats::tflite::{Surroundings, import};
 use sdp3::predictor::safetensors;
 
 fuzz_target!(|data: &[u8]| {
