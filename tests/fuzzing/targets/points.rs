@@ -8,7 +8,7 @@ use sdp3_fuzz::files::File;
 fuzz_target!(|data: &[u8]| {
     match read(File::new("csv", data).path()) {
         Ok(points) => {
-            assert!(points.iter().all(|p| (0.0..=1.0).contains(&p.accuracy) && p.sensing_slots > 1))
+            assert!(points.iter().all(|p| (0.0..=1.0).contains(&p.accuracy) && p.sensing_slots > 1.0))
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
