@@ -1,0 +1,25 @@
+//! Pictures and pages of what the floors found. Reads results, computes none.
+//!
+//! [`page`] is one self-contained HTML file: static figures and tables, and over them the [`explorer`], a script of our own that
+//! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content
+//! security policy that allows none. Without the script the page still shows every figure. [`paper`] writes the figures as files.
+
+pub mod anytime;
+mod confusion;
+mod explorer;
+#[cfg(feature = "train")]
+pub mod fidelity;
+pub mod figures;
+pub mod gallery;
+mod page;
+pub mod paper;
+pub mod plot;
+pub mod spectrograms;
+#[cfg(feature = "train")]
+pub mod studies;
+pub mod tables;
+pub mod timeline;
+
+pub use page::page;
+
+const STYLE: &str = include_str!("style.css");
