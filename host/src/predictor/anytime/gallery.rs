@@ -34,7 +34,7 @@ pub fn gallery(
     let courses = policy.courses(&answers);
     let (threshold, last) =
         policy.cheapest(&courses, &answers.truth, answers.alone(last)).unwrap_or((2.0, last));
-    let hear = |&class: &Class| {
+    let hear = |&class: &Class| -> Result<AnytimeRecording, AccuracyError> {
         let exits = hear(scenario, rho, seed, models, &policy, class)?;
         let stop = exits[..last].iter().find(|exit| exit.confidence >= f64::from(threshold as f32));
         let stops_after = stop.map_or(policy.exits[last].sensing_slots, |exit| exit.sensing_slots);
@@ -44,7 +44,7 @@ pub fn gallery(
         threshold,
         most_sensing_slots: policy.exits[last].sensing_slots,
         calibrated_on: answers.truth.len() as u32,
-        recordings: Class::ALL.iter().map(hear).collect::<Result<_, AccuracyError>>()?,
+        recordings: Class::ALL.iter().map(hear).collect::<Result<_, _>>()?,
     }))
 }
 
@@ -90,7 +90,7 @@ fn probabilities(verdicts: &[Verdict], weights: &[i32]) -> Vec<f64> {
         add_evidence(&mut evidence, &verdict.answer.logits, weight);
     }
     let most = evidence.iter().copied().max().unwrap_or(0);
-    let nat = |value: i32| f64::from(value - most) / f64::from(1_u32 << EVIDENCE_BITS);
+    let nat = |value: i32| (f64::from(value) - f64::from(most)) / f64::from(1_u32 << EVIDENCE_BITS);
     let shares: Vec<f64> = evidence.iter().map(|&value| libm::exp(nat(value))).collect();
     let sum: f64 = shares.iter().sum();
     shares.into_iter().map(|share| share / sum).collect()
