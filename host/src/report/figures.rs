@@ -157,8 +157,8 @@ pub fn region(run: &Run, figures: &Figures) -> Plot {
     let p = &run.operating_point;
     let (px, py) = plot.at(p.accuracy, p.throughput_bit / 1e6);
     plot.raw(&format!(
-        "<g data-chosen><circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"8\" fill=\"none\" stroke=\"var(--ink,#222)\" stroke-width=\"2\"/>\
-         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">N_s = {}</text></g>",
+        "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"8\" fill=\"none\" stroke=\"var(--ink,#222)\" stroke-width=\"2\"/>\
+         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">N_s = {}</text>",
         px - 12.0,
         py + 22.0,
         p.sensing_slots

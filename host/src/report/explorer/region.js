@@ -8,9 +8,11 @@ function regionPanel() {
       .filter((point) => point.case === number)
       .map((point) => ({ ...point, x: point.accuracy, y: point.throughput_bit / 1e6 })),
   );
+  // results of every optimum hold its point; where they do not, the nearest is shown
   const find = (number, slots) => {
     const s = cases.indexOf(number);
-    return { s, k: series[s].findIndex((point) => point.sensing_slots === slots) };
+    const far = (k) => Math.abs(series[s][k].sensing_slots - slots);
+    return { s, k: series[s].reduce((best, _, k) => (far(k) < far(best) ? k : best), 0) };
   };
   const own = run.operating_point;
   const say = (point) => [
