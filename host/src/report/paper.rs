@@ -7,7 +7,6 @@ use super::{confusion, figures, spectrograms, timeline};
 use crate::results::{Figures, Run};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
-use std::sync::Arc;
 
 /// Pixels of a PNG for each unit of its SVG: 1920 for 640, which is 300 dpi over a column and a half.
 const SCALE: f32 = 3.0;
@@ -80,14 +79,8 @@ pub fn files(run: &Run, found: &Figures) -> Result<Vec<(String, Vec<u8>)>, Paper
     fonts.load_font_data(dejavu::sans::regular().to_vec());
     fonts.load_font_data(dejavu::sans::bold().to_vec());
     fonts.set_sans_serif_family("DejaVu Sans");
-    let fonts = Arc::clone(&options.fontdb);
     let mut files = Vec::new();
     for (name, svg) in svgs(run, found) {
-        let options = Options {
-            fontdb: Arc::clone(&fonts),
-            font_family: options.font_family.clone(),
-            ..Options::default()
-        };
         files.push((format!("{name}.png"), png(&name, &svg, &options)?));
         files.push((format!("{name}.svg"), svg.into_bytes()));
     }
