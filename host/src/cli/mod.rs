@@ -80,7 +80,7 @@ pub enum Command {
     Anytime(trader::AnytimeArgs),
     /// Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes.
     Schedule(trader::WorldArgs),
-    /// Write the report page of --out's run again.
+    /// Write the report page of --out's run again, and its figures as SVG and PNG.
     Report,
 }
 

@@ -83,6 +83,9 @@ pub struct Prediction {
     pub best: String,
     /// The points fitted.
     pub points: Vec<CurvePoint>,
+    /// The `N_s` at which curves and band are stated, ascending.
+    #[serde(default)]
+    pub slots: Vec<f64>,
     /// Every model, best first.
     pub models: Vec<FittedCurve>,
     /// The models in the order of each figure of merit.
@@ -152,6 +155,9 @@ pub struct FittedCurve {
     pub name: String,
     /// Fitted parameters.
     pub parameters: Parameters,
+    /// Its accuracies at [`Prediction::slots`].
+    #[serde(default)]
+    pub accuracy: Vec<f64>,
     /// Sum of squared errors.
     pub sse: f64,
     /// Root mean squared error.
@@ -184,11 +190,23 @@ pub struct TargetVerdict {
     pub mismatches: u64,
     /// Instructions the target executed for one recognition of the largest recording; absent on the host.
     pub instructions: Option<u64>,
+    /// Instructions of the costliest recognition for each number of sensing slots.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recognitions: Vec<Counted>,
     /// First difference, or why the target could not run; absent when all agreed.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub detail: Option<String>,
     /// The stages compared on this target.
     pub stages: Vec<StageVerdict>,
+}
+
+/// Instructions of one recognition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counted {
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Instructions, from the first sample to the class.
+    pub instructions: u64,
 }
 
 /// One stage of one target.
@@ -325,6 +343,12 @@ pub struct Figures {
     /// Receiver placements: prices, borders of the zones, operating points.
     #[serde(default)]
     pub cases: Vec<Case>,
+    /// The slots of every point of [`Run::region`].
+    #[serde(default)]
+    pub plans: Vec<SlotPlan>,
+    /// What anytime sensing makes of `spectrograms`; absent if there are more networks than it takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub anytime: Option<AnytimeGallery>,
 }
 
 /// Optimum of the weighted sum for one weight.

@@ -9,6 +9,9 @@ pub struct RegionPoint {
     pub case: u32,
     /// `N_s`.
     pub sensing_slots: u32,
+    /// `N_c,k` of each receiver.
+    #[serde(default)]
+    pub communication_slots: Vec<u32>,
     /// Predicted accuracy, 0..=1.
     pub accuracy: f64,
     /// Lower end of its confidence band.
@@ -164,6 +167,21 @@ pub struct Schedule {
     /// Class the core recognised at the end of the sensing slots, if signals were played.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recognised: Option<Recognised>,
+}
+
+/// One period of a boundary's point as the core's scheduler plays it, in as many numbers as a picture needs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SlotPlan {
+    /// Receiver placement.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Longest run of slots each receiver waits.
+    pub longest_wait_slots: Vec<u32>,
+    /// Uses of the first slots, one by one: -1 sensing, -2 nobody, else the receiver's index.
+    pub first: Vec<i32>,
+    /// The whole period in columns of (nearly) equal width: slots of `[sensing, receiver 0, receiver 1, ..]` in each.
+    pub columns: Vec<Vec<u32>>,
 }
 
 /// A recognition made while a period was played.
@@ -324,6 +342,45 @@ pub struct AnytimeResult {
     pub static_region: Vec<StaticPoint>,
     /// The threshold and last exit that the rule chooses in `trade.case`.
     pub operating_point: AnytimeRegionPoint,
+}
+
+/// Recordings of the gallery as anytime sensing hears them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeGallery {
+    /// Confidence that stops, chosen for the accuracy of the last network alone; above 1 none does.
+    pub threshold: f64,
+    /// Sensing slots of the last exit that is waited for.
+    pub most_sensing_slots: u32,
+    /// Recordings that weights and threshold were fitted to.
+    pub calibrated_on: u32,
+    /// A recording of every class.
+    pub recordings: Vec<AnytimeRecording>,
+}
+
+/// What every exit says of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeRecording {
+    /// Its class.
+    pub truth: String,
+    /// Every exit, fewest slots first.
+    pub exits: Vec<AnytimeVerdict>,
+    /// Sensing slots after which the core stops at the gallery's threshold.
+    pub stops_after: u32,
+}
+
+/// What an exit says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeVerdict {
+    /// Sensing slots heard.
+    pub sensing_slots: u32,
+    /// Frames of the spectrogram they make.
+    pub frames: u32,
+    /// The class.
+    pub class: String,
+    /// Its calibrated probability by the core, 0..=1.
+    pub confidence: f64,
+    /// Probabilities of all classes by the same evidence, in f64.
+    pub probabilities: Vec<f64>,
 }
 
 /// A static point as measured.
