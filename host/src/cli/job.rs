@@ -26,6 +26,9 @@ pub struct RunArgs {
     /// Size of the job.
     #[arg(long, value_enum, default_value_t = Preset::Quick)]
     pub preset: Preset,
+    /// Go on from the checkpoints in --out, with the same result as without the interruption.
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub measured: MeasuredArgs,
     #[command(flatten)]

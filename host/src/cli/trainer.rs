@@ -9,6 +9,7 @@ use sdp3::formats::measured::Stated;
 use sdp3::optimizer::{Rule, playback};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::predictor::anytime::gallery::gallery;
+use sdp3::predictor::learn::{How, history};
 use sdp3::predictor::parameters::Parameters;
 use sdp3::predictor::safetensors;
 use sdp3::predictor::spectrograms::Collected;
@@ -18,7 +19,7 @@ use sdp3::simulator::dataset::Set;
 use sdp3_core::anytime::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
-    let RunArgs { preset, measured, proof } = args;
+    let RunArgs { preset, resume, measured, proof } = args;
     let job = &context.job_of(preset)?;
     check_targets(&proof)?;
     job.warn_of_aliasing();
@@ -39,7 +40,8 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
         job.progress.note("calibrate", &text);
     }
     let spectrograms = job.gallery(rho);
-    let (learned, _) = job.learn(rho, context.workers())?;
+    let how = How { checkpoints: true, resume, ..How::default() };
+    let (learned, _) = job.learn(rho, context.workers(), how)?;
     for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
         job.output.write(&model_name(*n), bytes)?;
     }
@@ -99,7 +101,6 @@ fn hear(job: &Job, rho: f64, models: &[Vec<u8>]) -> Result<Option<AnytimeGallery
 }
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    use sdp3::predictor::learn::{How, history};
     use sdp3::predictor::recipe::Recipe;
     use sdp3::predictor::training::Backend;
     let backend = match args.backend {

@@ -1,9 +1,11 @@
 //! What the trade finds: regions, operating points, schedules, campaigns, anytime sensing.
 
+use super::{Curve, WeightedPoint};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One point of the accuracy-throughput boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RegionPoint {
     /// Receiver placement: `1` or `2` in the paper's section VI.
     pub case: u32,
@@ -29,8 +31,27 @@ pub struct RegionPoint {
     pub zone: Zone,
 }
 
+/// The region and the point chosen on it: what `sdp3 optimize` finds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Optimum {
+    /// The learning curve.
+    pub curve: Curve,
+    /// Boundary of every receiver placement.
+    pub region: Vec<RegionPoint>,
+    /// The point for the scheduler.
+    pub operating_point: OperatingPoint,
+    /// Operating points by weight.
+    pub weighted: Vec<WeightedPoint>,
+    /// Receiver placements.
+    pub cases: Vec<Case>,
+    /// Other spacings N_m.
+    pub spacings: Vec<Spacing>,
+    /// Share of the larger normalised marginal rate below which a point is saturated.
+    pub zone_ratio: f64,
+}
+
 /// Where one zone ends and another begins.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Border {
     /// The first N_s of the second zone.
     pub sensing_slots: u32,
@@ -43,7 +64,7 @@ pub struct Border {
 }
 
 /// A receiver placement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Case {
     /// Number, from 1.
     pub case: u32,
@@ -58,7 +79,7 @@ pub struct Case {
 }
 
 /// The operating point at one N_m.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spacing {
     /// N_m.
     pub spacing_slots: u32,
@@ -79,7 +100,7 @@ pub struct Spacing {
 }
 
 /// The operating point of one combination of a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SweepRow {
     /// Carrier in Hz.
     pub carrier_hz: f64,
@@ -102,7 +123,7 @@ pub struct SweepRow {
 }
 
 /// The paper's three zones of the region.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Zone {
     /// Throughput is near its ceiling: giving up a little of it buys much accuracy.
@@ -125,7 +146,7 @@ impl Zone {
 }
 
 /// The operating point chosen on the boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OperatingPoint {
     /// Receiver placement.
     pub case: u32,
@@ -150,7 +171,7 @@ pub struct OperatingPoint {
 }
 
 /// One period as the core's scheduler played it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Schedule {
     /// `N`.
     pub period_slots: u32,
@@ -185,7 +206,7 @@ pub struct SlotPlan {
 }
 
 /// A recognition made while a period was played.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Recognised {
     /// Class played.
     pub truth: String,
@@ -196,7 +217,7 @@ pub struct Recognised {
 }
 
 /// Thousands of periods as the core's scheduler played them: what `sdp3 schedule --periods` finds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Campaign {
     /// Periods.
     pub periods: u32,
@@ -221,7 +242,7 @@ pub struct Campaign {
 }
 
 /// A receiver in a campaign.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct CampaignReceiver {
     /// Periods it was there.
     pub periods: u64,
@@ -238,7 +259,7 @@ pub struct CampaignReceiver {
 }
 
 /// What period boundaries did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Replans {
     /// Boundaries.
     pub boundaries: u64,
@@ -261,7 +282,7 @@ pub struct Replans {
 }
 
 /// Recognitions in a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Recognitions {
     /// Periods in which somebody moved before the radar.
     pub count: u64,
@@ -274,7 +295,7 @@ pub struct Recognitions {
 }
 
 /// An exit of anytime sensing.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeExit {
     /// Sensing slots after which it classifies.
     pub sensing_slots: u32,
@@ -283,7 +304,7 @@ pub struct AnytimeExit {
 }
 
 /// What a threshold brings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimePoint {
     /// Confidence that stops; above 1 none does.
     pub threshold: f64,
@@ -300,7 +321,7 @@ pub struct AnytimePoint {
 }
 
 /// A static number of sensing slots and the anytime policy of the same accuracy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeGain {
     /// N_s of the network alone.
     pub static_slots: u32,
@@ -313,7 +334,7 @@ pub struct AnytimeGain {
 }
 
 /// A point of the anytime region.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeRegionPoint {
     /// Receiver placement.
     pub case: u32,
@@ -324,7 +345,7 @@ pub struct AnytimeRegionPoint {
 }
 
 /// The anytime region beside the static one: what `sdp3 anytime` finds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeResult {
     /// Exits and weights: with a threshold, all that a receiver needs beside the models.
     pub exits: Vec<AnytimeExit>,
@@ -384,7 +405,7 @@ pub struct AnytimeVerdict {
 }
 
 /// A static point as measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StaticPoint {
     /// Receiver placement.
     pub case: u32,

@@ -105,7 +105,7 @@ pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
         job.scenario = context.trained(&job)?;
     }
     let settings = settings(args, &job.scenario, sensing_slots)?;
-    job.output.write("schedule-scenario.toml", job.scenario.to_toml().as_bytes())?;
+    context.record(&job, "schedule")?;
     let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
