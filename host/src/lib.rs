@@ -1,4 +1,14 @@
 //! sdp3: how many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
+//!
+//! | feature | default | effect |
+//! |---|---|---|
+//! | `train` | yes | training (burn): `sdp3 run`, `train`, `quantize`, `study`; without it the build takes seconds |
+//! | `wgpu` | no | `sdp3 train --backend wgpu`: Vulkan, Metal, DirectX 12, WebGPU |
+//! | `cuda` | no | `sdp3 train --backend cuda`; the build downloads an LLVM bundle |
+//! | `hdf5` | no | measured signals in HDF5 files |
+//!
+//! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
+
 pub mod conformance;
 pub mod formats;
 pub mod optimizer;
@@ -9,6 +19,7 @@ pub mod progress;
 pub mod report;
 pub mod results;
 pub mod scenario;
+pub mod schemas;
 pub mod simulator;
 #[cfg(feature = "train")]
 pub mod studies;

@@ -4,6 +4,7 @@ mod cli;
 
 use clap::Parser;
 use cli::{Cli, execute};
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -17,6 +18,9 @@ fn main() -> ExitCode {
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global() {
         return refused(&format!("--threads: {error}"));
     }
+    if let Err(error) = end_on_interrupt(cli.resumption()) {
+        return refused(&format!("interrupts cannot be caught: {error}"));
+    }
     match execute(cli) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
@@ -25,6 +29,15 @@ fn main() -> ExitCode {
 }
 
 fn refused(reason: &str) -> ExitCode {
-    eprintln!("sdp3: {reason}");
+    let _ = writeln!(std::io::stderr(), "sdp3: {reason}");
     ExitCode::from(2)
+}
+
+/// Ctrl-C leaves whole files only, says how to go on, and ends with the code of that signal.
+fn end_on_interrupt(resumption: &'static str) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || {
+        sdp3::output::abandon();
+        let _ = writeln!(std::io::stderr(), "\nsdp3: interrupted, nothing is half-written; {resumption}");
+        std::process::exit(130);
+    })
 }

@@ -4,9 +4,11 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -57,6 +59,23 @@ fn runs(process: u32) -> bool {
         Some(this) => process != std::process::id() && stat(&process.to_string()) == Some(this),
         None => true,
     }
+}
+
+/// Files of this process that are not whole yet.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what is half-written, and holds every thread that would begin or finish a file until the process ends: for a
+/// program that is about to.
+pub fn abandon() {
+    let unfinished = unfinished();
+    for file in unfinished.iter() {
+        let _ = std::fs::remove_file(file);
+    }
+    std::mem::forget(unfinished);
 }
 
 /// An output folder that is known to be writable.
@@ -119,17 +138,19 @@ impl Output {
         let mut partial = path.clone().into_os_string();
         partial.push(format!("{PARTIAL}{}", std::process::id()));
         let partial = PathBuf::from(partial);
+        unfinished().insert(partial.clone());
         let written = File::create(&partial).and_then(|file| {
             let mut file = BufWriter::with_capacity(1 << 16, file);
             let value = fill(&mut file)?;
             file.flush()?;
-            drop(file);
-            std::fs::rename(&partial, &path)?;
             Ok(value)
         });
+        let mut unfinished = unfinished();
+        let written = written.and_then(|value| std::fs::rename(&partial, &path).map(|()| value));
         if written.is_err() {
             let _ = std::fs::remove_file(&partial);
         }
+        unfinished.remove(&partial);
         written.map_err(fail)
     }
 

@@ -17,7 +17,7 @@ use crate::predictor::anytime::calibration::weights;
 use crate::predictor::anytime::{Part, Policy, collect};
 use crate::predictor::learning_curve::bootstrap::replicates;
 use crate::predictor::learning_curve::{best_curve, predict};
-use crate::predictor::spectrograms::{images_of, picture};
+use crate::predictor::spectrograms::{GALLERY_RECORDING, images_of, picture};
 use crate::progress::Progress;
 use crate::results::{
     Accuracy, AnytimeResult, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction,
@@ -151,7 +151,7 @@ impl Job {
         Class::ALL
             .iter()
             .map(|&class| {
-                let recording = recording(s, rho, self.seed, Set::Demo, class, 0, slots);
+                let recording = recording(s, rho, self.seed, Set::Demo, class, GALLERY_RECORDING, slots);
                 let image = images_of(s, &recording.slots).pop().unwrap_or_default();
                 picture(s, class.name(), &image)
             })

@@ -1,46 +1,63 @@
 //! What a person sees while work goes on: a bar per stage on a terminal, plain lines elsewhere, nothing when quiet.
 //!
-//! Everything goes to stderr; stdout belongs to results.
+//! Everything goes to stderr; stdout belongs to results. A terminal that has gone away is not missed.
 
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write, stderr};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// How to show progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// Nothing.
     Quiet,
-    /// Bars on a terminal, else one line when a stage begins.
+    /// Bars on a terminal; else a line when a stage begins, one every half a minute, and one at its end.
     Shown,
 }
+
+/// Time between two plain lines of a stage.
+const PLAIN: Duration = Duration::from_secs(30);
 
 impl Progress {
     /// Begins a stage of a known or unknown (0) length.
     pub fn stage(self, name: &'static str, what: &str) -> Stage {
+        let terminal = stderr().is_terminal();
         let bar = match self {
-            Progress::Quiet => ProgressBar::hidden(),
-            Progress::Shown if std::io::stderr().is_terminal() => {
-                let bar = ProgressBar::new(0);
-                let style = ProgressStyle::with_template("{prefix:>10} [{bar:30}] {pos}/{len} {msg} ({eta})");
-                bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            Progress::Shown if terminal => {
+                let bar = ProgressBar::no_length();
+                bar.set_style(style("{prefix:>10} {spinner} {msg}"));
+                bar.enable_steady_tick(Duration::from_millis(200));
                 bar
             }
             Progress::Shown => {
-                eprintln!("{name:>10}  {what}");
+                line(name, what);
                 ProgressBar::hidden()
             }
+            Progress::Quiet => ProgressBar::hidden(),
         };
         bar.set_prefix(name);
         bar.set_message(what.to_owned());
-        Stage { bar, name, shown: self == Progress::Shown }
+        let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(Instant::now()));
+        Stage { bar, name, shown: self == Progress::Shown, plain }
     }
 
     /// A line for people.
     pub fn note(self, name: &str, text: &str) {
         if self == Progress::Shown {
-            eprintln!("{name:>10}  {text}");
+            line(name, text);
         }
     }
+}
+
+fn line(name: &str, text: &str) {
+    let _ = writeln!(stderr(), "{name:>10}  {text}");
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ")
 }
 
 /// A stage under way.
@@ -49,19 +66,23 @@ pub struct Stage {
     bar: ProgressBar,
     name: &'static str,
     shown: bool,
+    /// When the last plain line was, where there is no terminal.
+    plain: Option<Mutex<Instant>>,
 }
 
 impl Stage {
     /// `done` of `total` steps are done; may be called from any thread.
     pub fn at(&self, done: u64, total: u64) {
-        self.bar.set_length(total);
+        self.set_length(total);
         self.bar.set_position(self.bar.position().max(done));
+        self.tell();
     }
 
     /// One more of `total` steps is done.
     pub fn step(&self, total: u64) {
-        self.bar.set_length(total);
+        self.set_length(total);
         self.bar.inc(1);
+        self.tell();
     }
 
     /// What is being done right now.
@@ -73,7 +94,27 @@ impl Stage {
     pub fn finish(self, outcome: &str) {
         self.bar.finish_and_clear();
         if self.shown {
-            eprintln!("{:>10}  {outcome}", self.name);
+            line(self.name, outcome);
+        }
+    }
+
+    /// With the first length the spinner becomes a bar.
+    fn set_length(&self, total: u64) {
+        if self.bar.length().is_none() {
+            self.bar.set_style(style("{prefix:>10} [{bar:30}] {pos}/{len} {msg} ({eta} left)"));
+        }
+        self.bar.set_length(total);
+    }
+
+    /// A plain line, if the last one is long ago.
+    fn tell(&self) {
+        let Some(last) = &self.plain else { return };
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() >= PLAIN {
+            *last = Instant::now();
+            let (bar, left) = (&self.bar, HumanDuration(self.bar.eta()));
+            let total = bar.length().unwrap_or(0);
+            line(self.name, &format!("{}/{total} {} ({left} left)", bar.position(), bar.message()));
         }
     }
 }

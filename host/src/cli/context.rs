@@ -6,16 +6,21 @@ use clap::Args;
 use sdp3::output::{Output, OutputError, to_json};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::progress::Progress;
-use sdp3::scenario::Scenario;
+use sdp3::results::Files;
+use sdp3::scenario::{Override, Scenario};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Options of every command.
 #[derive(Debug, Clone, Args)]
 pub struct Common {
-    /// Scenario in TOML; absent: the paper's conference room.
-    #[arg(long, global = true, value_name = "FILE.toml")]
+    /// Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room.
+    #[arg(long, global = true, value_name = "FILE.toml|NAME")]
     pub scenario: Option<PathBuf>,
+    /// Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several
+    /// times; the resolved scenario beside the results has it.
+    #[arg(long, global = true, value_name = "FIELD=VALUE")]
+    pub set: Vec<Override>,
     /// Seed of everything random.
     #[arg(long, global = true, default_value_t = 1)]
     pub seed: u64,
@@ -51,10 +56,7 @@ impl Context {
     /// Reads and checks the scenario.
     pub fn new(common: Common) -> Result<Self, Failure> {
         let progress = if common.quiet { Progress::Quiet } else { Progress::Shown };
-        let scenario = match &common.scenario {
-            Some(file) => Scenario::load(file)?,
-            None => Scenario::default(),
-        };
+        let scenario = Scenario::resolve(common.scenario.as_deref(), &common.set)?;
         if common.verbose {
             let file = common.scenario.as_ref().map_or("built in".into(), |file| file.display().to_string());
             progress.note("sdp3", &format!("scenario {} ({file}), seed {}", scenario.name, common.seed));
@@ -76,12 +78,14 @@ impl Context {
         Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed, progress: self.progress, output })
     }
 
-    /// The same at the size of a preset: quick makes an untouched scenario small; one from a file is taken as it is.
+    /// The same at the size of a preset: quick makes the paper's room small; a scenario that is given is taken as it is, and
+    /// so is every field that is set.
     #[cfg(feature = "train")]
-    pub fn job_of(&self, preset: Preset) -> Result<Job, OutputError> {
+    pub fn job_of(&self, preset: Preset) -> Result<Job, Failure> {
         let mut job = self.job()?;
         if preset == Preset::Quick && !self.given() {
-            let learning = &mut job.scenario.learning;
+            let mut small = Scenario::default();
+            let learning = &mut small.learning;
             learning.train_per_class = 100;
             learning.test_per_class = 60;
             learning.windows = 4;
@@ -89,18 +93,34 @@ impl Context {
             learning.channels = 8;
             // so few passes have nothing to forget
             learning.mask_rows = 0;
+            job.scenario = small.with(&self.common.set, "--preset quick")?;
         }
         Ok(job)
     }
 
-    /// The resolved scenario of `--out`'s run.
+    /// The resolved scenario of `--out`'s run, which nothing changes any more.
     pub fn resolved(&self, job: &Job) -> Result<Scenario, Failure> {
+        if !self.common.set.is_empty() {
+            return Err(
+                "command line: --set cannot change a run that has been made; `sdp3 run --set` makes another"
+                    .into(),
+            );
+        }
         Ok(Scenario::load(&job.output.path("scenario.toml"))?)
     }
 
-    /// The scenario that `--out`'s networks were trained in; one given on the command line goes before it.
+    /// The scenario that `--out`'s networks were trained in, or one given on the command line; with what is set over it.
     pub fn trained(&self, job: &Job) -> Result<Scenario, Failure> {
-        if self.given() { Ok(self.scenario.clone()) } else { self.resolved(job) }
+        if self.given() {
+            return Ok(self.scenario.clone());
+        }
+        Ok(Scenario::resolve(Some(&job.output.path("scenario.toml")), &self.common.set)?)
+    }
+
+    /// The scenario a command's results are of, in `COMMAND-scenario.toml` beside them.
+    pub fn record(&self, job: &Job, command: &str) -> Result<(), Failure> {
+        job.output.write(&format!("{command}-scenario.toml"), job.scenario.to_toml().as_bytes())?;
+        Ok(())
     }
 
     /// Processors to train on.
@@ -118,8 +138,8 @@ impl Context {
 
     /// The files that were written, one on a line.
     pub fn print_files(&self, files: &[PathBuf]) -> Result<(), Failure> {
-        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-        self.print(&names, || names.join("\n"))
+        let names = Files(files.iter().map(|file| file.display().to_string()).collect());
+        self.print(&names, || names.0.join("\n"))
     }
 }
 

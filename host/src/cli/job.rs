@@ -26,6 +26,9 @@ pub struct RunArgs {
     /// Size of the job.
     #[arg(long, value_enum, default_value_t = Preset::Quick)]
     pub preset: Preset,
+    /// Go on from the checkpoints in --out, with the same result as without the interruption.
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub measured: MeasuredArgs,
     #[command(flatten)]
@@ -113,8 +116,8 @@ pub fn schedule_case(run: &Run) -> ScheduleCase {
 /// Pictures and page of a run; the page's path.
 pub fn page(job: &Job, run: &Run, figures: &Figures) -> Result<PathBuf, Failure> {
     let page = sdp3::report::page(run, figures, &job.scenario.to_toml());
-    for (name, svg) in sdp3::report::svgs(run, figures) {
-        job.output.write(&format!("figures/{name}"), svg.as_bytes())?;
+    for (name, bytes) in sdp3::report::paper::files(run, figures)? {
+        job.output.write(&format!("figures/{name}"), &bytes)?;
     }
     Ok(job.output.write("report.html", page.as_bytes())?)
 }

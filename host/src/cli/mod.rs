@@ -3,6 +3,8 @@
 mod context;
 mod job;
 mod models;
+mod reference;
+mod scenarios;
 mod simulator;
 mod trader;
 #[cfg(feature = "train")]
@@ -37,57 +39,159 @@ const EXAMPLES: &str = "Examples:
   sdp3 predict --points points.csv --json
   sdp3 optimize --accuracy 0.9
   sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
-Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error.";
+  sdp3 scenario new room.toml
+`sdp3 COMMAND --help` has examples of every command, `sdp3 schema COMMAND` what it prints with --json.
+Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// The main job: simulate, calibrate, learn, run, prove, trade, schedule, report.
+    #[command(after_help = "Examples:
+  sdp3 run
+  sdp3 run --preset paper --threads 8 --resume
+  sdp3 run --measured walk.wav --carrier 24.125e9 --targets host-reference
+  sdp3 run --scenario small-radar --set radar.carrier_hz=5.8e9 --out small --json")]
     Run(job::RunArgs),
     /// Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest.
     ///
     /// Interrupted, the same command resumes; complete, it changes nothing.
+    #[command(after_help = "Examples:
+  sdp3 simulate --out data
+  sdp3 simulate --channel ray-tracing --classes adult-walking,adult-running --per-class 200 --out data
+  sdp3 simulate --per-class 1000 --raw --sigmf --shard 2/8 --out data")]
     Simulate(simulator::SimulateArgs),
     /// Find the room's memory rho that a measured signal shows.
+    #[command(after_help = "Examples:
+  sdp3 calibrate --measured walk.wav --carrier 24.125e9
+  sdp3 calibrate --measured sitting.npy --rate 20 --carrier 60e9 --motion standing --json
+  sdp3 calibrate --table rho.toml")]
     Calibrate(simulator::CalibrateArgs),
     /// Run every channel model through the property tests of the paper's Table I.
+    #[command(after_help = "Examples:
+  sdp3 channels
+  sdp3 channels --scenario radar-60ghz --json")]
     Channels,
     /// Draw a page of spectrograms: class by carrier by channel model.
+    #[command(after_help = "Examples:
+  sdp3 gallery --out pictures
+  sdp3 gallery --scenario child-safe-room")]
     Gallery,
     /// Train the networks and save their float parameters and the history of their losses.
+    #[command(after_help = "Examples:
+  sdp3 train
+  sdp3 train --preset paper --recipe paper-adam --resume
+  sdp3 train --data data --set learning.epochs=40 --out trained")]
     Train(training::TrainArgs),
     /// Answer a question that takes many trainings; the same command goes on where it was interrupted.
+    #[command(after_help = "Examples:
+  sdp3 study learning-curve --out curve
+  sdp3 study robustness --seeds 3 --out robustness
+  sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
     Study(training::StudyArgs),
     /// Turn trained networks into int8 model files.
+    #[command(after_help = "Examples:
+  sdp3 quantize
+  sdp3 quantize --data data --out trained")]
     Quantize(training::QuantizeArgs),
     /// Write a network for other programs: a model file as .tflite, float parameters as .safetensors.
+    #[command(after_help = "Examples:
+  sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+  sdp3 export out/models/dsn-1000.json --to dsn.safetensors")]
     Export(models::ExportArgs),
     /// Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised.
+    #[command(after_help = "Examples:
+  sdp3 import dsn.tflite --to dsn.sdp3
+  sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000")]
     Import(models::ImportArgs),
     /// Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it.
+    #[command(after_help = "Examples:
+  sdp3 model out/models/dsn-1000.sdp3
+  sdp3 model signed.sdp3 --key radio.pub --json")]
     Model(models::ModelArgs),
     /// Sign a model file, for firmware that takes signed models only.
+    #[command(after_help = "Examples:
+  sdp3 sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3")]
     Sign(models::SignArgs),
     /// Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with.
+    #[command(after_help = "Examples:
+  sdp3 key radio")]
     Key(models::KeyArgs),
     /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
+    #[command(after_help = "Examples:
+  sdp3 verify
+  sdp3 verify --targets host-reference,cortex-m4f --json")]
     Verify(job::ProofArgs),
     /// Fit the seven learning curves to accuracies.
+    #[command(after_help = "Examples:
+  sdp3 predict
+  sdp3 predict --points points.csv --json")]
     Predict(trader::PredictArgs),
     /// Draw the accuracy-throughput region and choose a point on it.
+    #[command(after_help = "Examples:
+  sdp3 optimize --accuracy 0.9
+  sdp3 optimize --points points.csv --weights 1,1e-5 --json
+  sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3")]
     Optimize(trader::OptimizeArgs),
     /// Fit anytime sensing to the models of --out and draw its region beside the static one.
+    #[command(after_help = "Examples:
+  sdp3 anytime
+  sdp3 anytime --calibrate-per-class 500 --accuracy 0.9")]
     Anytime(trader::AnytimeArgs),
     /// Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes.
+    #[command(after_help = "Examples:
+  sdp3 schedule
+  sdp3 schedule --periods 1000 --sensing-slots 300 --load 0.8
+  sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9
+  sdp3 schedule --faults 100000")]
     Schedule(trader::WorldArgs),
-    /// Write the report page of --out's run again.
+    /// Write the report page of --out's run again, and its figures as SVG and PNG.
+    #[command(after_help = "Examples:
+  sdp3 report
+  sdp3 report --out small")]
     Report,
+    /// List, print, write and check scenarios.
+    #[command(after_help = "Examples:
+  sdp3 scenario list
+  sdp3 scenario show child-safe-room
+  sdp3 scenario new room.toml
+  sdp3 scenario check room.toml")]
+    Scenario(scenarios::ScenarioArgs),
+    /// Print the JSON Schema of what a command prints with --json.
+    #[command(after_help = "Examples:
+  sdp3 schema
+  sdp3 schema run
+  sdp3 schema scenario-check")]
+    Schema(reference::SchemaArgs),
+    /// Print a script that completes commands and options in a shell.
+    #[command(after_help = "Examples:
+  sdp3 completions bash > /etc/bash_completion.d/sdp3
+  sdp3 completions zsh > ~/.zfunc/_sdp3
+  sdp3 completions fish > ~/.config/fish/completions/sdp3.fish")]
+    Completions(reference::CompletionsArgs),
+    /// Write man pages: one for the tool and one for every command.
+    #[command(after_help = "Examples:
+  sdp3 man /usr/local/share/man/man1
+  sdp3 man pages --json")]
+    Man(reference::ManArgs),
+}
+
+impl Cli {
+    /// How to go on after an interruption.
+    pub fn resumption(&self) -> &'static str {
+        match self.command {
+            Some(Command::Simulate(_) | Command::Study(_)) => "the same command goes on where it was",
+            None | Some(Command::Run(_) | Command::Train(_)) => {
+                "the same command with --resume goes on after the last whole epoch"
+            }
+            _ => "the same command begins again",
+        }
+    }
 }
 
 /// Runs the command; `false` if a check failed.
 pub fn execute(cli: Cli) -> Result<bool, Failure> {
-    let context = Context::new(cli.common)?;
-    let context = &context;
+    let context = &Context::new(cli.common)?;
     match cli.command.unwrap_or_else(main_job) {
         Command::Run(args) => trainer::run(context, args),
         Command::Simulate(args) => simulator::simulate(context, args),
@@ -108,6 +212,10 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Anytime(args) => trader::anytime(context, &args),
         Command::Schedule(args) => trader::schedule(context, &args),
         Command::Report => job::report(context),
+        Command::Scenario(args) => scenarios::scenario(context, &args),
+        Command::Schema(args) => reference::schema(context, &args),
+        Command::Completions(args) => reference::completions(&args),
+        Command::Man(args) => reference::man(context, &args),
     }
 }
 
@@ -116,5 +224,61 @@ fn main_job() -> Command {
     match Cli::parse_from(["sdp3", "run"]).command {
         Some(command) => command,
         None => Command::Report,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+    use sdp3::schemas::PUBLISHED;
+
+    /// Every command that does something, with its words and its help.
+    fn commands() -> Vec<(Vec<String>, String)> {
+        fn add(command: &clap::Command, words: &[String], found: &mut Vec<(Vec<String>, String)>) {
+            for below in command.get_subcommands() {
+                let words = [words, &[below.get_name().to_owned()]].concat();
+                if !below.has_subcommands() {
+                    found.push((words.clone(), below.clone().render_long_help().to_string()));
+                }
+                add(below, &words, found);
+            }
+        }
+        let mut found = Vec::new();
+        add(&Cli::command(), &[], &mut found);
+        found
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_examples_that_parse() {
+        let all = commands();
+        assert!(all.len() > 25, "{all:?}");
+        let whole = (vec![String::new()], Cli::command().render_help().to_string());
+        for (words, help) in all.iter().chain([&whole]) {
+            let examples: Vec<&str> =
+                help.lines().map(str::trim).filter(|line| line.starts_with("sdp3 ")).collect();
+            assert!(!examples.is_empty(), "{words:?} has no example");
+            for example in examples {
+                let example = example.split("   ").next().unwrap_or_default();
+                let arguments = example.split_whitespace().take_while(|word| *word != ">");
+                let parsed = Cli::try_parse_from(arguments);
+                assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+                assert!(example.contains(&words.join(" ")), "{example} is no example of {words:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_command_that_answers_has_a_schema() {
+        for (words, _) in commands() {
+            let name = words.join("-");
+            let published = PUBLISHED.iter().any(|(published, _)| *published == name);
+            assert!(published || name == "completions", "{name} has no schema");
+        }
     }
 }

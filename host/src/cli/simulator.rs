@@ -101,6 +101,7 @@ pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure
     }
     let job = context.job()?;
     let found = job.calibrate(measurement(measured)?.as_ref())?;
+    context.record(&job, "calibrate")?;
     let path = job.output.write_json("calibration.json", &found)?;
     context
         .print(&found, || format!("rho = {} ({}); curve in {}", found.rho, found.source, path.display()))?;
@@ -122,6 +123,7 @@ pub fn channels(context: &Context) -> Result<bool, Failure> {
     let stage = job.progress.stage("channels", "models through the property tests");
     let table = properties::table(&job.scenario, job.seed, &|done, all| stage.at(done, all));
     stage.finish(&format!("{} models", table.models.len()));
+    context.record(&job, "channels")?;
     job.output.write_json("channels.json", &table)?;
     context.print(&table, || report::tables::channels(&table))?;
     Ok(true)
@@ -132,6 +134,7 @@ pub fn gallery(context: &Context) -> Result<bool, Failure> {
     let stage = job.progress.stage("gallery", "spectrograms");
     let shown =
         sdp3::predictor::spectrograms::gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+    context.record(&job, "gallery")?;
     let page = job.output.write("gallery.html", report::gallery::page(&shown).as_bytes())?;
     stage.finish(&format!("{} of them", shown.len()));
     context.print_files(&[page])?;

@@ -6,17 +6,20 @@ use super::simulator::{measurement, rho};
 use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
 use sdp3::formats::dataset::Stored;
 use sdp3::formats::measured::Stated;
-use sdp3::optimizer::Rule;
+use sdp3::optimizer::{Rule, playback};
 use sdp3::pipeline::{Failure, Job};
+use sdp3::predictor::anytime::gallery::gallery;
+use sdp3::predictor::learn::{How, history};
 use sdp3::predictor::parameters::Parameters;
 use sdp3::predictor::safetensors;
 use sdp3::predictor::spectrograms::Collected;
-use sdp3::results::{Figures, OperatingPoint, Run, Verify};
+use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Verify};
 use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
+use sdp3_core::anytime::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
-    let RunArgs { preset, measured, proof } = args;
+    let RunArgs { preset, resume, measured, proof } = args;
     let job = &context.job_of(preset)?;
     check_targets(&proof)?;
     job.warn_of_aliasing();
@@ -37,7 +40,8 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
         job.progress.note("calibrate", &text);
     }
     let spectrograms = job.gallery(rho);
-    let (learned, _) = job.learn(rho, context.workers())?;
+    let how = How { checkpoints: true, resume, ..How::default() };
+    let (learned, _) = job.learn(rho, context.workers(), how)?;
     for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
         job.output.write(&model_name(*n), bytes)?;
     }
@@ -46,6 +50,8 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let outcome = job.trade(&curve, &prediction.points, rule)?;
     let point: &OperatingPoint = &outcome.operating_point;
     let schedule = job.play(point, rho, &learned.models)?;
+    let plans = outcome.region.iter().map(|p| playback::plan(p, point)).collect::<Result<_, _>>()?;
+    let anytime = hear(job, rho, &learned.models)?;
     let mut result = Run {
         scenario: job.scenario.name.clone(),
         seed: job.seed,
@@ -69,6 +75,8 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
         prediction,
         weighted: outcome.weighted,
         cases: outcome.cases,
+        plans,
+        anytime,
     };
     job.output.write_json("run.json", &result)?;
     job.output.write_json("figures.json", &figures)?;
@@ -77,8 +85,22 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     Ok(result.verify.mismatches == 0)
 }
 
+/// The gallery through anytime sensing, fitted on as many recordings as are tested.
+fn hear(job: &Job, rho: f64, models: &[Vec<u8>]) -> Result<Option<AnytimeGallery>, Failure> {
+    let stage = job.progress.stage("anytime", "the gallery's recordings");
+    let (s, per_class) = (&job.scenario, job.scenario.learning.test_per_class);
+    let found = gallery(s, rho, job.seed, models, per_class, &|done, all| stage.at(done, all))?;
+    stage.finish(&match &found {
+        Some(found) => {
+            let slots: Vec<u32> = found.recordings.iter().map(|r| r.stops_after).collect();
+            format!("the gallery's recordings stop after {slots:?} slots")
+        }
+        None => format!("no anytime sensing: at most {EXITS} exits, {} networks", models.len()),
+    });
+    Ok(found)
+}
+
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    use sdp3::predictor::learn::{How, history};
     use sdp3::predictor::recipe::Recipe;
     use sdp3::predictor::training::Backend;
     let backend = match args.backend {

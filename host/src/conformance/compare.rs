@@ -431,6 +431,7 @@ pub fn verify_host(suite: &Suite) -> Result<TargetVerdict, CaseError> {
         compared: stages.iter().map(|stage| stage.compared).sum(),
         mismatches: stages.iter().map(|stage| stage.mismatches).sum(),
         instructions: None,
+        recognitions: Vec::new(),
         detail,
         stages,
     })

@@ -85,6 +85,7 @@ pub fn compare(name: &str, here: &Digests, there: &Transcript) -> Compared {
         compared: stages.iter().map(|s| s.compared).sum(),
         mismatches: stages.iter().map(|s| s.mismatches).sum(),
         instructions: there.cases.iter().map(|case| case.instructions).max(),
+        recognitions: Vec::new(),
         detail,
         stages,
     };
@@ -98,6 +99,7 @@ pub fn not_run(name: &str, reason: String) -> TargetVerdict {
         compared: 0,
         mismatches: 1,
         instructions: None,
+        recognitions: Vec::new(),
         detail: Some(format!("not run: {reason}")),
         stages: Vec::new(),
     }

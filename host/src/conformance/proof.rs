@@ -6,9 +6,10 @@ use super::locate::{first_difference, values};
 use super::qemu::{Firmware, QemuError, run};
 use super::suite::Suite;
 use super::transcript::{Transcript, parse};
-use crate::results::TargetVerdict;
+use crate::results::{Counted, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::values::Stage;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -68,6 +69,7 @@ impl<'a> Proof<'a> {
 
     fn judge(&self, machine: &Firmware, transcript: &Transcript) -> TargetVerdict {
         let (mut verdict, first) = compare(machine.name, &self.here, transcript);
+        verdict.recognitions = self.recognitions(transcript);
         let Some((index, stage)) = first else { return verdict };
         let Some((case, stage)) = self.suite.cases.get(index).zip(Stage::named(&stage)) else {
             return verdict;
@@ -76,6 +78,18 @@ impl<'a> Proof<'a> {
             self.locate(machine, index, stage).unwrap_or_else(|reason| format!("not located: {reason}"));
         verdict.detail = Some(format!("stage {}, case {index} ({}), {place}", stage.name(), case.name));
         verdict
+    }
+
+    /// The costliest recognition for each N_s.
+    fn recognitions(&self, transcript: &Transcript) -> Vec<Counted> {
+        let mut most = BTreeMap::new();
+        for (case, report) in self.suite.cases.iter().zip(&transcript.cases) {
+            let count = most.entry(case.slots.len() as u32).or_insert(0);
+            *count = report.instructions.max(*count);
+        }
+        most.into_iter()
+            .map(|(sensing_slots, instructions)| Counted { sensing_slots, instructions })
+            .collect()
     }
 
     /// The first value of a stage that differs.

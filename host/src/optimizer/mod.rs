@@ -185,6 +185,25 @@ fn price(
     Ok(Priced { case, points })
 }
 
+/// Steps of the weight of accuracy from 0 to 1.
+const WEIGHTS: u32 = 20;
+
+/// The optimum of every weight.
+fn weighted(Priced { case, points }: &Priced) -> Vec<WeightedPoint> {
+    let best = |step: u32| {
+        let weight = f64::from(step) / f64::from(WEIGHTS);
+        let p = &points[operating_point::choose(points, Rule::Weighted(weight))?];
+        Some(WeightedPoint {
+            case: case.case,
+            weight,
+            sensing_slots: p.sensing_slots,
+            accuracy: p.accuracy,
+            throughput_bit: p.throughput_bit,
+        })
+    };
+    (0..=WEIGHTS).filter_map(best).collect()
+}
+
 /// Every case's prices, zones and operating point.
 ///
 /// # Errors
@@ -215,12 +234,13 @@ pub fn optimise(
         outcome.push(price(curve, scenario, rule, index, seed)?);
     }
     let mut region = Vec::new();
-    let mut weighted = Vec::new();
     let mut boundary = String::from(
         "case,sensing_slots,accuracy,throughput_bit,closed_form_bit,pareto,zone,communication_slots\n",
     );
+    let weighted: Vec<WeightedPoint> = outcome.iter().flat_map(weighted).collect();
     let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
-    let chosen: Vec<u32> = operating.map(|point| point.sensing_slots).collect();
+    let operating = operating.map(|point| point.sensing_slots);
+    let chosen: Vec<u32> = operating.chain(weighted.iter().map(|point| point.sensing_slots)).collect();
     for Priced { case, points } in &outcome {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
         for (p, front) in points.iter().zip(region::pareto(points)) {
@@ -242,6 +262,7 @@ pub fn optimise(
             region.push(RegionPoint {
                 case: case.case,
                 sensing_slots: n,
+                communication_slots: p.shares.clone(),
                 accuracy: p.accuracy,
                 accuracy_low: band.map(|b| b.0),
                 accuracy_high: band.map(|b| b.1),
@@ -249,19 +270,6 @@ pub fn optimise(
                 closed_form_bit,
                 zone,
             });
-        }
-        for step in 0..=20 {
-            let weight = f64::from(step) / 20.0;
-            if let Some(best) = operating_point::choose(points, Rule::Weighted(weight)) {
-                let p = &points[best];
-                weighted.push(WeightedPoint {
-                    case: case.case,
-                    weight,
-                    sensing_slots: p.sensing_slots,
-                    accuracy: p.accuracy,
-                    throughput_bit: p.throughput_bit,
-                });
-            }
         }
     }
     let Some(Priced { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
@@ -314,6 +322,16 @@ mod tests {
         let played = playback::play(&point).unwrap();
         assert_eq!(played.communication_slots, point.communication_slots);
         assert_eq!(played.sensing_slots, point.sensing_slots);
+        let found = outcome(Rule::Weighted(0.5)).unwrap();
+        for weighted in &found.weighted {
+            let own = |p: &&RegionPoint| (p.case, p.sensing_slots) == (weighted.case, weighted.sensing_slots);
+            let shown = found.region.iter().find(own).unwrap();
+            let plan = playback::plan(shown, &found.operating_point).unwrap();
+            let slots = |uses: usize| plan.columns.iter().map(|column| column[uses]).sum::<u32>();
+            assert_eq!(slots(0), shown.sensing_slots);
+            let shares: Vec<u32> = (1..=shown.communication_slots.len()).map(slots).collect();
+            assert_eq!(shares, shown.communication_slots);
+        }
         let worst = played.delivered_bit.iter().copied().fold(f64::INFINITY, f64::min);
         assert!((worst / point.throughput_bit - 1.0).abs() < 1e-9);
         assert!(outcome(Rule::AccuracyAtLeast(0.99)).is_err());

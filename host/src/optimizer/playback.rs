@@ -1,8 +1,12 @@
 //! One period of a plan as the core's scheduler plays it.
 
 use super::OptimizerError;
-use crate::results::{OperatingPoint, Schedule};
+use crate::results::{OperatingPoint, RegionPoint, Schedule, SlotPlan};
 use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+
+/// Slots and columns of a [`SlotPlan`].
+const FIRST: usize = 80;
+const COLUMNS: usize = 50;
 
 /// Appends a slot to a run-length coded period.
 pub fn lengthen(timeline: &mut Vec<(i32, u32)>, slot: SlotUse) {
@@ -58,4 +62,32 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
         *longest = (*longest).max(wait);
     }
     Ok(schedule)
+}
+
+/// One period of a boundary's point; N and N_m are those of `like`.
+///
+/// # Errors
+///
+/// [`OptimizerError::Plan`] if the numbers are not a plan.
+pub fn plan(point: &RegionPoint, like: &OperatingPoint) -> Result<SlotPlan, OptimizerError> {
+    let played = play(&OperatingPoint {
+        case: point.case,
+        sensing_slots: point.sensing_slots,
+        communication_slots: point.communication_slots.clone(),
+        ..like.clone()
+    })?;
+    let slots: Vec<i32> =
+        played.timeline.iter().flat_map(|&(code, n)| std::iter::repeat_n(code, n as usize)).collect();
+    let uses = 0..=point.communication_slots.len() as i32;
+    let count = |own: &[i32]| {
+        uses.clone().map(|code| own.iter().filter(|&&slot| slot == code - 1).count() as u32).collect()
+    };
+    let edge = |column: usize| column * slots.len() / COLUMNS;
+    Ok(SlotPlan {
+        case: point.case,
+        sensing_slots: point.sensing_slots,
+        longest_wait_slots: played.longest_wait_slots,
+        first: slots[..slots.len().min(FIRST)].to_vec(),
+        columns: (0..COLUMNS).map(|column| count(&slots[edge(column)..edge(column + 1)])).collect(),
+    })
 }

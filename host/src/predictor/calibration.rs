@@ -3,13 +3,14 @@
 //! Two rules compete, the widest range seen and the one of least squared error; the caller keeps the one whose
 //! rehearsal loses less (Jacob et al., 2018, section 3; Nagel et al., 2021, section 3.1).
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::float_network::{Activation, FloatNetwork};
 use super::parameters::Images;
 
 /// How the range of an activation is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// From the smallest to the largest value seen.
@@ -22,7 +23,7 @@ pub enum Rule {
 const SHARES: [f32; 8] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 
 /// An int8 grid: value `q` stands for `(q - zero) scale`; zero is on it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Grid {
     /// Real size of one step.
     pub scale: f32,

@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::parameters::Parameters;
@@ -23,7 +24,7 @@ use crate::simulator::dataset::Set;
 const CALIBRATION_PER_CLASS: u32 = 20;
 
 /// What was read, in words and numbers.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Exchanged {
     /// The file read.
     pub from: PathBuf,

@@ -166,9 +166,9 @@ impl Job {
     /// # Errors
     ///
     /// Any of the steps'.
-    pub fn learn(&self, rho: f64, workers: usize) -> Result<(Learned, Trained), Failure> {
+    pub fn learn(&self, rho: f64, workers: usize, how: How) -> Result<(Learned, Trained), Failure> {
         let train = self.collect(rho, Set::Train, "training recordings");
-        let mut trained = self.train(&train, workers, How::default())?;
+        let mut trained = self.train(&train, workers, how)?;
         let models = self.quantize(&trained.parameters, &train)?;
         let test = self.collect(rho, Set::Test, "test recordings");
         let stage = self.progress.stage("run", "raw I/Q through the core");

@@ -152,6 +152,9 @@ fn images_on_the_way(
     images
 }
 
+/// Which of each class's demonstrations the run's gallery shows.
+pub const GALLERY_RECORDING: u32 = 0;
+
 /// Length of a gallery's recordings in s, three steps of a walk, and the most slots the front end takes.
 const GALLERY_S: f64 = 2.0;
 const MOST_SLOTS: u32 = 4000;

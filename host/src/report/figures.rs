@@ -1,11 +1,10 @@
 //! The vector figures: KL curve, grey-level shares, learning curve, losses, region.
 
 use super::plot::{Axis, COLOURS, Plot, number};
-use crate::predictor::learning_curve::Model;
-use crate::results::{Calibration, Figures, RegionPoint, Run, Zone};
+use crate::results::{BandPoint, Calibration, Figures, RegionPoint, Run, Zone};
 
 /// KL divergence over rho.
-pub fn kl_curve(c: &Calibration) -> String {
+pub fn kl_curve(c: &Calibration) -> Plot {
     let mut y = Axis::around(c.curve.iter().map(|p| p.kl.max(1e-5)), "KL divergence (nat)");
     y.log = true;
     y.low = c.curve.iter().map(|p| p.kl.max(1e-5)).fold(1.0, f64::min) / 1.5;
@@ -20,11 +19,11 @@ pub fn kl_curve(c: &Calibration) -> String {
         plot.mark(best.rho, &format!("minimum at {}", number(best.rho)));
         plot.dot(best.rho, best.kl.max(1e-5), 5.0, COLOURS[1], &format!("KL {}", number(best.kl)));
     }
-    plot.svg()
+    plot
 }
 
 /// Shares of the grey levels above black, measured and simulated.
-pub fn pmf(c: &Calibration) -> String {
+pub fn pmf(c: &Calibration) -> Plot {
     let levels = c.measured_pmf.len().max(3);
     let x =
         Axis { low: 1.0, high: levels as f64 - 1.0, name: "grey level (black left out)".into(), log: false };
@@ -43,26 +42,34 @@ pub fn pmf(c: &Calibration) -> String {
         let black = values.first().copied().unwrap_or(0.0);
         plot.line(&points, colour, 2.0, &format!("{name} (black {:.0} %)", 100.0 * black));
     }
-    plot.svg()
+    plot
 }
 
 /// Accuracy over N_s: points with their binomial spread, the best curve and the others.
-pub fn learning_curve(run: &Run, figures: &Figures) -> String {
+pub fn learning_curve(run: &Run, figures: &Figures) -> Plot {
     let most = run.accuracy.iter().map(|a| f64::from(a.sensing_slots)).fold(200.0, f64::max);
     let x = Axis { low: 100.0, high: most * 1.05, name: "sensing slots N_s".into(), log: false };
     let low = run.accuracy.iter().map(|a| a.int8).fold(1.0, f64::min);
     let y = Axis { low: (low - 0.15).max(0.0), high: 1.0, name: "accuracy".into(), log: false };
     let floor = y.low;
     let mut plot = Plot::new("Accuracy over sensing slots", x, y);
-    for (index, fitted) in figures.prediction.models.iter().enumerate().rev() {
-        let Some(model) = Model::by_name(&fitted.name) else { continue };
-        let points: Vec<_> = (0..=120)
-            .map(|k| 128.0 + (most - 128.0) * f64::from(k) / 120.0)
-            .map(|n| (n, model.at(&fitted.parameters, n)))
-            .filter(|(_, a)| (floor..=1.0).contains(a))
+    let prediction = &figures.prediction;
+    if let Some(band) = &prediction.band {
+        let edge = |end: fn(&BandPoint) -> f64| -> Vec<(f64, f64)> {
+            band.points.iter().map(|p| (p.sensing_slots, end(p))).collect()
+        };
+        plot.band(&edge(|p| p.low), &edge(|p| p.high), COLOURS[0]);
+    }
+    for (index, fitted) in prediction.models.iter().enumerate().rev() {
+        let points: Vec<_> = prediction
+            .slots
+            .iter()
+            .zip(&fitted.accuracy)
+            .map(|(&n, &a)| (n, a))
+            .filter(|(_, a)| (floor..1.0).contains(a))
             .collect();
         let (colour, width) = if index == 0 { (COLOURS[0], 2.5) } else { ("var(--soft,#999)", 0.8) };
-        let name = if index == 0 { format!("{} (best fit)", fitted.name) } else { String::new() };
+        let name = if index == 0 { format!("{} (best fit), 95 % band", fitted.name) } else { String::new() };
         plot.line(&points, colour, width, &name);
     }
     for a in &run.accuracy {
@@ -73,13 +80,14 @@ pub fn learning_curve(run: &Run, figures: &Figures) -> String {
         plot.dot(n, p, 4.5, COLOURS[1], &says);
         plot.dot(n, a.float, 3.0, COLOURS[2], &says);
     }
+    plot.entry("the other models", "var(--soft,#999)");
     plot.entry("int8 through the core", COLOURS[1]);
     plot.entry("float", COLOURS[2]);
-    plot.svg()
+    plot
 }
 
 /// Training loss of every network.
-pub fn losses(figures: &Figures) -> String {
+pub fn losses(figures: &Figures) -> Plot {
     let epochs = figures.training.iter().map(|t| t.epochs.len()).max().unwrap_or(1);
     let x = Axis { low: 0.0, high: epochs as f64, name: "epoch".into(), log: false };
     let all = figures.training.iter().flat_map(|t| t.epochs.iter().map(|e| e.loss));
@@ -91,7 +99,7 @@ pub fn losses(figures: &Figures) -> String {
             training.epochs.iter().enumerate().map(|(k, e)| (k as f64 + 1.0, e.loss)).collect();
         plot.line(&points, COLOURS[index % 7], 1.8, &format!("N_s = {}", training.sensing_slots));
     }
-    plot.svg()
+    plot
 }
 
 fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
@@ -103,12 +111,9 @@ fn zone_colour(zone: Zone) -> (&'static str, &'static str) {
 }
 
 /// The accuracy-throughput region: the cases' boundaries over the zones, the first one's band, and the operating point.
-pub fn region(run: &Run, figures: &Figures) -> String {
+pub fn region(run: &Run, figures: &Figures) -> Plot {
     let x = Axis::around(run.region.iter().map(|p| p.accuracy), "recognition accuracy A");
-    let y = Axis::around(
-        run.region.iter().map(|p| p.throughput_bit / 1e6),
-        "worst throughput R (Mbit per period)",
-    );
+    let y = Axis::around(run.region.iter().map(|p| p.throughput_bit / 1e6), "throughput R (Mbit per period)");
     let (low, high) = (x.low, x.high);
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut cases: Vec<u32> = run.region.iter().map(|p| p.case).collect();
@@ -158,7 +163,7 @@ pub fn region(run: &Run, figures: &Figures) -> String {
         py + 22.0,
         p.sensing_slots
     ));
-    plot.svg()
+    plot
 }
 
 /// Every zone as a strip over the accuracies of its points, the outer ones up to the picture's edge.

@@ -2,6 +2,7 @@
 //!
 //! Colours are CSS variables with fallbacks, so that one picture serves light and dark pages and stands alone.
 
+use super::paper::on_white;
 use std::fmt::Write;
 
 /// Colour-blind-safe series colours (Okabe and Ito).
@@ -50,9 +51,13 @@ pub fn grouped(n: u64) -> String {
     out
 }
 
-/// A picture that stands alone: on white.
-pub fn on_white(svg: String) -> String {
-    svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1)
+/// Names with their colours as a list that wraps.
+pub fn legend(entries: &[(String, String)]) -> String {
+    let items: String = entries
+        .iter()
+        .map(|(name, colour)| format!("<li><i style=\"background:{colour}\"></i>{}</li>", escape(name)))
+        .collect();
+    format!("<ul class=\"legend\">{items}</ul>")
 }
 
 /// One axis: the interval shown and its name.
@@ -114,10 +119,10 @@ pub struct Plot {
     title: String,
 }
 
-const LEFT: f64 = 70.0;
+const LEFT: f64 = 92.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 16.0;
-const BOTTOM: f64 = 48.0;
+const BOTTOM: f64 = 52.0;
 
 impl Plot {
     /// An empty plot; `title` is what a screen reader says.
@@ -234,8 +239,32 @@ impl Plot {
         on_white(self.svg())
     }
 
-    /// The finished picture.
+    /// The finished picture, its legend below it.
     pub fn svg(self) -> String {
+        // three entries to a row
+        let rows = self.legend.len().div_ceil(3);
+        let mut legend = String::new();
+        for (index, (name, colour)) in self.legend.iter().enumerate() {
+            let x = LEFT + (index % 3) as f64 * 186.0;
+            let y = self.height + 8.0 + (index / 3) as f64 * 20.0;
+            let _ = write!(
+                legend,
+                "<rect x=\"{x}\" y=\"{}\" width=\"16\" height=\"4\" fill=\"{colour}\"/><text x=\"{}\" y=\"{}\">{}</text>",
+                y - 6.0,
+                x + 22.0,
+                y,
+                escape(name)
+            );
+        }
+        self.drawn(self.height + rows as f64 * 20.0, &legend)
+    }
+
+    /// The finished picture for a page: its legend is text that wraps, its scale is told to scripts.
+    pub fn html(self) -> String {
+        self.drawn(self.height, "") + &legend(&self.legend)
+    }
+
+    fn drawn(&self, height: f64, legend: &str) -> String {
         let mut grid = String::new();
         let (right, bottom) = (self.width - RIGHT, self.height - BOTTOM);
         for tick in self.x.ticks() {
@@ -262,34 +291,23 @@ impl Plot {
         let _ = write!(
             grid,
             "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate(16 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+             <text transform=\"translate(20 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             (LEFT + right) / 2.0,
             self.height - 8.0,
             escape(&self.x.name),
             (TOP + bottom) / 2.0,
             escape(&self.y.name)
         );
-        // the legend stands below the picture, three to a row
-        let rows = self.legend.len().div_ceil(3);
-        let mut legend = String::new();
-        for (index, (name, colour)) in self.legend.iter().enumerate() {
-            let x = LEFT + (index % 3) as f64 * 190.0;
-            let y = self.height + 8.0 + (index / 3) as f64 * 20.0;
-            let _ = write!(
-                legend,
-                "<rect x=\"{x}\" y=\"{}\" width=\"16\" height=\"4\" fill=\"{colour}\"/><text x=\"{}\" y=\"{}\">{}</text>",
-                y - 6.0,
-                x + 22.0,
-                y,
-                escape(name)
-            );
-        }
-        let height = self.height + rows as f64 * 20.0;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" role=\"img\" font-size=\"12\" \
-             font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>{}</title><style>.grid{{stroke:\
+             data-x=\"{} {} {LEFT} {right}\" data-y=\"{} {} {bottom} {TOP}\" data-log=\"{}\" font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>{}</title><style>.grid{{stroke:\
              var(--grid,#ddd);fill:none}}.small{{font-size:11px}}</style>{grid}{}{legend}</svg>",
             self.width,
+            self.x.low,
+            self.x.high,
+            self.y.low,
+            self.y.high,
+            self.y.log,
             escape(&self.title),
             self.body
         )

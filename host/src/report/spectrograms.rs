@@ -46,8 +46,8 @@ pub fn png(s: &Spectrogram) -> Vec<u8> {
     if written.is_ok() { bytes } else { Vec::new() }
 }
 
-/// A figure element with the picture, its axes and its title.
-pub fn figure(s: &Spectrogram) -> String {
+/// The picture with its axes; empty for an empty spectrogram.
+pub fn svg(s: &Spectrogram) -> String {
     let bytes = png(s);
     if bytes.is_empty() {
         return String::new();
@@ -55,13 +55,12 @@ pub fn figure(s: &Spectrogram) -> String {
     let data = base64::engine::general_purpose::STANDARD.encode(bytes);
     let top = s.first_row_hz + s.row_hz * f64::from(s.rows);
     let seconds = s.frame_s * f64::from(s.frames);
-    let title = escape(&s.title);
     // 2 v / lambda: an axis of radial speeds on the right
     let speed =
         |hz: f64| number((hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz) * 10.0).round() / 10.0);
     format!(
-        "<figure class=\"spectrogram\"><svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 320 250\" role=\"img\" \
-         font-size=\"12\" fill=\"var(--ink,#222)\"><title>Spectrogram: {title}</title>\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 320 250\" role=\"img\" font-size=\"12\" \
+         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Spectrogram: {}</title>\
          <image href=\"data:image/png;base64,{data}\" x=\"48\" y=\"8\" width=\"232\" height=\"200\" \
          preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\"/>\
          <text x=\"44\" y=\"18\" text-anchor=\"end\">{}</text><text x=\"44\" y=\"208\" text-anchor=\"end\">{}</text>\
@@ -69,11 +68,21 @@ pub fn figure(s: &Spectrogram) -> String {
          <text x=\"48\" y=\"224\">0</text><text x=\"280\" y=\"224\" text-anchor=\"end\">{}</text>\
          <text x=\"284\" y=\"18\">{}</text><text x=\"284\" y=\"208\">{}</text>\
          <text transform=\"translate(314 108) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>\
-         <text x=\"164\" y=\"240\" text-anchor=\"middle\">time (s)</text></svg><figcaption>{title}</figcaption></figure>",
+         <text x=\"164\" y=\"240\" text-anchor=\"middle\">time (s)</text></svg>",
+        escape(&s.title),
         number(top.round()),
         number(s.first_row_hz.round()),
         number((seconds * 100.0).round() / 100.0),
         speed(top),
         speed(s.first_row_hz),
     )
+}
+
+/// A figure element with the picture and its title.
+pub fn figure(s: &Spectrogram) -> String {
+    let picture = svg(s);
+    if picture.is_empty() {
+        return picture;
+    }
+    format!("<figure class=\"spectrogram\">{picture}<figcaption>{}</figcaption></figure>", escape(&s.title))
 }

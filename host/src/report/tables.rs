@@ -1,8 +1,9 @@
-//! The tables of the page: conformance, learning curves, confusion.
+//! The tables of the page: conformance, instructions, learning curves.
 
 use super::plot::{escape, grouped, number};
 use crate::predictor::learning_curve::{Model, paper};
-use crate::results::{ChannelTable, Confusion, Figures, Prediction, Verify};
+use crate::results::{ChannelTable, Figures, Prediction, Verify};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Every stage of every target.
@@ -12,7 +13,7 @@ pub fn conformance(verify: &Verify) -> String {
         let instructions = target.instructions.map_or_else(|| "–".into(), grouped);
         let _ = write!(
             rows,
-            "<tr class=\"head\"><th>{}</th><td>{}</td><td>{}</td><td>{instructions}</td><td>{}</td></tr>",
+            "<tr class=\"head\"><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{instructions}</td><td>{}</td></tr>",
             escape(&target.name),
             grouped(target.compared),
             target.mismatches,
@@ -31,7 +32,7 @@ pub fn conformance(verify: &Verify) -> String {
         }
     }
     format!(
-        "<div class=\"scroll\"><table><tr><th>target, stage</th><th>compared</th><th>mismatches</th>\
+        "<div class=\"scroll\"><table id=\"targets\"><tr><th>target, stage</th><th>compared</th><th>mismatches</th>\
          <th>instructions a recognition</th><th>rule</th></tr>{rows}</table></div>"
     )
 }
@@ -49,7 +50,7 @@ pub fn models(figures: &Figures) -> String {
         let optional = |x: Option<f64>| x.map_or_else(|| "–".into(), number);
         let _ = write!(
             rows,
-            "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr data-model=\"{0}\"><th scope=\"row\">{0}</th><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td><td>{5}</td></tr>",
             escape(&m.name),
             number(m.sse),
             number(m.rmse),
@@ -59,7 +60,7 @@ pub fn models(figures: &Figures) -> String {
         );
     }
     format!(
-        "<div class=\"scroll\"><table><tr><th>model</th><th>squared error</th><th>rmse</th><th>AICc</th>\
+        "<div class=\"scroll\"><table id=\"models\"><tr><th>model</th><th>squared error</th><th>rmse</th><th>AICc</th>\
          <th>leave-one-out</th><th>parameters</th></tr>{rows}</table></div>"
     )
 }
@@ -116,24 +117,37 @@ pub fn prediction(prediction: &Prediction) -> String {
     text
 }
 
-/// One confusion matrix.
-pub fn confusion(c: &Confusion, classes: &[String]) -> String {
+/// Instructions of a recognition, as the run's own proof counted them: a row for each N_s, a column for each machine.
+pub fn instructions(verify: &Verify) -> String {
+    let counted: Vec<_> = verify.targets.iter().filter(|t| !t.recognitions.is_empty()).collect();
+    let all = || counted.iter().flat_map(|t| &t.recognitions);
+    let most = all().map(|c| c.instructions).max().unwrap_or(1);
+    let slots: BTreeSet<u32> = all().map(|c| c.sensing_slots).collect();
+    if slots.is_empty() {
+        return "<p>No firmware was proved in this run.</p>".into();
+    }
+    let heads: String =
+        counted.iter().map(|t| format!("<th scope=\"col\">{}</th>", escape(&t.name))).collect();
     let mut rows = String::new();
-    for (truth, row) in c.counts.iter().enumerate() {
-        let total: u32 = row.iter().sum();
-        let name = classes.get(truth).map_or("", String::as_str);
-        let _ = write!(rows, "<tr><th>{}</th>", escape(name));
-        for (answer, &n) in row.iter().enumerate() {
-            let share = f64::from(n) / f64::from(total.max(1));
-            let class = if truth == answer { "right" } else { "wrong" };
-            let _ = write!(rows, "<td class=\"{class}\" style=\"--share:{share:.2}\">{n}</td>");
+    for n in slots {
+        let _ = write!(rows, "<tr><th scope=\"row\">{n}</th>");
+        for target in &counted {
+            let own = target.recognitions.iter().find(|c| c.sensing_slots == n);
+            let _ = match own {
+                Some(c) => write!(
+                    rows,
+                    "<td class=\"bar\" style=\"--share:{:.4}\">{}</td>",
+                    c.instructions as f64 / most as f64,
+                    grouped(c.instructions)
+                ),
+                None => write!(rows, "<td>–</td>"),
+            };
         }
         rows.push_str("</tr>");
     }
     format!(
-        "<figure><table class=\"confusion\"><caption>{}, N_s = {}</caption>{rows}</table></figure>",
-        escape(&c.arithmetic),
-        c.sensing_slots
+        "<div class=\"scroll\"><table id=\"instructions\"><caption>Instructions of one recognition, first sample to class\
+         </caption><tr><th scope=\"col\">N_s</th>{heads}</tr>{rows}</table></div>"
     )
 }
 

@@ -1,6 +1,6 @@
 //! The slots of a period: how they are shared along it, and its first ones one by one.
 
-use super::plot::COLOURS;
+use super::plot::{COLOURS, legend};
 use std::fmt::Write;
 
 /// Slots shown one by one.
@@ -24,25 +24,65 @@ fn colour(code: i32) -> &'static str {
     }
 }
 
-/// A period, run-length coded as in [`crate::results::Schedule::timeline`].
-pub fn timeline(runs: &[(i32, u32)]) -> String {
-    let slots: Vec<i32> = runs.iter().flat_map(|&(code, n)| std::iter::repeat_n(code, n as usize)).collect();
+/// A period, run-length coded as in [`crate::results::Schedule::timeline`], its legend below it.
+pub fn svg(runs: &[(i32, u32)]) -> String {
+    let entries = entries(runs);
+    let mut names = String::new();
+    for (index, (name, colour)) in entries.iter().enumerate() {
+        let (x, y) = (20 + index % ABREAST * 122, 182 + index / ABREAST * 18);
+        let _ = write!(
+            names,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"12\" height=\"12\" fill=\"{colour}\"/><text x=\"{}\" y=\"{}\">{name}</text>",
+            x + 18,
+            y + 11
+        );
+    }
+    drawn(runs, 182 + 18 * entries.len().div_ceil(ABREAST), &names)
+}
+
+/// The same for a page: its legend is text that wraps, its strips are marked for scripts.
+pub fn html(runs: &[(i32, u32)]) -> String {
+    drawn(runs, 170, "") + &legend(&entries(runs))
+}
+
+/// The uses in a period, each once.
+fn codes(runs: &[(i32, u32)]) -> Vec<i32> {
     let mut codes: Vec<i32> = runs.iter().map(|&(code, _)| code).collect();
     codes.sort_unstable();
     codes.dedup();
-    let height = 176 + 18 * codes.len().div_ceil(ABREAST);
+    codes
+}
+
+/// Their names and colours.
+fn entries(runs: &[(i32, u32)]) -> Vec<(String, String)> {
+    let name = |code| match code {
+        -2 => "nobody".to_owned(),
+        -1 => "sensing".to_owned(),
+        k => format!("receiver {}", k + 1),
+    };
+    codes(runs).into_iter().map(|code| (name(code), colour(code).to_owned())).collect()
+}
+
+fn drawn(runs: &[(i32, u32)], height: usize, legend: &str) -> String {
+    let slots: Vec<i32> = runs.iter().flat_map(|&(code, n)| std::iter::repeat_n(code, n as usize)).collect();
+    let codes = codes(runs);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 {height}\" role=\"img\" font-size=\"12\" \
          font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>"
     );
     let first = &slots[..slots.len().min(FIRST as usize)];
-    strip(&mut svg, 20.0, &slots, COLUMNS, &codes);
-    strip(&mut svg, 106.0, first, FIRST, &codes);
-    let text = format!("the whole period: who has how many of the {} slots", slots.len());
-    axis(&mut svg, 20.0, slots.len(), &text);
-    axis(&mut svg, 106.0, first.len(), "its first slots, one by one");
-    legend(&mut svg, &codes);
-    svg + "</svg>"
+    let text = format!("the period: who has how many of {} slots", slots.len());
+    for (name, y, slots, columns, text) in [
+        ("whole", 26.0, &slots[..], COLUMNS, text.as_str()),
+        ("first", 112.0, first, FIRST, "its first slots, one by one"),
+    ] {
+        let _ = write!(svg, "<g data-strip=\"{name}\" data-box=\"20 {y} {} {}\"><g>", STRIP.0, STRIP.1);
+        strip(&mut svg, y, slots, columns, &codes);
+        svg.push_str("</g>");
+        axis(&mut svg, y, slots.len(), text);
+        svg.push_str("</g>");
+    }
+    svg + legend + "</svg>"
 }
 
 /// Slots in at most so many columns, each divided among the uses in it.
@@ -75,30 +115,13 @@ fn axis(svg: &mut String, y: f64, slots: usize, text: &str) {
     for tick in 0..=4 {
         let slot = slots * tick / 4;
         let x = 20.0 + slot as f64 / slots.max(1) as f64 * STRIP.0;
+        let anchor = if tick == 4 { "end" } else { "middle" };
         let _ = write!(
             svg,
-            "<path d=\"M{x:.2} {}v5\" stroke=\"var(--ink,#222)\"/><text x=\"{x:.2}\" y=\"{}\" text-anchor=\"middle\" \
+            "<path d=\"M{x:.2} {}v5\" stroke=\"var(--ink,#222)\"/><text x=\"{x:.2}\" y=\"{}\" text-anchor=\"{anchor}\" \
              font-size=\"11\">{slot}</text>",
             y + STRIP.1,
             y + STRIP.1 + 16.0
-        );
-    }
-}
-
-fn legend(svg: &mut String, codes: &[i32]) {
-    for (index, &code) in codes.iter().enumerate() {
-        let name = match code {
-            -2 => "nobody".to_owned(),
-            -1 => "sensing".to_owned(),
-            k => format!("receiver {}", k + 1),
-        };
-        let (x, y) = (20 + index % ABREAST * 122, 176 + index / ABREAST * 18);
-        let _ = write!(
-            svg,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"{}\">{name}</text>",
-            colour(code),
-            x + 18,
-            y + 11
         );
     }
 }
@@ -109,7 +132,7 @@ mod tests {
 
     #[test]
     fn both_strips_are_full() {
-        let svg = timeline(&[(-1, 1), (0, 3), (-2, 440), (7, 56)]);
+        let svg = svg(&[(-1, 1), (0, 3), (-2, 440), (7, 56)]);
         let area: f64 = svg
             .split("<rect x=")
             .filter_map(|rect| {
@@ -122,6 +145,6 @@ mod tests {
         for name in ["nobody", "sensing", "receiver 1", "receiver 8", "500 slots"] {
             assert!(svg.contains(name), "{name}");
         }
-        assert!(timeline(&[]).ends_with("</svg>"));
+        assert!(svg(&[]).ends_with("</svg>"));
     }
 }

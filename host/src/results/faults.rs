@@ -1,9 +1,10 @@
 //! What faults on purpose became.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Faults of one kind.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct FaultRow {
     /// What was done.
     pub kind: String,
@@ -20,7 +21,7 @@ pub struct FaultRow {
 }
 
 /// Spoiled samples in recordings, and what they cost.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpoiledRow {
     /// What was done.
     pub kind: String,
@@ -39,7 +40,7 @@ pub struct SpoiledRow {
 }
 
 /// A fault campaign: what `sdp3 schedule --faults` finds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Faults {
     /// Seed of the first part.
     pub seed: u64,

@@ -4,16 +4,19 @@
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
 mod faults;
+mod files;
 mod trade;
 
 pub use faults::*;
+pub use files::*;
 pub use trade::*;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The main job's answer: what `sdp3 run --json` prints and `run.json` holds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Run {
     /// Name of the scenario.
     pub scenario: String,
@@ -38,7 +41,7 @@ pub struct Run {
 }
 
 /// Accuracy of one trained network, float and through the int8 core, on recordings it never saw.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Accuracy {
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u32,
@@ -51,7 +54,7 @@ pub struct Accuracy {
 }
 
 /// One fitted learning curve `A(N_s)`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Curve {
     /// `pow3 log_power exp4 vapor_pressure log_log_linear ilog2 pow4`.
     pub model: String,
@@ -62,7 +65,7 @@ pub struct Curve {
 }
 
 /// Parameters of a learning curve; a model that lacks one leaves it out.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Parameters {
     /// First parameter.
     pub alpha: f64,
@@ -77,12 +80,15 @@ pub struct Parameters {
 }
 
 /// All learning curves through one set of points: what `sdp3 predict --json` prints.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
     /// Name of the model with the least Mallows' C_p.
     pub best: String,
     /// The points fitted.
     pub points: Vec<CurvePoint>,
+    /// The `N_s` at which curves and band are stated, ascending.
+    #[serde(default)]
+    pub slots: Vec<f64>,
     /// Every model, best first.
     pub models: Vec<FittedCurve>,
     /// The models in the order of each figure of merit.
@@ -94,7 +100,7 @@ pub struct Prediction {
 }
 
 /// Names of the models, best first.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Ranking {
     /// By sum of squared errors.
     pub sse: Vec<String>,
@@ -108,7 +114,7 @@ pub struct Ranking {
 }
 
 /// A confidence band of a learning curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Band {
     /// Model.
     pub model: String,
@@ -123,7 +129,7 @@ pub struct Band {
 }
 
 /// A confidence band at one N_s.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BandPoint {
     /// `N_s`.
     pub sensing_slots: f64,
@@ -134,7 +140,7 @@ pub struct BandPoint {
 }
 
 /// A measured accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurvePoint {
     /// `N_s`.
     pub sensing_slots: f64,
@@ -146,12 +152,15 @@ pub struct CurvePoint {
 }
 
 /// One model's fit with its figures of merit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FittedCurve {
     /// Name of the model.
     pub name: String,
     /// Fitted parameters.
     pub parameters: Parameters,
+    /// Its accuracies at [`Prediction::slots`].
+    #[serde(default)]
+    pub accuracy: Vec<f64>,
     /// Sum of squared errors.
     pub sse: f64,
     /// Root mean squared error.
@@ -163,7 +172,7 @@ pub struct FittedCurve {
 }
 
 /// Outcome of `sdp3 verify`: what was compared, and where it differed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verify {
     /// Values and digests compared, all targets.
     pub compared: u64,
@@ -174,7 +183,7 @@ pub struct Verify {
 }
 
 /// One target of the conformance suite.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TargetVerdict {
     /// `host-reference`, `cortex-m4f`, `riscv32imac`, ...
     pub name: String,
@@ -184,6 +193,9 @@ pub struct TargetVerdict {
     pub mismatches: u64,
     /// Instructions the target executed for one recognition of the largest recording; absent on the host.
     pub instructions: Option<u64>,
+    /// Instructions of the costliest recognition for each number of sensing slots.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recognitions: Vec<Counted>,
     /// First difference, or why the target could not run; absent when all agreed.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub detail: Option<String>,
@@ -191,8 +203,17 @@ pub struct TargetVerdict {
     pub stages: Vec<StageVerdict>,
 }
 
+/// Instructions of one recognition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counted {
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Instructions, from the first sample to the class.
+    pub instructions: u64,
+}
+
 /// One stage of one target.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageVerdict {
     /// `beat`, `gram`, `weights`, `slow-time`, `frame`, `image`, `layer`, `logits`, `schedule`.
     pub stage: String,
@@ -208,7 +229,7 @@ pub struct StageVerdict {
 }
 
 /// A spectrogram as the network sees it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spectrogram {
     /// Class, or the name of the recording.
     pub title: String,
@@ -229,7 +250,7 @@ pub struct Spectrogram {
 }
 
 /// One point of the KL curve.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct KlPoint {
     /// Memory of the room channel.
     pub rho: f64,
@@ -240,7 +261,7 @@ pub struct KlPoint {
 }
 
 /// Outcome of the calibration: what `sdp3 calibrate --json` prints.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Calibration {
     /// Where rho came from, in words: a measured file, or the stored table and its entry.
     pub source: String,
@@ -267,7 +288,7 @@ pub struct Calibration {
 }
 
 /// Counts of truth against answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Confusion {
     /// `N_s`.
     pub sensing_slots: u32,
@@ -278,7 +299,7 @@ pub struct Confusion {
 }
 
 /// Loss and accuracy of one training epoch.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Epoch {
     /// Mean cross entropy over the epoch's batches, in nats.
     pub loss: f64,
@@ -293,7 +314,7 @@ pub struct Epoch {
 }
 
 /// How one network was trained.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Training {
     /// `N_s`.
     pub sensing_slots: u32,
@@ -306,7 +327,7 @@ pub struct Training {
 }
 
 /// Everything the pictures show, beside [`Run`]: what `figures.json` holds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Figures {
     /// Class names, in the order of the labels.
     pub classes: Vec<String>,
@@ -325,10 +346,16 @@ pub struct Figures {
     /// Receiver placements: prices, borders of the zones, operating points.
     #[serde(default)]
     pub cases: Vec<Case>,
+    /// The slots of every point of [`Run::region`].
+    #[serde(default)]
+    pub plans: Vec<SlotPlan>,
+    /// What anytime sensing makes of `spectrograms`; absent if there are more networks than it takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub anytime: Option<AnytimeGallery>,
 }
 
 /// Optimum of the weighted sum for one weight.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WeightedPoint {
     /// Receiver placement.
     pub case: u32,
@@ -343,7 +370,7 @@ pub struct WeightedPoint {
 }
 
 /// One property of a channel model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Property {
     /// Whether the model has it.
     pub verdict: bool,
@@ -362,7 +389,7 @@ pub struct Property {
 }
 
 /// A model's row of the table.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelRow {
     /// Its name.
     pub name: String,
@@ -371,7 +398,7 @@ pub struct ModelRow {
 }
 
 /// The paper's Table I from data.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChannelTable {
     /// Seed of the experiments.
     pub seed: u64,
@@ -382,7 +409,7 @@ pub struct ChannelTable {
 }
 
 /// A spectrogram of the gallery and what it shows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Exhibit {
     /// Channel model.
     pub model: String,

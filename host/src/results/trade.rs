@@ -1,14 +1,19 @@
 //! What the trade finds: regions, operating points, schedules, campaigns, anytime sensing.
 
+use super::{Curve, WeightedPoint};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One point of the accuracy-throughput boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RegionPoint {
     /// Receiver placement: `1` or `2` in the paper's section VI.
     pub case: u32,
     /// `N_s`.
     pub sensing_slots: u32,
+    /// `N_c,k` of each receiver.
+    #[serde(default)]
+    pub communication_slots: Vec<u32>,
     /// Predicted accuracy, 0..=1.
     pub accuracy: f64,
     /// Lower end of its confidence band.
@@ -26,8 +31,27 @@ pub struct RegionPoint {
     pub zone: Zone,
 }
 
+/// The region and the point chosen on it: what `sdp3 optimize` finds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Optimum {
+    /// The learning curve.
+    pub curve: Curve,
+    /// Boundary of every receiver placement.
+    pub region: Vec<RegionPoint>,
+    /// The point for the scheduler.
+    pub operating_point: OperatingPoint,
+    /// Operating points by weight.
+    pub weighted: Vec<WeightedPoint>,
+    /// Receiver placements.
+    pub cases: Vec<Case>,
+    /// Other spacings N_m.
+    pub spacings: Vec<Spacing>,
+    /// Share of the larger normalised marginal rate below which a point is saturated.
+    pub zone_ratio: f64,
+}
+
 /// Where one zone ends and another begins.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Border {
     /// The first N_s of the second zone.
     pub sensing_slots: u32,
@@ -40,7 +64,7 @@ pub struct Border {
 }
 
 /// A receiver placement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Case {
     /// Number, from 1.
     pub case: u32,
@@ -55,7 +79,7 @@ pub struct Case {
 }
 
 /// The operating point at one N_m.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spacing {
     /// N_m.
     pub spacing_slots: u32,
@@ -76,7 +100,7 @@ pub struct Spacing {
 }
 
 /// The operating point of one combination of a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SweepRow {
     /// Carrier in Hz.
     pub carrier_hz: f64,
@@ -99,7 +123,7 @@ pub struct SweepRow {
 }
 
 /// The paper's three zones of the region.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Zone {
     /// Throughput is near its ceiling: giving up a little of it buys much accuracy.
@@ -122,7 +146,7 @@ impl Zone {
 }
 
 /// The operating point chosen on the boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OperatingPoint {
     /// Receiver placement.
     pub case: u32,
@@ -147,7 +171,7 @@ pub struct OperatingPoint {
 }
 
 /// One period as the core's scheduler played it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Schedule {
     /// `N`.
     pub period_slots: u32,
@@ -166,8 +190,23 @@ pub struct Schedule {
     pub recognised: Option<Recognised>,
 }
 
-/// A recognition made while a period was played.
+/// One period of a boundary's point as the core's scheduler plays it, in as many numbers as a picture needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SlotPlan {
+    /// Receiver placement.
+    pub case: u32,
+    /// `N_s`.
+    pub sensing_slots: u32,
+    /// Longest run of slots each receiver waits.
+    pub longest_wait_slots: Vec<u32>,
+    /// Uses of the first slots, one by one: -1 sensing, -2 nobody, else the receiver's index.
+    pub first: Vec<i32>,
+    /// The whole period in columns of (nearly) equal width: slots of `[sensing, receiver 0, receiver 1, ..]` in each.
+    pub columns: Vec<Vec<u32>>,
+}
+
+/// A recognition made while a period was played.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Recognised {
     /// Class played.
     pub truth: String,
@@ -178,7 +217,7 @@ pub struct Recognised {
 }
 
 /// Thousands of periods as the core's scheduler played them: what `sdp3 schedule --periods` finds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Campaign {
     /// Periods.
     pub periods: u32,
@@ -203,7 +242,7 @@ pub struct Campaign {
 }
 
 /// A receiver in a campaign.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct CampaignReceiver {
     /// Periods it was there.
     pub periods: u64,
@@ -220,7 +259,7 @@ pub struct CampaignReceiver {
 }
 
 /// What period boundaries did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Replans {
     /// Boundaries.
     pub boundaries: u64,
@@ -243,7 +282,7 @@ pub struct Replans {
 }
 
 /// Recognitions in a campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Recognitions {
     /// Periods in which somebody moved before the radar.
     pub count: u64,
@@ -256,7 +295,7 @@ pub struct Recognitions {
 }
 
 /// An exit of anytime sensing.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeExit {
     /// Sensing slots after which it classifies.
     pub sensing_slots: u32,
@@ -265,7 +304,7 @@ pub struct AnytimeExit {
 }
 
 /// What a threshold brings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimePoint {
     /// Confidence that stops; above 1 none does.
     pub threshold: f64,
@@ -282,7 +321,7 @@ pub struct AnytimePoint {
 }
 
 /// A static number of sensing slots and the anytime policy of the same accuracy.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeGain {
     /// N_s of the network alone.
     pub static_slots: u32,
@@ -295,7 +334,7 @@ pub struct AnytimeGain {
 }
 
 /// A point of the anytime region.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeRegionPoint {
     /// Receiver placement.
     pub case: u32,
@@ -306,7 +345,7 @@ pub struct AnytimeRegionPoint {
 }
 
 /// The anytime region beside the static one: what `sdp3 anytime` finds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeResult {
     /// Exits and weights: with a threshold, all that a receiver needs beside the models.
     pub exits: Vec<AnytimeExit>,
@@ -326,8 +365,47 @@ pub struct AnytimeResult {
     pub operating_point: AnytimeRegionPoint,
 }
 
+/// Recordings of the gallery as anytime sensing hears them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeGallery {
+    /// Confidence that stops, chosen for the accuracy of the last network alone; above 1 none does.
+    pub threshold: f64,
+    /// Sensing slots of the last exit that is waited for.
+    pub most_sensing_slots: u32,
+    /// Recordings that weights and threshold were fitted to.
+    pub calibrated_on: u32,
+    /// A recording of every class.
+    pub recordings: Vec<AnytimeRecording>,
+}
+
+/// What every exit says of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeRecording {
+    /// Its class.
+    pub truth: String,
+    /// Every exit, fewest slots first.
+    pub exits: Vec<AnytimeVerdict>,
+    /// Sensing slots after which the core stops at the gallery's threshold.
+    pub stops_after: u32,
+}
+
+/// What an exit says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnytimeVerdict {
+    /// Sensing slots heard.
+    pub sensing_slots: u32,
+    /// Frames of the spectrogram they make.
+    pub frames: u32,
+    /// The class.
+    pub class: String,
+    /// Its calibrated probability by the core, 0..=1.
+    pub confidence: f64,
+    /// Probabilities of all classes by the same evidence, in f64.
+    pub probabilities: Vec<f64>,
+}
+
 /// A static point as measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StaticPoint {
     /// Receiver placement.
     pub case: u32,

@@ -15,11 +15,12 @@ use super::channel::target::Target;
 use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, wavelength};
 use super::random::Random;
 use crate::scenario::{Class, Scenario, Tgn};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// What a recording without labels of its own can be told apart into.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
     /// Walking at any speed.

@@ -15,6 +15,7 @@ use crate::results::Accuracy;
 use crate::scenario::{Class, Learning};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 
@@ -22,7 +23,7 @@ use std::cell::OnceCell;
 pub const METHODS: [&str; 3] = ["DSN", "CNN", "SVM"];
 
 /// One N_s.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// N_s.
     pub sensing_slots: u32,
@@ -37,7 +38,7 @@ pub struct Row {
 }
 
 /// The study's result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Baselines {
     /// Memory of the room.
     pub rho: f64,
@@ -48,7 +49,7 @@ pub struct Baselines {
 }
 
 /// A learning rate and how it was found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Rate {
     /// The chosen one.
     pub rate: f64,

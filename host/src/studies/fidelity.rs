@@ -20,6 +20,7 @@ use crate::simulator::channel::Complex64;
 use crate::simulator::dataset::{Set, beats};
 use crate::simulator::randomised::Motion;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 
@@ -36,7 +37,7 @@ const PEOPLE: u32 = 100;
 const SETTLE_SLOTS: u32 = 300;
 
 /// Divergence of the domains' grey levels from the stand-in's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Levels {
     /// The calibrated rho.
     pub rho: f64,
@@ -51,7 +52,7 @@ pub struct Levels {
 }
 
 /// Divergence of simulated grey levels from a measured recording's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredLevels {
     /// The recording.
     pub name: String,
@@ -62,7 +63,7 @@ pub struct MeasuredLevels {
 }
 
 /// The study's result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Fidelity {
     /// N_s.
     pub sensing_slots: u32,

@@ -10,10 +10,11 @@ use crate::predictor::learning_curve::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One N_s.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// N_s.
     pub sensing_slots: u32,
@@ -28,7 +29,7 @@ pub struct Row {
 }
 
 /// The study's result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LearningCurve {
     /// Memory of the room.
     pub rho: f64,

@@ -15,6 +15,7 @@ pub mod trained;
 
 use crate::progress::Progress;
 use crate::scenario::Scenario;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What a study is made of.
@@ -48,7 +49,7 @@ pub struct Workshop {
 }
 
 /// Mean and sample standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
     /// Mean.
     pub mean: f64,

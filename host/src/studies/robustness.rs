@@ -10,6 +10,7 @@ use crate::pipeline::Failure;
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A condition.
@@ -78,7 +79,7 @@ pub fn conditions() -> Vec<Condition> {
 }
 
 /// A condition's result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// What is changed.
     pub factor: String,
@@ -91,7 +92,7 @@ pub struct Row {
 }
 
 /// The study's result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Robustness {
     /// N_s of every network.
     pub sensing_slots: u32,

@@ -24,6 +24,7 @@ use crate::simulator::calibration::slots_without_clutter;
 use crate::simulator::channel::Complex64;
 use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use sdp3_core::frame::ROWS;
 use serde::{Deserialize, Serialize};
 
@@ -183,7 +184,7 @@ impl Recogniser {
 }
 
 /// What networks said about one recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Told {
     /// Its path below the folder.
     pub name: String,
@@ -202,7 +203,7 @@ pub struct Told {
 }
 
 /// The result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimToReal {
     /// Share of unseen simulated seconds that is recognised.
     pub simulated: Spread,

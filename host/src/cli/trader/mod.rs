@@ -7,12 +7,12 @@ use super::context::{Context, model_name};
 use super::{job, simulator};
 use clap::Args;
 use sdp3::formats::points;
+use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
-use sdp3::optimizer::{Outcome, Rule};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::predictor::learning_curve::{best_curve, fit_all, predict as fitted};
 use sdp3::report;
-use sdp3::results::{Curve, CurvePoint, SweepRow};
+use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
 use sdp3::scenario::Scenario;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -148,19 +148,25 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
             );
         }
         let rows = sweep::rows(&job.scenario, &curve, rule, &ask.sweep, job.seed)?;
+        context.record(job, "optimize")?;
         job.output.write("sweep.csv", sweep_table(&rows, ",").as_bytes())?;
         context.print(&rows, || sweep_table(&rows, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
     let outcome = job.trade(&curve, &points, rule)?;
-    let value = serde_json::json!({
-        "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
-        "weighted": outcome.weighted, "cases": outcome.cases, "spacings": outcome.spacings,
-        "zone_ratio": job.scenario.trade.zone_ratio,
-    });
+    let value = Optimum {
+        curve,
+        region: outcome.region,
+        operating_point: outcome.operating_point,
+        weighted: outcome.weighted,
+        cases: outcome.cases,
+        spacings: outcome.spacings,
+        zone_ratio: job.scenario.trade.zone_ratio,
+    };
+    context.record(job, "optimize")?;
     job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
     job.output.write_json("optimize.json", &value)?;
-    context.print(&value, || words(&outcome, &curve, job.scenario.trade.zone_ratio))?;
+    context.print(&value, || words(&value))?;
     Ok(true)
 }
 
@@ -193,15 +199,15 @@ fn sweep_table(rows: &[SweepRow], comma: &str) -> String {
     text
 }
 
-fn words(outcome: &Outcome, curve: &Curve, ratio: f64) -> String {
-    let p = &outcome.operating_point;
+fn words(found: &Optimum) -> String {
+    let Optimum { curve, zone_ratio: ratio, operating_point: p, .. } = found;
     let mut text = format!("{} by {}, rmse {:.4}\n", p.rule, curve.model, curve.rmse);
-    for case in &outcome.cases {
+    for case in &found.cases {
         match &case.operating_point {
             None => text += &format!("case {}: no point\n", case.case),
             Some(p) => {
                 let band =
-                    outcome.region.iter().find(|r| r.case == p.case && r.sensing_slots == p.sensing_slots);
+                    found.region.iter().find(|r| r.case == p.case && r.sensing_slots == p.sensing_slots);
                 let band =
                     band.and_then(|r| Some(format!(" ({:.3}..={:.3})", r.accuracy_low?, r.accuracy_high?)));
                 let _ = writeln!(
@@ -240,6 +246,7 @@ pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
     job.scenario = context.trained(&job)?;
     let rule = rule(&args.rule, &job.scenario)?;
     let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
+    context.record(&job, "anytime")?;
     job.output.write_json("anytime.json", &found)?;
     job.output.write("anytime.svg", report::anytime::region(&found).as_bytes())?;
     context.print(&found, || report::anytime::table(&found))?;

@@ -10,7 +10,7 @@ use sdp3::conformance::compare::OwnedBuffers;
 use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::Radar, trace::Trace, world::World};
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
-use sdp3::report::{plot::on_white, timeline::timeline};
+use sdp3::report::{paper::on_white, timeline};
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
 use sdp3_core::anytime::{Anytime, EXITS, Exit};
@@ -105,7 +105,7 @@ pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
         job.scenario = context.trained(&job)?;
     }
     let settings = settings(args, &job.scenario, sensing_slots)?;
-    job.output.write("schedule-scenario.toml", job.scenario.to_toml().as_bytes())?;
+    context.record(&job, "schedule")?;
     let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
@@ -116,7 +116,7 @@ pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
 
 /// The (first) period's slots as a picture.
 fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
-    let svg = on_white(timeline(runs));
+    let svg = on_white(timeline::svg(runs));
     job.output.write("timeline.svg", svg.as_bytes())?;
     Ok(())
 }

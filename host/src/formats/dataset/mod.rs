@@ -18,6 +18,7 @@ use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
 use rayon::prelude::*;
 use record::FileRecord;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -195,7 +196,7 @@ impl<'a> Work<'a> {
 }
 
 /// What was done.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Written {
     /// Recordings of the whole dataset.
     pub recordings: u32,

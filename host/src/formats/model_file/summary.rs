@@ -2,12 +2,13 @@
 
 use super::QuantizedNetwork;
 use super::signature::read_key;
+use schemars::JsonSchema;
 use sdp3_core::dsn::{Model, ModelError};
 use serde::Serialize;
 use std::path::Path;
 
 /// What a model file says of itself.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Summary {
     /// Version of the layout.
     pub version: u16,

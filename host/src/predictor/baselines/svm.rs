@@ -11,6 +11,7 @@ use linfa::traits::{Fit, Predict};
 use linfa_svm::SvmError;
 use ndarray::{Array1, Array2, ArrayView1, ShapeError};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Penalties that are tried.
@@ -23,7 +24,7 @@ pub const FOLDS: usize = 3;
 const TOLERANCE: f64 = 1e-3;
 
 /// Penalty and kernel width.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Settings {
     /// Cost C of an image on the wrong side.
     pub c: f64,

@@ -15,6 +15,9 @@ use rayon::prelude::*;
 /// Redrawn curves.
 pub const DRAWS: u32 = 400;
 
+/// Intervals between the N_s at which curves and bands are stated.
+const STEPS: u32 = 48;
+
 /// Share of the redrawn curves within the band.
 pub const COVERAGE: f64 = 0.95;
 
@@ -68,13 +71,17 @@ pub fn interval(replicates: &[Curve], sensing_slots: f64) -> (f64, f64) {
     (at((1.0 - COVERAGE) / 2.0), at((1.0 + COVERAGE) / 2.0))
 }
 
-/// The band over the points' range, down to one window.
+/// The N_s at which curves and bands are stated: the points' range, down to one window.
+pub fn grid(points: &[CurvePoint]) -> Vec<f64> {
+    let (low, high) = range(points);
+    let low = low.min(LEAST);
+    (0..=STEPS).map(|step| low + (high - low) * f64::from(step) / f64::from(STEPS)).collect()
+}
+
+/// The band on its grid.
 pub fn band(curve: &Curve, points: &[CurvePoint], seed: u64) -> Band {
     let replicates = replicates(curve, points, seed);
-    let (low, high) = range(points);
-    let (low, steps) = (low.min(LEAST), 48);
-    let at = |step: u32| {
-        let sensing_slots = low + (high - low) * f64::from(step) / f64::from(steps);
+    let at = |sensing_slots: f64| {
         let (low, high) = interval(&replicates, sensing_slots);
         BandPoint { sensing_slots, low, high }
     };
@@ -84,7 +91,7 @@ pub fn band(curve: &Curve, points: &[CurvePoint], seed: u64) -> Band {
         coverage: COVERAGE,
         draws: DRAWS,
         source: if counted { "test counts" } else { "residuals" }.into(),
-        points: (0..=steps).map(at).collect(),
+        points: grid(points).into_iter().map(at).collect(),
     }
 }
 

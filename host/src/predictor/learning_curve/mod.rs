@@ -17,21 +17,31 @@ pub use ranking::fit_all;
 
 use crate::results::{Curve, CurvePoint, Prediction};
 
-/// All curves through the points, and the best one's confidence band.
+/// All curves through the points, drawn on a grid, and the best one's confidence band.
 ///
 /// # Errors
 ///
 /// [`FitError`] names what is wrong with the points.
 pub fn predict(points: &[CurvePoint], seed: u64) -> Result<Prediction, FitError> {
     let mut prediction = fit_all(points)?;
+    prediction.slots = bootstrap::grid(points);
+    for fitted in &mut prediction.models {
+        let model = Model::by_name(&fitted.name);
+        let at = |&n: &f64| model.map_or(0.0, |model| within(model.at(&fitted.parameters, n)));
+        fitted.accuracy = prediction.slots.iter().map(at).collect();
+    }
     prediction.band = Some(bootstrap::band(&best_curve(&prediction), points, seed));
     Ok(prediction)
 }
 
 /// A at `sensing_slots`, clamped to 0..=1, 0 below the model's domain; `None` if the curve's model is unknown.
 pub fn evaluate(curve: &Curve, sensing_slots: f64) -> Option<f64> {
-    let value = Model::by_name(&curve.model)?.at(&curve.parameters, sensing_slots);
-    Some(if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) })
+    Some(within(Model::by_name(&curve.model)?.at(&curve.parameters, sensing_slots)))
+}
+
+/// What is an accuracy of a model's value.
+fn within(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
 }
 
 /// dA/dN_s, 0 where A is clamped; `None` if the curve's model is unknown.

@@ -9,7 +9,7 @@ use super::models::Model;
 use super::points::{FitError, check};
 use crate::results::{CurvePoint, FittedCurve, Prediction, Ranking};
 
-/// Fits every model with at most as many parameters as there are different N_s; best first.
+/// Fits every model with at most as many parameters as there are different N_s; best first. Curves are not yet drawn.
 ///
 /// # Errors
 ///
@@ -22,6 +22,7 @@ pub fn fit_all(points: &[CurvePoint]) -> Result<Prediction, FitError> {
         FittedCurve {
             name: model.name().to_owned(),
             parameters,
+            accuracy: Vec::new(),
             sse,
             rmse: (sse / n).sqrt(),
             aicc: aicc(sse, points.len(), model.count()),
@@ -45,7 +46,7 @@ pub fn fit_all(points: &[CurvePoint]) -> Result<Prediction, FitError> {
         loo: by(&|m| m.loo),
         cp: by(&|m| Some(cp(m))),
     };
-    Ok(Prediction { best, points: points.to_vec(), models, ranking, band: None })
+    Ok(Prediction { best, points: points.to_vec(), slots: Vec::new(), models, ranking, band: None })
 }
 
 fn parameters(m: &FittedCurve) -> usize {

@@ -2,6 +2,7 @@
 //!
 //! Float and int8 networks run side by side on the calibration images; int8 is rehearsed in floating point.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
@@ -10,7 +11,7 @@ use crate::predictor::float_network::{Activation, FloatNetwork};
 use crate::predictor::parameters::Images;
 
 /// What int8 did to one activation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LayerReport {
     /// The activation, in words.
     pub name: String,
@@ -27,7 +28,7 @@ pub struct LayerReport {
 }
 
 /// What quantisation did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct QuantizationReport {
     /// Images the ranges come from.
     pub images: usize,

@@ -7,6 +7,7 @@
 use super::{Bench, PEOPLE, STAND_INS, search};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// First lines of the table's file.
@@ -17,7 +18,7 @@ pub const HEADER: &str = "\
 ";
 
 /// A row of the table.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Stored {
     /// Carrier in Hz.
     pub carrier_hz: f64,
@@ -37,7 +38,7 @@ pub struct Stored {
 }
 
 /// The table.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Table {
     /// Its rows.
     pub entry: Vec<Stored>,

@@ -1,0 +1,73 @@
+//! The explorer: the script of the report page and the data it reads.
+//!
+//! Every file beside this one has one reason: `data` reads the JSON, `marks` makes elements, `cursor` lets pointer and keyboard
+//! walk along a plot, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
+//! allows this script by its hash and nothing else: no request, no other script.
+
+use super::plot::COLOURS;
+use crate::results::{Figures, Run};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+/// The script's files in the order of their use.
+const FILES: [&str; 10] = [
+    include_str!("data.js"),
+    include_str!("marks.js"),
+    include_str!("cursor.js"),
+    include_str!("slots.js"),
+    include_str!("region.js"),
+    include_str!("gallery.js"),
+    include_str!("calibration.js"),
+    include_str!("learning.js"),
+    include_str!("confusion.js"),
+    include_str!("tables.js"),
+];
+
+/// The whole script.
+fn script() -> String {
+    format!("\"use strict\";(()=>{{\n{}}})();\n", FILES.concat())
+}
+
+/// The page's policy: this script, styles in the page, pictures in the page, and no address at all.
+pub fn policy() -> String {
+    let hash = STANDARD.encode(Sha256::digest(script()));
+    format!(
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
+         script-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'\">"
+    )
+}
+
+/// Colours of the series as CSS variables.
+pub fn colours() -> String {
+    let each = COLOURS.iter().enumerate().map(|(k, colour)| format!("--series-{k}:{colour};"));
+    format!(":root{{{}}}", each.collect::<String>())
+}
+
+/// The data and the script, at the page's end.
+pub fn embedded(run: &Run, figures: &Figures) -> String {
+    format!("{}{}<script>{}</script>", json("run", run), json("figures", figures), script())
+}
+
+/// A result as a data block; `<` is escaped, so that nothing in it ends the block.
+fn json(name: &str, value: &impl Serialize) -> String {
+    let text = serde_json::to_string(value).unwrap_or_default().replace('<', "\\u003c");
+    format!("<script type=\"application/json\" id=\"data-{name}\">{text}</script>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_address_stands_in_the_script_and_no_data_ends_its_block() {
+        let script = script().replace("http://www.w3.org/2000/svg", "");
+        for address in ["://", "fetch(", "XMLHttpRequest", "import(", "WebSocket", "innerHTML", "eval("] {
+            assert!(!script.contains(address), "{address}");
+        }
+        assert!(!script.contains("</script"));
+        let block = json("x", &"</script><script>");
+        assert_eq!(block.matches("<script").count() + block.matches("</script").count(), 2, "{block}");
+    }
+}

@@ -1,0 +1,186 @@
+//! The report page of a run, section by section.
+
+use super::plot::{Plot, escape, grouped, number};
+use super::{STYLE, confusion, explorer, figures as pictures, spectrograms, tables, timeline};
+use crate::results::{Figures, Run};
+use std::fmt::Write;
+
+/// A section: its address in the page and its title.
+const SECTIONS: [(&str, &str, &str); 7] = [
+    ("region", "Region", "Accuracy-throughput region"),
+    ("spectrograms", "Spectrograms", "Spectrograms"),
+    ("calibration", "Calibration", "Calibration"),
+    ("learning", "Learning", "Learning"),
+    ("schedule", "Schedule", "One period"),
+    ("conformance", "Conformance", "Conformance"),
+    ("configuration", "Configuration", "Configuration"),
+];
+
+fn section(page: &mut String, id: &str, caption: &str, body: &str) {
+    let title = SECTIONS.iter().find(|s| s.0 == id).map_or("", |s| s.2);
+    let _ = write!(page, "<section id=\"{id}\"><h2>{title}</h2><p>{caption}</p>{body}</section>");
+}
+
+/// A plot with a caption, named for the explorer.
+fn figure(name: &str, plot: Plot, caption: &str) -> String {
+    format!("<figure data-figure=\"{name}\">{}<figcaption>{caption}</figcaption></figure>", plot.html())
+}
+
+/// The report page of a run.
+pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
+    let name = escape(&run.scenario);
+    let mut page = format!(
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">{}<meta name=\"viewport\" \
+         content=\"width=device-width,initial-scale=1\"><meta name=\"color-scheme\" content=\"light dark\"><title>sdp3: \
+         {name}</title><style>{}{STYLE}</style></head><body><a class=\"skip\" href=\"#region\">Skip to the figures</a>\
+         <header><h1>{name}</h1><p>How many slots must be spent on radar to recognise how a person moves, and what does \
+         that cost in throughput?</p></header><main>",
+        explorer::policy(),
+        explorer::colours()
+    );
+    headline(&mut page, run);
+    page.push_str("<nav aria-label=\"Sections\">");
+    for (id, text, _) in SECTIONS {
+        let _ = write!(page, "<a href=\"#{id}\">{text}</a> ");
+    }
+    page.push_str("</nav>");
+    region(&mut page, run, figures);
+    gallery(&mut page, figures);
+    calibration(&mut page, figures);
+    learning(&mut page, run, figures);
+    schedule(&mut page, run);
+    section(
+        &mut page,
+        "conformance",
+        "The core against an independently written reference, and firmware under QEMU against the core. Integer stages are \
+         compared bit for bit, float stages with the bound shown.",
+        &(tables::conformance(&run.verify) + &tables::instructions(&run.verify)),
+    );
+    section(
+        &mut page,
+        "configuration",
+        &format!("Seed {}. Every default is written out.", run.seed),
+        &format!("<details><summary>scenario.toml</summary><pre>{}</pre></details>", escape(scenario_toml)),
+    );
+    page.push_str("</main>");
+    page.push_str(&explorer::embedded(run, figures));
+    page.push_str("</body></html>\n");
+    page
+}
+
+fn headline(page: &mut String, run: &Run) {
+    let p = &run.operating_point;
+    page.push_str("<ul class=\"headline\">");
+    for (value, text) in [
+        (number(run.rho), "memory of the room, ρ"),
+        (p.sensing_slots.to_string(), "sensing slots at the operating point"),
+        (format!("{:.1} %", 100.0 * p.accuracy), "predicted accuracy there"),
+        (format!("{:.2} Mbit", p.throughput_bit / 1e6), "per period to the worst receiver"),
+        (grouped(run.verify.compared), "values and digests compared"),
+        (run.verify.mismatches.to_string(), "mismatches"),
+    ] {
+        let _ = write!(page, "<li><b>{value}</b> {text}</li>");
+    }
+    page.push_str("</ul>");
+}
+
+fn region(page: &mut String, run: &Run, figures: &Figures) {
+    section(
+        page,
+        "region",
+        &format!(
+            "Largest worst throughput for every accuracy (paper, Theorem 1), both receiver placements. The ring is the \
+             operating point: {}.",
+            escape(&run.operating_point.rule)
+        ),
+        &figure("region", pictures::region(run, figures), "Accuracy against throughput"),
+    );
+}
+
+fn gallery(page: &mut String, figures: &Figures) {
+    let shown: String = figures.spectrograms.iter().map(spectrograms::figure).collect();
+    let stops = figures.anytime.as_ref().map_or_else(String::new, |a| {
+        let each = a.recordings.iter().map(|r| format!("{} after {}", escape(&r.truth), r.stops_after));
+        let each: Vec<String> = each.collect();
+        format!(
+            " Anytime sensing stops at a confidence of {}, chosen on {} other recordings; sensing slots needed: {}.",
+            number(a.threshold),
+            a.calibrated_on,
+            each.join(", ")
+        )
+    });
+    section(
+        page,
+        "spectrograms",
+        &format!(
+            "One simulated recording of each class as the network sees it: the torso's line near the walking speed's Doppler, \
+             limbs around it in the rhythm of the gait (paper, figure of the experimental spectrograms).{stops}"
+        ),
+        &format!("<div class=\"row\">{shown}</div>"),
+    );
+}
+
+fn calibration(page: &mut String, figures: &Figures) {
+    let c = &figures.calibration;
+    let both: String = [&c.measured, &c.simulated].into_iter().flatten().map(spectrograms::figure).collect();
+    let curve = match c.curve.is_empty() {
+        true => String::new(),
+        false => figure("kl-curve", pictures::kl_curve(c), "KL divergence over ρ"),
+    };
+    section(
+        page,
+        "calibration",
+        &format!(
+            "ρ = {}. {}. The curve shows {}: the paper's eq. (fitting) and its KL figure.",
+            number(c.rho),
+            escape(&c.source),
+            escape(&c.curve_of)
+        ),
+        &format!(
+            "<div class=\"row\">{curve}{}</div><div class=\"row\">{both}</div>",
+            figure("grey-levels", pictures::pmf(c), "Share of each grey level")
+        ),
+    );
+}
+
+fn learning(page: &mut String, run: &Run, figures: &Figures) {
+    section(
+        page,
+        "learning",
+        &format!(
+            "Accuracy on recordings never seen, from raw I/Q through the radar module's own code, and the learning curves \
+             fitted to it (paper, Tables II and III); the best is {} with rmse {}. Bars: one standard deviation of the count.",
+            escape(&run.curve.model),
+            number(run.curve.rmse)
+        ),
+        &format!(
+            "<div class=\"row\">{}{}</div>{}{}",
+            figure("learning-curve", pictures::learning_curve(run, figures), "Accuracy over N_s"),
+            figure("training-loss", pictures::losses(figures), "Training loss"),
+            tables::models(figures),
+            confusion::tables(figures)
+        ),
+    );
+}
+
+fn schedule(page: &mut String, run: &Run) {
+    let s = &run.schedule;
+    let recognised = s.recognised.as_ref().map_or_else(String::new, |r| {
+        format!(
+            " The core recognised {} as {} ({:.0} %).",
+            escape(&r.truth),
+            escape(&r.class),
+            100.0 * r.confidence
+        )
+    });
+    section(
+        page,
+        "schedule",
+        &format!(
+            "The core's scheduler plays the operating point: {} sensing slots, {:?} slots to the receivers, longest waits \
+             {:?} slots.{recognised}",
+            s.sensing_slots, s.communication_slots, s.longest_wait_slots
+        ),
+        &format!("<figure data-figure=\"timeline\">{}</figure>", timeline::html(&s.timeline)),
+    );
+}

@@ -1,0 +1,133 @@
+//! The channel model and its settings.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the room's channel remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ArMode {
+    /// As printed: v_1 = Upsilon_1, v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
+    Paper,
+    /// v_j = rho v_{j-1} + sqrt(1 - rho^2) Upsilon_j: the power does not depend on rho.
+    VariancePreserving,
+    /// Rays given by geometry keep their phase; only the diffuse rays are redrawn.
+    Consistent,
+}
+
+/// Channel models, by the names of the paper's Table I.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Model {
+    /// The data-assisted hybrid channel.
+    Dahc,
+    /// Primitives and a room that never changes.
+    Primitive,
+    /// Image method with Fresnel materials.
+    RayTracing,
+    /// Saleh-Valenzuela.
+    Statistical,
+    /// IEEE 802.11ay quasi-deterministic conference room.
+    #[serde(rename = "80211ay")]
+    Ieee80211ay,
+    /// IEEE 802.11 TGn/TGac/TGax taps.
+    #[serde(rename = "80211ax")]
+    Ieee80211ax,
+    /// 3GPP TR 38.901 indoor office.
+    #[serde(rename = "38901")]
+    Tr38901,
+    /// QuaDRiGa's drifting clusters.
+    Quadriga,
+    /// METIS' map-based hybrid.
+    Metis,
+}
+
+impl Model {
+    /// All models.
+    pub const ALL: [Model; 9] = [
+        Model::Dahc,
+        Model::Primitive,
+        Model::RayTracing,
+        Model::Statistical,
+        Model::Ieee80211ay,
+        Model::Ieee80211ax,
+        Model::Tr38901,
+        Model::Quadriga,
+        Model::Metis,
+    ];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Dahc => "dahc",
+            Model::Primitive => "primitive",
+            Model::RayTracing => "ray-tracing",
+            Model::Statistical => "statistical",
+            Model::Ieee80211ay => "80211ay",
+            Model::Ieee80211ax => "80211ax",
+            Model::Tr38901 => "38901",
+            Model::Quadriga => "quadriga",
+            Model::Metis => "metis",
+        }
+    }
+}
+
+/// The TGn model that suits the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Tgn {
+    /// Residential, rms delay spread 15 ns.
+    B,
+    /// Small office, 30 ns.
+    C,
+    /// Typical office, 50 ns.
+    D,
+}
+
+/// When the room's recursion advances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Advance {
+    /// Once per sensing slot, as the authors' recordings were made.
+    SensingSlot,
+    /// Once per slot, also in those between two sensing slots.
+    Slot,
+}
+
+/// Room channel statistics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clusters {
+    /// IEEE 802.11ay conference room: image-method clusters with diffuse rays.
+    #[serde(rename = "80211ay")]
+    Ieee80211ay,
+    /// IEEE 802.11ax / TGn model B taps.
+    #[serde(rename = "80211ax")]
+    Ieee80211ax,
+}
+
+/// The channel model and its settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Channel {
+    /// Which model.
+    pub model: Model,
+    /// Memory of the room channel; absent: taken from the calibration table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho: Option<f64>,
+    /// The recursion.
+    pub mode: ArMode,
+    /// Where the room's responses come from.
+    pub clusters: Clusters,
+    /// When the recursion advances.
+    pub advance: Advance,
+    /// Whether the room's response starts with the power it settles at instead of Upsilon's.
+    pub stationary_start: bool,
+    /// Taps of `80211ax` and of the hybrid channel with those statistics.
+    pub tgn: Tgn,
+    /// Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
+    pub blockage: bool,
+    /// Line of sight (`38901`, `quadriga`).
+    pub line_of_sight: bool,
+    /// Whether a second person walks in the room (the paper's scenario 2).
+    pub interferer: bool,
+}

@@ -1,0 +1,119 @@
+//! JSON Schemas (2020-12) of what every command prints with `--json`, made from the types.
+//!
+//! The folder `schemas` holds them, one file each; `tests/schemas.rs` keeps the files equal to the types, and the command
+//! `tests/schemas` holds every command's real output to them.
+
+use crate::formats::dataset::Written;
+use crate::formats::model_file::Summary;
+use crate::predictor::interchange::Exchanged;
+use crate::results::{
+    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Faults, Files, Listed, Optimum, Prediction,
+    Run, Schedule, SweepRow, Training, Verify,
+};
+use crate::scenario::Scenario;
+use crate::simulator::calibration::stored::Table;
+use schemars::{JsonSchema, schema_for};
+use serde_json::Value;
+
+macro_rules! published {
+    ($($name:literal),+ $(,)?) => {
+        [$(($name, include_str!(concat!("../schemas/", $name, ".json")))),+]
+    };
+}
+
+/// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
+pub const PUBLISHED: [(&str, &str); 26] = published![
+    "anytime",
+    "calibrate",
+    "channels",
+    "export",
+    "gallery",
+    "import",
+    "key",
+    "man",
+    "model",
+    "optimize",
+    "predict",
+    "quantize",
+    "report",
+    "run",
+    "scenario",
+    "scenario-check",
+    "scenario-list",
+    "scenario-new",
+    "scenario-show",
+    "schedule",
+    "schema",
+    "sign",
+    "simulate",
+    "study",
+    "train",
+    "verify",
+];
+
+/// A measured signal's memory of the room, or with `--table` the table.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum Calibrated {
+    Found(Box<Calibration>),
+    Table(Table),
+}
+
+/// The region and the point chosen, or with `--sweep` the points of every combination.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum Optimized {
+    Region(Box<Optimum>),
+    Sweep(Vec<SweepRow>),
+}
+
+/// One period, with `--periods` many, or with `--faults` faults on purpose.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum Scheduled {
+    Period(Schedule),
+    Campaign(Box<Campaign>),
+    Faults(Faults),
+}
+
+/// The study's result; which one its name says.
+#[cfg(feature = "train")]
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum Studied {
+    LearningCurve(crate::studies::learning_curve::LearningCurve),
+    Robustness(crate::studies::robustness::Robustness),
+    Fidelity(Box<crate::studies::fidelity::Fidelity>),
+    Baselines(crate::studies::baselines::Baselines),
+}
+
+/// The schema of this name as the types have it; of none that this build has no type for.
+pub fn of_types(name: &str) -> Option<Value> {
+    let schema = match name {
+        "scenario" | "scenario-show" => return Some(Scenario::schema()),
+        "anytime" => schema_for!(AnytimeResult),
+        "calibrate" => schema_for!(Calibrated),
+        "channels" => schema_for!(ChannelTable),
+        "export" | "import" => schema_for!(Exchanged),
+        "gallery" | "key" | "man" | "quantize" | "report" | "scenario-new" | "sign" => schema_for!(Files),
+        "model" => schema_for!(Summary),
+        "optimize" => schema_for!(Optimized),
+        "predict" => schema_for!(Prediction),
+        "run" => schema_for!(Run),
+        "scenario-check" => schema_for!(Checked),
+        "scenario-list" => schema_for!(Vec<Listed>),
+        "schedule" => schema_for!(Scheduled),
+        "schema" => schema_for!(Vec<String>),
+        "simulate" => schema_for!(Written),
+        #[cfg(feature = "train")]
+        "study" => schema_for!(Studied),
+        "train" => schema_for!(Vec<Training>),
+        "verify" => schema_for!(Verify),
+        _ => return None,
+    };
+    Some(schema.to_value())
+}

@@ -1,0 +1,92 @@
+"""Opens a run's page in headless Chromium and uses it: explorer.py OUT [--shots FOLDER].
+
+Everything read in the page is compared with run.json and figures.json of OUT. A console error or a request fails the check.
+"""
+
+import argparse
+import pathlib
+import shutil
+import sys
+
+from playwright.sync_api import sync_playwright
+
+import layout
+from panels import PANELS, Visit, lonely
+from results import Results, say_region
+
+
+def opened(browser, address, trouble, **how):
+    """The page in a context of its own; what goes wrong in it is noted."""
+    page = browser.new_context(**how).new_page()
+    page.set_default_timeout(10_000)
+    page.on("console", lambda m: m.type in ("error", "warning") and trouble.append(f"console: {m.text}"))
+    page.on("pageerror", lambda error: trouble.append(f"script: {error}"))
+    asked = lambda request: request.url != address and not request.url.startswith("data:")
+    page.on("request", lambda request: asked(request) and trouble.append(f"request: {request.url}"))
+    page.goto(address)
+    return page
+
+
+def touch(visit):
+    """A finger drags the operating point."""
+    case = visit.results.run["operating_point"]["case"]
+    point = visit.results.run["operating_point"]
+    start = visit.scale("region")(point["accuracy"], point["throughput_bit"] / 1e6)
+    end, wanted = lonely(visit, case)[0]
+    client = visit.page.context.new_cdp_session(visit.page)
+    send = lambda kind, points: client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    finger = lambda share: [{"x": a + (b - a) * share, "y": c + (d - c) * share} for (a, c), (b, d) in [(start, end)]]
+    send("touchStart", finger(0))
+    for step in range(1, 11):
+        send("touchMove", finger(step / 10))
+    send("touchEnd", [])
+    visit.same("region dragged by a finger", visit.readout("#region"), say_region(wanted))
+
+
+def without_script(browser, address, visit):
+    """The figures and tables are there without the script."""
+    page = browser.new_context(java_script_enabled=False).new_page()
+    page.goto(address)
+    shown = [f"figure[data-figure={name}] svg" for name in ["region", "learning-curve", "training-loss", "grey-levels", "timeline"]]
+    for selector in shown + ["#spectrograms svg image", "#targets tr.head", "#confusion td", "#models td"]:
+        visit.same(f"without script: {selector}", page.locator(selector).first.is_visible(), True)
+    visit.same("without script: controls", page.locator("main button, main input").count(), 0)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--shots", type=pathlib.Path)
+    given = parser.parse_args()
+    results, address = Results(given.out), (given.out / "report.html").resolve().as_uri()
+    trouble, wrong, compared = [], [], 0
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
+        size = {"width": 1280, "height": 900}
+        visit = Visit(opened(browser, address, trouble, viewport=size, reduced_motion="reduce"), results)
+        for panel in PANELS:
+            panel(visit)
+        moving = visit.page.locator(".bars i").first.evaluate("e => getComputedStyle(e).transitionDuration")
+        visit.same("reduced motion", moving, "0s")
+        without_script(browser, address, visit)
+        visits = [visit]
+        for name, width, scheme in [("light", 1280, "light"), ("dark", 1280, "dark"), ("narrow", 390, "light"), ("narrow-dark", 360, "dark")]:
+            size = {"width": width, "height": 900}
+            page = opened(browser, address, trouble, viewport=size, color_scheme=scheme, has_touch=width < 600)
+            visit = Visit(page, results)
+            layout.check(visit, width, name)
+            if given.shots and name != "narrow-dark":
+                layout.shots(page, given.shots, name)
+            touch(visit) if width < 600 else layout.keyboard(visit)
+            visits.append(visit)
+        browser.close()
+    for visit in visits:
+        wrong += visit.wrong
+        compared += visit.compared
+    for line in (trouble + wrong)[:20]:
+        print(line)
+    print(f"{compared} readings compared, {len(wrong)} wrong; {len(trouble)} console messages and requests")
+    sys.exit(1 if trouble or wrong else 0)
+
+
+main()
