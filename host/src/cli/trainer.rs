@@ -51,7 +51,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let point: &OperatingPoint = &outcome.operating_point;
     let schedule = job.play(point, rho, &learned.models)?;
     let plans = outcome.region.iter().map(|p| playback::plan(p, point)).collect::<Result<_, _>>()?;
-    let anytime = hear(job, rho, &learned.models)?;
+    let anytime = hear(job, rho, &learned.models, point)?;
     let mut result = Run {
         scenario: job.scenario.name.clone(),
         seed: job.seed,
@@ -85,11 +85,16 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     Ok(result.verify.mismatches == 0)
 }
 
-/// The gallery through anytime sensing, fitted on as many recordings as are tested.
-fn hear(job: &Job, rho: f64, models: &[Vec<u8>]) -> Result<Option<AnytimeGallery>, Failure> {
+/// The gallery through anytime sensing at the operating point's accuracy, fitted on as many recordings as are tested.
+fn hear(
+    job: &Job,
+    rho: f64,
+    models: &[Vec<u8>],
+    point: &OperatingPoint,
+) -> Result<Option<AnytimeGallery>, Failure> {
     let stage = job.progress.stage("anytime", "the gallery's recordings");
-    let (s, per_class) = (&job.scenario, job.scenario.learning.test_per_class);
-    let found = gallery(s, rho, job.seed, models, per_class, &|done, all| stage.at(done, all))?;
+    let (s, asked) = (&job.scenario, (job.scenario.learning.test_per_class, point.accuracy));
+    let found = gallery(s, rho, job.seed, models, asked, &|done, all| stage.at(done, all))?;
     stage.finish(&match &found {
         Some(found) => {
             let slots: Vec<u32> = found.recordings.iter().map(|r| r.stops_after).collect();

@@ -103,9 +103,9 @@ fn gallery(page: &mut String, figures: &Figures) {
         let each = a.recordings.iter().map(|r| format!("{} after {}", escape(&r.truth), r.stops_after));
         let each: Vec<String> = each.collect();
         format!(
-            " Anytime sensing stops at a confidence of {}, chosen on {} other recordings; sensing slots needed: {}.",
-            number(a.threshold),
+            " Anytime sensing, as accurate as the operating point on {} other recordings, stops {}; sensing slots needed: {}.",
             a.calibrated_on,
+            if a.threshold > 1.0 { "never early".into() } else { format!("at a confidence of {}", number(a.threshold)) },
             each.join(", ")
         )
     });

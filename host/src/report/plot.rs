@@ -123,6 +123,9 @@ const LEFT: f64 = 92.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 16.0;
 const BOTTOM: f64 = 52.0;
+/// Left edge of the legend, and the width of a letter.
+const LEGEND: f64 = 40.0;
+const LETTER: f64 = 6.8;
 
 impl Plot {
     /// An empty plot; `title` is what a screen reader says.
@@ -241,12 +244,15 @@ impl Plot {
 
     /// The finished picture, its legend below it.
     pub fn svg(self) -> String {
-        // three entries to a row
-        let rows = self.legend.len().div_ceil(3);
+        // as many entries to a row as the longest leaves room for
+        let longest = self.legend.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let entry = 34.0 + LETTER * longest as f64;
+        let abreast = ((self.width - LEGEND) / entry).clamp(1.0, 4.0) as usize;
+        let rows = self.legend.len().div_ceil(abreast);
         let mut legend = String::new();
         for (index, (name, colour)) in self.legend.iter().enumerate() {
-            let x = LEFT + (index % 3) as f64 * 186.0;
-            let y = self.height + 8.0 + (index / 3) as f64 * 20.0;
+            let x = LEGEND + (index % abreast) as f64 * entry;
+            let y = self.height + 8.0 + (index / abreast) as f64 * 20.0;
             let _ = write!(
                 legend,
                 "<rect x=\"{x}\" y=\"{}\" width=\"16\" height=\"4\" fill=\"{colour}\"/><text x=\"{}\" y=\"{}\">{}</text>",

@@ -368,7 +368,7 @@ pub struct AnytimeResult {
 /// Recordings of the gallery as anytime sensing hears them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AnytimeGallery {
-    /// Confidence that stops, chosen for the accuracy of the last network alone; above 1 none does.
+    /// Confidence that stops, chosen for the accuracy of the operating point; above 1 none does.
     pub threshold: f64,
     /// Sensing slots of the last exit that is waited for.
     pub most_sensing_slots: u32,

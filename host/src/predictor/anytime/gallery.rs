@@ -11,8 +11,9 @@ use crate::simulator::dataset::{Set, recording};
 use sdp3_core::anytime::{Anytime, EVIDENCE_BITS, EXITS, Exit, Verdict, add_evidence};
 use sdp3_core::dsn::{Model, Portable};
 
-/// Weights and threshold from `per_class` recordings behind those trained on, then one recording of every class through the
-/// core's own receiver. `None` if there are more networks than it takes.
+/// Weights and threshold from `per_class` recordings of every class behind those trained on, the threshold that reaches `accuracy`
+/// there with the fewest slots; then one recording of every class through the core's own receiver. `None` if there are more
+/// networks than it takes.
 ///
 /// # Errors
 ///
@@ -22,7 +23,7 @@ pub fn gallery(
     rho: f64,
     seed: u64,
     models: &[Vec<u8>],
-    per_class: u32,
+    (per_class, accuracy): (u32, f64),
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Option<AnytimeGallery>, AccuracyError> {
     if models.is_empty() || models.len() > EXITS {
@@ -32,8 +33,7 @@ pub fn gallery(
     let policy = Policy::new(&answers.slots, weights(&answers));
     let last = models.len() - 1;
     let courses = policy.courses(&answers);
-    let (threshold, last) =
-        policy.cheapest(&courses, &answers.truth, answers.alone(last)).unwrap_or((2.0, last));
+    let (threshold, last) = policy.cheapest(&courses, &answers.truth, accuracy).unwrap_or((2.0, last));
     let hear = |&class: &Class| -> Result<AnytimeRecording, AccuracyError> {
         let exits = hear(scenario, rho, seed, models, &policy, class)?;
         let stop = exits[..last].iter().find(|exit| exit.confidence >= f64::from(threshold as f32));
