@@ -10,11 +10,25 @@ Calibration: the stored table with its self-check, and measured signals that can
   > END
 
   $ sdp3 calibrate -q
+  rho = * (stored table, * motion at 3.500 GHz, 1 ms: *); curve in out/calibration.json (glob)
 
   $ sdp3 calibrate --measured nothing.wav
+  sdp3: nothing.wav: not a readable WAV file: No such file or directory (os error 2)
+  [2]
 
   $ sdp3 calibrate --measured short.toml
+  sdp3: short.toml: extension = "toml" is outside its legal range: .wav, .npy, .npz, .sigmf-meta, .h5
+  [2]
 
   $ sdp3 calibrate --carrier 24e9
+  error: the following required arguments were not provided:
+    --measured <FILE>
+  
+  Usage: sdp3 calibrate --measured <FILE> --carrier <HZ>
+  
+  For more information, try '--help'.
+  [2]
 
   $ sdp3 calibrate --measured nothing.wav --motion flying
+  sdp3: command line: --motion = flying is outside its legal range: one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
+  [2]

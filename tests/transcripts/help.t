@@ -1,57 +1,918 @@
 Help: the tool and every command, with examples.
 
   $ sdp3 --help
+  Simulate a sensed room, train a deep spectrogram network, prove the radar module's bits, and trade recognition accuracy against throughput
+  
+  Usage: sdp3 [OPTIONS] [COMMAND]
+  
+  Commands:
+    run          The main job: simulate, calibrate, learn, run, prove, trade, schedule, report
+    simulate     Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest
+    calibrate    Find the room's memory rho that a measured signal shows
+    channels     Run every channel model through the property tests of the paper's Table I
+    gallery      Draw a page of spectrograms: class by carrier by channel model
+    train        Train the networks and save their float parameters and the history of their losses
+    study        Answer a question that takes many trainings; the same command goes on where it was interrupted
+    quantize     Turn trained networks into int8 model files
+    export       Write a network for other programs: a model file as .tflite, float parameters as .safetensors
+    import       Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
+    model        Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it
+    sign         Sign a model file, for firmware that takes signed models only
+    key          Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with
+    verify       Compare the core with its reference and its firmware, bit for bit, on the models of --out
+    predict      Fit the seven learning curves to accuracies
+    optimize     Draw the accuracy-throughput region and choose a point on it
+    anytime      Fit anytime sensing to the models of --out and draw its region beside the static one
+    schedule     Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes
+    report       Write the report page of --out's run again, and its figures as SVG and PNG
+    scenario     List, print, write and check scenarios
+    schema       Print the JSON Schema of what a command prints with --json
+    completions  Print a script that completes commands and options in a shell
+    man          Write man pages: one for the tool and one for every command
+    help         Print this message or the help of the given subcommand(s)
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+    -V, --version                    Print version
+  
+  Examples:
+    sdp3                                     the main job, quick, results in ./out
+    sdp3 run --measured walk.wav --carrier 24.125e9
+    sdp3 simulate --channel ray-tracing --per-class 100
+    sdp3 channels --json
+    sdp3 train --recipe paper-adam --resume
+    sdp3 predict --points points.csv --json
+    sdp3 optimize --accuracy 0.9
+    sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+    sdp3 scenario new room.toml
+  `sdp3 COMMAND --help` has examples of every command, `sdp3 schema COMMAND` what it prints with --json.
+  Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.
 
   $ sdp3 run --help
+  The main job: simulate, calibrate, learn, run, prove, trade, schedule, report
+  
+  Usage: sdp3 run [OPTIONS]
+  
+  Options:
+        --preset <PRESET>
+            Size of the job
+  
+            Possible values:
+            - quick: Minutes: fewer recordings, a strided network
+            - paper: The paper's sizes: 200 recordings per class to train, 100 to test
+            
+            [default: quick]
+  
+        --resume
+            Go on from the checkpoints in --out, with the same result as without the interruption
+  
+        --measured <FILE>
+            A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5
+  
+        --carrier <HZ>
+            Its carrier in Hz, if the file does not say
+  
+        --rate <HZ>
+            Its sampling or slow-time rate in Hz, if the file does not say
+  
+        --gain <DB>
+            Gain of the sensor in dB, taken off
+  
+        --dataset <NAME>
+            Which array of an NPZ or which dataset of an HDF5 file
+  
+        --motion <CLASS>
+            How the person in it moves: a class, such as adult-walking or standing
+            
+            [default: adult-walking]
+  
+        --targets <TARGETS>
+            Targets to compare
+            
+            [default: host-reference cortex-m4f riscv32imac]
+  
+        --firmware <DIR>
+            Folder of ready-built firmware; absent: firmware-sim/build makes it
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random
+            
+            [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Say more on stderr
+  
+    -q, --quiet
+            Say nothing on stderr but errors
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 run
+    sdp3 run --preset paper --threads 8 --resume
+    sdp3 run --measured walk.wav --carrier 24.125e9 --targets host-reference
+    sdp3 run --scenario small-radar --set radar.carrier_hz=5.8e9 --out small --json
 
   $ sdp3 simulate --help
+  Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest.
+  
+  Interrupted, the same command resumes; complete, it changes nothing.
+  
+  Usage: sdp3 simulate [OPTIONS]
+  
+  Options:
+        --per-class <PER_CLASS>
+            Recordings of each class
+            
+            [default: 20]
+  
+        --channel <NAME>
+            Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent: the scenario's
+  
+        --classes <NAMES>
+            Classes, by name; absent: the paper's five. Also child-stepping, adult-stepping, child-running, adult-running
+  
+        --raw
+            Store the raw slots in the parts too
+  
+        --sigmf
+            Write each recording's raw slots as SigMF too
+  
+        --shard <I/N>
+            Make only the I-th of N shards of the parts; whichever comes last writes the manifest
+            
+            [default: 1/1]
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random
+            
+            [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Say more on stderr
+  
+    -q, --quiet
+            Say nothing on stderr but errors
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 simulate --out data
+    sdp3 simulate --channel ray-tracing --classes adult-walking,adult-running --per-class 200 --out data
+    sdp3 simulate --per-class 1000 --raw --sigmf --shard 2/8 --out data
 
   $ sdp3 calibrate --help
+  Find the room's memory rho that a measured signal shows
+  
+  Usage: sdp3 calibrate [OPTIONS]
+  
+  Options:
+        --measured <FILE>            A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5
+        --carrier <HZ>               Its carrier in Hz, if the file does not say
+        --rate <HZ>                  Its sampling or slow-time rate in Hz, if the file does not say
+        --gain <DB>                  Gain of the sensor in dB, taken off
+        --dataset <NAME>             Which array of an NPZ or which dataset of an HDF5 file
+        --motion <CLASS>             How the person in it moves: a class, such as adult-walking or standing [default: adult-walking]
+        --table <FILE.toml>          Write the look-up table of rho again, to this file
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 calibrate --measured walk.wav --carrier 24.125e9
+    sdp3 calibrate --measured sitting.npy --rate 20 --carrier 60e9 --motion standing --json
+    sdp3 calibrate --table rho.toml
 
   $ sdp3 channels --help
+  Run every channel model through the property tests of the paper's Table I
+  
+  Usage: sdp3 channels [OPTIONS]
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 channels
+    sdp3 channels --scenario radar-60ghz --json
 
   $ sdp3 gallery --help
+  Draw a page of spectrograms: class by carrier by channel model
+  
+  Usage: sdp3 gallery [OPTIONS]
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 gallery --out pictures
+    sdp3 gallery --scenario child-safe-room
 
   $ sdp3 train --help
+  Train the networks and save their float parameters and the history of their losses
+  
+  Usage: sdp3 train [OPTIONS]
+  
+  Options:
+        --preset <PRESET>
+            Size of the job
+  
+            Possible values:
+            - quick: Minutes: fewer recordings, a strided network
+            - paper: The paper's sizes: 200 recordings per class to train, 100 to test
+            
+            [default: quick]
+  
+        --data <DIR>
+            A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho
+  
+        --recipe <RECIPE>
+            Optimiser, learning rate and batch in one; absent: the scenario's
+  
+            Possible values:
+            - adamw-one-cycle: AdamW, peak 5e-3, one cycle, batch 50
+            - paper-adam:      The paper's: Adam, 0.01, batch 500
+            - paper-momentum:  The paper's: momentum 0.9, 0.06, batch 300
+  
+        --resume
+            Go on from the checkpoints in --out, with the same result as without the interruption
+  
+        --backend <BACKEND>
+            Where to train: the processor, or a GPU in a build with that feature
+  
+            Possible values:
+            - flex: The processor
+            - wgpu: A GPU through Vulkan, Metal, DirectX 12 or WebGPU; needs the feature `wgpu`
+            - cuda: An NVIDIA GPU; needs the feature `cuda`
+            
+            [default: flex]
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random
+            
+            [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Say more on stderr
+  
+    -q, --quiet
+            Say nothing on stderr but errors
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 train
+    sdp3 train --preset paper --recipe paper-adam --resume
+    sdp3 train --data data --set learning.epochs=40 --out trained
 
   $ sdp3 study --help
+  Answer a question that takes many trainings; the same command goes on where it was interrupted
+  
+  Usage: sdp3 study [OPTIONS] <NAME>
+  
+  Arguments:
+    <NAME>
+            Which question
+  
+            Possible values:
+            - learning-curve: Accuracy over the number of sensing slots, and the curves of Table III
+            - robustness:     Accuracy under other headings, rho, power, d, people and carriers
+            - fidelity:       Divergence and recognition against ray tracing, a richer model and measured recordings
+            - baselines:      Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots
+  
+  Options:
+        --seeds <SEEDS>
+            Seeds, from --seed upwards
+            
+            [default: 5]
+  
+        --measured <FOLDER>
+            Of `fidelity`: a folder of measured recordings, in any depth, whose names tell the motion (walk, run, still, stand, sit)
+  
+        --carrier <HZ>
+            Carrier in Hz of recordings that do not say theirs
+  
+        --rate <HZ>
+            Rate in Hz of recordings that do not say theirs
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random
+            
+            [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Say more on stderr
+  
+    -q, --quiet
+            Say nothing on stderr but errors
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 study learning-curve --out curve
+    sdp3 study robustness --seeds 3 --out robustness
+    sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
 
   $ sdp3 quantize --help
+  Turn trained networks into int8 model files
+  
+  Usage: sdp3 quantize [OPTIONS]
+  
+  Options:
+        --data <DIR>                 The dataset they were trained on, to measure ranges on; absent: training recordings are simulated
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 quantize
+    sdp3 quantize --data data --out trained
 
   $ sdp3 export --help
+  Write a network for other programs: a model file as .tflite, float parameters as .safetensors
+  
+  Usage: sdp3 export [OPTIONS] --to <FILE> <FILE>
+  
+  Arguments:
+    <FILE>  MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it
+  
+  Options:
+        --to <FILE>                  FILE.tflite of a model file, FILE.safetensors of float parameters
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+    sdp3 export out/models/dsn-1000.json --to dsn.safetensors
 
   $ sdp3 import --help
+  Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
+  
+  Usage: sdp3 import [OPTIONS] --to <FILE> <FILE>
+  
+  Arguments:
+    <FILE>  FILE.tflite or FILE.safetensors
+  
+  Options:
+        --to <FILE>                  MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them
+        --slots <N>                  Sensing slots it was trained with, where the file does not say
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 import dsn.tflite --to dsn.sdp3
+    sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000
 
   $ sdp3 model --help
+  Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it
+  
+  Usage: sdp3 model [OPTIONS] <FILE>
+  
+  Arguments:
+    <FILE>  MODEL.sdp3
+  
+  Options:
+        --key <NAME.pub>             Public key that must have signed it
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 model out/models/dsn-1000.sdp3
+    sdp3 model signed.sdp3 --key radio.pub --json
 
   $ sdp3 sign --help
+  Sign a model file, for firmware that takes signed models only
+  
+  Usage: sdp3 sign [OPTIONS] --key <NAME.key> --to <FILE> <FILE>
+  
+  Arguments:
+    <FILE>  MODEL.sdp3
+  
+  Options:
+        --key <NAME.key>             Secret key
+        --revision <N>               Its revision: firmware that ran a later one refuses it [default: 0]
+        --to <FILE>                  Where the signed model goes
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
 
   $ sdp3 key --help
+  Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with
+  
+  Usage: sdp3 key [OPTIONS] <NAME>
+  
+  Arguments:
+    <NAME>  NAME; existing files are kept
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 key radio
 
   $ sdp3 verify --help
+  Compare the core with its reference and its firmware, bit for bit, on the models of --out
+  
+  Usage: sdp3 verify [OPTIONS]
+  
+  Options:
+        --targets <TARGETS>          Targets to compare [default: host-reference cortex-m4f riscv32imac]
+        --firmware <DIR>             Folder of ready-built firmware; absent: firmware-sim/build makes it
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 verify
+    sdp3 verify --targets host-reference,cortex-m4f --json
 
   $ sdp3 predict --help
+  Fit the seven learning curves to accuracies
+  
+  Usage: sdp3 predict [OPTIONS]
+  
+  Options:
+        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 predict
+    sdp3 predict --points points.csv --json
 
   $ sdp3 optimize --help
+  Draw the accuracy-throughput region and choose a point on it
+  
+  Usage: sdp3 optimize [OPTIONS]
+  
+  Options:
+        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run
+        --curve <NAME>               Learning curve; absent: the best one
+        --accuracy <ACCURACY>        Accuracy of at least this, 0..=1
+        --throughput <THROUGHPUT>    Throughput of at least this, in bits per period
+        --weight <WEIGHT>            Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary
+        --weights <WA,WR>            w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period
+        --sweep <AXIS=VALUES>        Vary carrier_hz, power_w, receivers (K) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 optimize --accuracy 0.9
+    sdp3 optimize --points points.csv --weights 1,1e-5 --json
+    sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3
 
   $ sdp3 anytime --help
+  Fit anytime sensing to the models of --out and draw its region beside the static one
+  
+  Usage: sdp3 anytime [OPTIONS]
+  
+  Options:
+        --calibrate-per-class <CALIBRATE_PER_CLASS>
+            Recordings of each class to fit and choose on, behind those trained on [default: 200]
+        --accuracy <ACCURACY>
+            Accuracy of at least this, 0..=1
+        --throughput <THROUGHPUT>
+            Throughput of at least this, in bits per period
+        --weight <WEIGHT>
+            Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary
+        --weights <WA,WR>
+            w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>
+            Seed of everything random [default: 1]
+        --out <DIR>
+            Folder for results [default: out]
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json
+            Print results as JSON, and nothing else, on stdout
+    -v, --verbose
+            Say more on stderr
+    -q, --quiet
+            Say nothing on stderr but errors
+    -h, --help
+            Print help
+  
+  Examples:
+    sdp3 anytime
+    sdp3 anytime --calibrate-per-class 500 --accuracy 0.9
 
   $ sdp3 schedule --help
+  Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes
+  
+  Usage: sdp3 schedule [OPTIONS]
+  
+  Options:
+        --periods <PERIODS>          Periods; absent: one, in a world that does not change
+        --sensing-slots <N>          N_s; absent: that of the run's operating point
+        --coherence <S>              Mean time in s that a channel stays as it is [default: 5]
+        --load <SHARE>               Mean arrivals of a receiver over its fair share; absent: always something to send
+        --churn <P>                  Probability that a receiver joins or leaves in a period [default: 0.02]
+        --loss <P>                   Probability that a slot is lost [default: 0.0005]
+        --retarget <P>               Probability that N_s becomes another of the scenario's in a period [default: 0.02]
+        --recognise-every <PERIODS>  Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never [default: 0]
+        --threshold <CONFIDENCE>     Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out
+        --faults <EVENTS>            Instead: so many faults on purpose against the core's guards, and recordings with spoiled samples before the smallest model of --out. Exit code 1 if a fault of the schedule or the model was silent or a promise broke
+        --spoiled-per-class <N>      Recordings of each class with spoiled samples [default: 40]
+        --traced <PERIODS>           Periods drawn slot by slot in trace.json, which Perfetto opens [default: 3]
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 schedule
+    sdp3 schedule --periods 1000 --sensing-slots 300 --load 0.8
+    sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9
+    sdp3 schedule --faults 100000
 
   $ sdp3 report --help
+  Write the report page of --out's run again, and its figures as SVG and PNG
+  
+  Usage: sdp3 report [OPTIONS]
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 report
+    sdp3 report --out small
 
   $ sdp3 scenario --help
+  List, print, write and check scenarios
+  
+  Usage: sdp3 scenario [OPTIONS] <COMMAND>
+  
+  Commands:
+    list   List the scenarios that come with the tool
+    show   Print a scenario, every field with its meaning, unit and legal range
+    new    Write a scenario to a new file, every field with its meaning, unit and legal range. An existing file is kept
+    check  Report everything that is wrong with a scenario file: exit code 2 if anything is
+    help   Print this message or the help of the given subcommand(s)
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 scenario list
+    sdp3 scenario show child-safe-room
+    sdp3 scenario new room.toml
+    sdp3 scenario check room.toml
 
   $ sdp3 schema --help
+  Print the JSON Schema of what a command prints with --json
+  
+  Usage: sdp3 schema [OPTIONS] [COMMAND]
+  
+  Arguments:
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 schema
+    sdp3 schema run
+    sdp3 schema scenario-check
 
   $ sdp3 completions --help
+  Print a script that completes commands and options in a shell
+  
+  Usage: sdp3 completions [OPTIONS] <SHELL>
+  
+  Arguments:
+    <SHELL>  The shell [possible values: bash, elvish, fish, powershell, zsh]
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 completions bash > /etc/bash_completion.d/sdp3
+    sdp3 completions zsh > ~/.zfunc/_sdp3
+    sdp3 completions fish > ~/.config/fish/completions/sdp3.fish
 
   $ sdp3 man --help
+  Write man pages: one for the tool and one for every command
+  
+  Usage: sdp3 man [OPTIONS] <DIR>
+  
+  Arguments:
+    <DIR>  The folder, which is made if need be
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 man /usr/local/share/man/man1
+    sdp3 man pages --json
 
   $ sdp3 scenario list --help
+  List the scenarios that come with the tool
+  
+  Usage: sdp3 scenario list [OPTIONS]
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 scenario list
+    sdp3 scenario list --json
 
   $ sdp3 scenario show --help
+  Print a scenario, every field with its meaning, unit and legal range
+  
+  Usage: sdp3 scenario show [OPTIONS] [NAME|FILE]
+  
+  Arguments:
+    [NAME|FILE]  A file, or the name of a scenario that comes with the tool; absent: that of --scenario, or else the paper's room
+  
+  Options:
+        --set <FIELD=VALUE>  Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>        Seed of everything random [default: 1]
+        --out <DIR>          Folder for results [default: out]
+        --threads <THREADS>  Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json               Print results as JSON, and nothing else, on stdout
+    -v, --verbose            Say more on stderr
+    -q, --quiet              Say nothing on stderr but errors
+    -h, --help               Print help
+  
+  Examples:
+    sdp3 scenario show
+    sdp3 scenario show small-radar
+    sdp3 scenario show room.toml --set radar.carrier_hz=24e9 --json
 
   $ sdp3 scenario new --help
+  Write a scenario to a new file, every field with its meaning, unit and legal range. An existing file is kept
+  
+  Usage: sdp3 scenario new [OPTIONS] <FILE.toml>
+  
+  Arguments:
+    <FILE.toml>  The file to make
+  
+  Options:
+        --from <NAME|FILE>           A file, or the name of a scenario that comes with the tool, to begin with; absent: that of --scenario, or else the paper's room
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 scenario new room.toml
+    sdp3 scenario new cheap.toml --from small-radar --set name=cheap
 
   $ sdp3 scenario check --help
+  Report everything that is wrong with a scenario file: exit code 2 if anything is
+  
+  Usage: sdp3 scenario check [OPTIONS] <FILE.toml>
+  
+  Arguments:
+    <FILE.toml>  The file
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 scenario check room.toml
+    sdp3 scenario check room.toml --json

@@ -16,46 +16,77 @@ The main job in short, and every command about its results. Needs the feature `t
   > draws = 20
   > END
 
-  $ sdp3 run --scenario small.toml --targets host-reference
+  $ sdp3 run -q --scenario small.toml --targets host-reference
+  target              compared  mismatches    instructions
+  host-reference* 0               - (glob)
+  report: out/report.html
 
   $ sdp3 run --scenario small.toml --targets z80
+  sdp3: command line: --targets = z80 is none of host-reference, * (glob)
+  [2]
 
-  $ sdp3 run -q --scenario small.toml --targets host-reference --resume
+  $ sdp3 run -q --scenario small.toml --targets host-reference --resume --json | head -2
+  {
+    "scenario": "small",
 
   $ sdp3 verify -q --targets host-reference
+  target              compared  mismatches    instructions
+  host-reference* 0               - (glob)
 
   $ sdp3 verify --set channel.rho=0.5
+  sdp3: command line: --set cannot change a run that has been made; `sdp3 run --set` makes another
+  [2]
 
-  $ sdp3 predict
+  $ sdp3 predict | head -1
+  model * sse * (glob)
 
-  $ sdp3 optimize -q
+  $ sdp3 optimize -q | head -1
+  * by *, rmse * (glob)
 
   $ sdp3 schedule
+  N = 4000: * sensing, * communication, longest waits * slots (glob)
 
-  $ sdp3 schedule -q --periods 4 --recognise-every 2
+  $ sdp3 schedule -q --periods 4 --recognise-every 2 | head -1
+  4 periods, 16000 decisions: * sensing, * idle (glob)
 
-  $ sdp3 anytime -q --calibrate-per-class 4
+  $ sdp3 anytime -q --calibrate-per-class 4 >anytime.txt
 
   $ sdp3 report
+  out/report.html
 
-  $ sdp3 model out/models/dsn-200.sdp3
+  $ sdp3 model out/models/dsn-200.sdp3 | head -1
+  model file, version * (glob)
 
   $ sdp3 model small.toml
+  sdp3: small.toml: * (glob)
+  [2]
 
-  $ sdp3 export out/models/dsn-200.sdp3 --to dsn.tflite
+  $ sdp3 export out/models/dsn-200.sdp3 --to dsn.tflite >export.txt
 
   $ sdp3 export out/models/dsn-200.sdp3 --to dsn.onnx
+  sdp3: * (glob)
+  [2]
 
-  $ sdp3 import -q dsn.tflite --to again.sdp3 --scenario small.toml
+  $ sdp3 import -q dsn.tflite --to again.sdp3 --scenario small.toml >import.txt
 
-  $ sdp3 import small.toml --to again.sdp3
+  $ sdp3 import small.toml --to other.sdp3
+  sdp3: * (glob)
+  [2]
 
   $ sdp3 key radio
+  radio.key
+  radio.pub
 
   $ sdp3 key radio
+  sdp3: *radio.key* (glob)
+  [2]
 
   $ sdp3 sign again.sdp3 --key radio.key --to signed.sdp3
+  ./signed.sdp3
 
   $ sdp3 sign again.sdp3 --key radio.pub --to other.sdp3
+  sdp3: *radio.pub* (glob)
+  [2]
 
-  $ sdp3 model signed.sdp3 --key radio.pub
+  $ sdp3 model signed.sdp3 --key radio.pub | head -1
+  model file, version *signed with the given key* (glob)

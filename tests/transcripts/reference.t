@@ -1,13 +1,101 @@
 Schemas, completions and man pages.
 
   $ sdp3 schema
+  anytime
+  calibrate
+  channels
+  export
+  gallery
+  import
+  key
+  man
+  model
+  optimize
+  predict
+  quantize
+  report
+  run
+  scenario
+  scenario-check
+  scenario-list
+  scenario-new
+  scenario-show
+  schedule
+  schema
+  sign
+  simulate
+  study
+  train
+  verify
 
   $ sdp3 schema scenario-check
+  {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "description": "A scenario file that was checked.",
+    "properties": {
+      "errors": {
+        "description": "Everything that is wrong with it; nothing if it may be used.",
+        "items": {
+          "type": "string"
+        },
+        "type": "array"
+      },
+      "file": {
+        "description": "The file.",
+        "type": "string"
+      }
+    },
+    "required": [
+      "file",
+      "errors"
+    ],
+    "title": "Checked",
+    "type": "object"
+  }
 
   $ sdp3 schema nothing
+  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, key, man, model, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, sign, simulate, study, train, verify
+  [2]
 
   $ sdp3 completions tcsh
+  error: invalid value 'tcsh' for '<SHELL>'
+    [possible values: bash, elvish, fish, powershell, zsh]
+  
+    tip: a similar value exists: 'zsh'
+  
+  For more information, try '--help'.
+  [2]
 
   $ sdp3 man pages
+  pages/sdp3.1
+  pages/sdp3-run.1
+  pages/sdp3-simulate.1
+  pages/sdp3-calibrate.1
+  pages/sdp3-channels.1
+  pages/sdp3-gallery.1
+  pages/sdp3-train.1
+  pages/sdp3-study.1
+  pages/sdp3-quantize.1
+  pages/sdp3-export.1
+  pages/sdp3-import.1
+  pages/sdp3-model.1
+  pages/sdp3-sign.1
+  pages/sdp3-key.1
+  pages/sdp3-verify.1
+  pages/sdp3-predict.1
+  pages/sdp3-optimize.1
+  pages/sdp3-anytime.1
+  pages/sdp3-schedule.1
+  pages/sdp3-report.1
+  pages/sdp3-scenario.1
+  pages/sdp3-scenario-list.1
+  pages/sdp3-scenario-show.1
+  pages/sdp3-scenario-new.1
+  pages/sdp3-scenario-check.1
+  pages/sdp3-schema.1
+  pages/sdp3-completions.1
+  pages/sdp3-man.1
 
   $ sdp3 man /proc/sdp3
+  sdp3: /proc/sdp3: cannot be written: No such file or directory (os error 2)
+  [2]

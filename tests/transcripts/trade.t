@@ -10,25 +10,72 @@ Learning curves, regions and schedules from a table of accuracies.
   > END
 
   $ sdp3 predict --points points.csv
+  model                          sse     rmse            aicc           loo    cp
+  pow3                 2.1711e-4 (2)   0.0066               -    0.0408 (1)     1
+  log_power            2.5078e-4 (4)   0.0071               -    0.0414 (3)     2
+  pow4                 1.2077e-4 (1)   0.0049               -    0.0427 (4)     3
+  exp4                 2.1713e-4 (3)   0.0066               -    0.0461 (5)     4
+  vapor_pressure       1.5491e-3 (5)   0.0176    -10.3975 (1)    0.0409 (2)     5
+  ilog2                2.9775e-3 (6)   0.0244     -7.1306 (2)    0.0496 (6)     6
+  log_log_linear       3.7607e-3 (7)   0.0274     -5.9629 (3)    0.0528 (7)     7
+  best: pow3; in brackets the place by each figure of merit
+  95 % band by 400 draws from test counts: at most 0.072 wide from N_s = 200 on
 
   $ sdp3 predict --points nothing.csv
+  sdp3: nothing.csv: No such file or directory (os error 2)
+  [2]
 
   $ sdp3 predict
+  sdp3: out/run.json: cannot be read: No such file or directory (os error 2); `sdp3 run` with the same --out makes it
+  [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.9
+  most throughput with accuracy at least 0.9 by pow3, rmse 0.0066
+  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884..=0.921), 10573046 bit per period, adversarial
+    adversarial from N_s = 182
+    sensing-saturation from N_s = 464
+  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884..=0.921), 10762309 bit per period, adversarial
+    adversarial from N_s = 182
+    sensing-saturation from N_s = 464
+  zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
 
   $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep receivers=1,2
+  carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit (esc)
+  3500000000\t0.1\t1\t1\t1\t290\t0.887107011222643\t26385569.08805367 (esc)
+  3500000000\t0.1\t1\t1\t2\t290\t0.887107011222643\t26910235.496592067 (esc)
+  3500000000\t0.1\t2\t1\t1\t295\t0.8897979096655485\t13775969.628991904 (esc)
+  3500000000\t0.1\t2\t1\t2\t288\t0.8859853527989875\t14086009.936798658 (esc)
 
   $ sdp3 optimize --points points.csv --accuracy 1.5
+  sdp3: command line: --accuracy = 1.5 is outside its legal range: 0..=1
+  [2]
 
   $ sdp3 optimize --points points.csv --curve spline
+  sdp3: command line: --curve = spline is outside its legal range: pow3, log_power, pow4, exp4, vapor_pressure, ilog2, log_log_linear
+  [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
+  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.4690..=0.9498 and at most 11118041 bit
+  [2]
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 300
+  5 periods, 20000 decisions: 1500 sensing, 0 idle
+  5 new plans: 1 joined, 0 left, 2 rates, 0 targets, 7 slots lost and 2 of sensing, 0 given back
+  receiver   periods        slots  bit a period       offered      wait   bound
+  1                5         5821       9320458       9320458         7      22
+  2                5         4929       9323838       9323838         9      27
+  3                5         5597       9323322       9323322         9      22
+  6                2         2153       7511454       7511454         6      20
+  every promise held
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 5000
+  sdp3: command line: --sensing-slots = 5000 is outside its legal range: 0..=1000
+  [2]
 
   $ sdp3 schedule
+  sdp3: out/run.json: cannot be read: No such file or directory (os error 2); `sdp3 run` with the same --out makes it
+  [2]
 
   $ sdp3 anytime
+  sdp3: out/scenario.toml: No such file or directory (os error 2)
+  [2]

@@ -18,16 +18,26 @@ Training by steps. Needs the feature `train`.
 
   $ sdp3 train -q --scenario small.toml
 
-  $ sdp3 train --scenario small.toml --resume --seed 2
+  $ sdp3 train -q --scenario small.toml --resume --json | head -1
+  [
 
-  $ sdp3 train --data nowhere
+  $ sdp3 train -q --data nowhere
+  sdp3: nowhere* (glob)
+  [2]
 
   $ sdp3 quantize -q
+  out/models/dsn-200.sdp3
+  out/models/dsn-300.sdp3
 
   $ sdp3 quantize --out nowhere
+  sdp3: nowhere/scenario.toml: No such file or directory (os error 2)
+  [2]
 
-  $ sdp3 study learning-curve -q --seeds 2 --scenario small.toml --out study
+  $ sdp3 study learning-curve -q --seeds 2 --scenario small.toml --out study >study.txt
 
-  $ sdp3 study weather
+  $ sdp3 study weather 2>&1 | head -1
+  error: invalid value 'weather' for '<NAME>'
 
   $ sdp3 study robustness --measured folder
+  sdp3: command line: --measured belongs to the study fidelity
+  [2]
