@@ -100,7 +100,8 @@ fn what_is_missing_or_damaged_is_made_again_and_the_rest_is_kept() {
             None => std::fs::remove_file(&path).unwrap(),
             Some(bytes) => std::fs::write(&path, bytes).unwrap(),
         }
-        std::fs::write(case.path().join(format!("{name}.sdp3-partial-4294967295")), b"half").unwrap();
+        let half = format!("{name}.sdp3-partial-{}", crate::output::mark(4_294_967_295));
+        std::fs::write(case.path().join(half), b"half").unwrap();
         let written = case.make(3, 21, "1/1").unwrap();
         assert_eq!((written.made, written.kept), (1, 1), "{name}");
         assert_eq!(differing(&whole, &case.files()), [""; 0], "{name}");
