@@ -42,7 +42,9 @@ const VARIABLES: [&str; 6] = [
 fn call(folder: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> (i32, String, String) {
     std::fs::write(folder.join("p.toml"), PLAN).expect("a plan");
     let mut command = Command::new(program());
-    VARIABLES.iter().for_each(|name| drop(command.env_remove(name)));
+    for name in VARIABLES {
+        command.env_remove(name);
+    }
     command.args(arguments).envs(environment.iter().copied()).current_dir(folder);
     outcome(&command.output().expect("the command starts"))
 }

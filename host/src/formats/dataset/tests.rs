@@ -1,8 +1,9 @@
 use super::*;
 use crate::simulator::dataset::Set;
 use npyz::npz::NpzArchive;
+use serde_json::Value;
 use sha2::{Digest, Sha512};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Short recordings; 21 per class are a part and five recordings.
