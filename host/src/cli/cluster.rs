@@ -64,7 +64,9 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
         return Ok(true);
     }
     if args.shards.is_some() {
-        return Err("command line: --shards belongs to --slurm and --kubernetes; a share is --shard I/N".into());
+        return Err(
+            "command line: --shards belongs to --slurm and --kubernetes; a share is --shard I/N".into()
+        );
     }
     let choice = shard::choose(args.shard, |name| std::env::var(name).ok())?;
     if let Some(conflict) = &choice.conflict {

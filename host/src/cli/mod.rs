@@ -198,7 +198,9 @@ impl Cli {
     /// How to go on after an interruption.
     pub fn resumption(&self) -> &'static str {
         match self.command {
-            Some(Command::Simulate(_) | Command::Study(_) | Command::Sweep(_)) => "the same command goes on where it was",
+            Some(Command::Simulate(_) | Command::Study(_) | Command::Sweep(_)) => {
+                "the same command goes on where it was"
+            }
             None | Some(Command::Run(_) | Command::Train(_)) => {
                 "the same command with --resume goes on after the last whole epoch"
             }

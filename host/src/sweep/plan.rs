@@ -113,9 +113,11 @@ impl Sweep {
         scenarios.append(&mut plan.scenario);
         match scenario {
             Some(_) if !scenarios.is_empty() => {
-                return Err(
-                    format!("command line: --scenario, --set: {} has scenarios of its own", file.display()).into()
-                );
+                return Err(format!(
+                    "command line: --scenario, --set: {} has scenarios of its own",
+                    file.display()
+                )
+                .into());
             }
             _ if scenarios.is_empty() => scenarios.push(scenario.cloned().unwrap_or_default()),
             _ => (),
