@@ -208,7 +208,7 @@ pub struct TargetVerdict {
 }
 
 /// Instructions of one recognition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Counted {
     /// `N_s`.
     pub sensing_slots: u32,

@@ -191,7 +191,7 @@ pub struct Schedule {
 }
 
 /// One period of a boundary's point as the core's scheduler plays it, in as many numbers as a picture needs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SlotPlan {
     /// Receiver placement.
     pub case: u32,
@@ -366,7 +366,7 @@ pub struct AnytimeResult {
 }
 
 /// Recordings of the gallery as anytime sensing hears them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeGallery {
     /// Confidence that stops, chosen for the accuracy of the last network alone; above 1 none does.
     pub threshold: f64,
@@ -379,7 +379,7 @@ pub struct AnytimeGallery {
 }
 
 /// What every exit says of one recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeRecording {
     /// Its class.
     pub truth: String,
@@ -390,7 +390,7 @@ pub struct AnytimeRecording {
 }
 
 /// What an exit says.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeVerdict {
     /// Sensing slots heard.
     pub sensing_slots: u32,
