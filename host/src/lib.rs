@@ -18,8 +18,13 @@ pub mod predictor;
 pub mod progress;
 pub mod report;
 pub mod results;
+pub mod resume;
 pub mod scenario;
 pub mod schemas;
 pub mod simulator;
 #[cfg(feature = "train")]
 pub mod studies;
+pub mod sweep;
+
+/// Name and version, as files say what made them.
+pub const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));

@@ -41,10 +41,21 @@ pub enum OutputError {
     },
 }
 
-/// What a file is called while it is written, before the process's number.
+/// What a file is called while it is written, before the writer's [`mark`].
 const PARTIAL: &str = ".sdp3-partial-";
-/// The file that tries whether the folder can be written to, before the process's number.
+/// The file that tries whether the folder can be written to, before the writer's [`mark`].
 const PROBE: &str = ".sdp3-probe-";
+
+/// The machine's name: processes on several may share a folder.
+fn machine() -> String {
+    std::fs::read_to_string("/proc/sys/kernel/hostname")
+        .map_or_else(|_| String::new(), |name| name.trim().into())
+}
+
+/// Who writes: `PROCESS@MACHINE`.
+pub(crate) fn mark(process: u32) -> String {
+    format!("{process}@{}", machine())
+}
 
 /// Whether another process of that number runs this program. Where the system does not say, it is taken to run.
 fn runs(process: u32) -> bool {
@@ -94,7 +105,7 @@ impl Output {
         let output = Output { folder: folder.to_owned() };
         let fail = |source| OutputError::Write { path: folder.to_owned(), source };
         std::fs::create_dir_all(folder).map_err(fail)?;
-        let probe = folder.join(format!("{PROBE}{}", std::process::id()));
+        let probe = folder.join(format!("{PROBE}{}", mark(std::process::id())));
         std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
         output.sweep()?;
         Ok(output)
@@ -136,7 +147,7 @@ impl Output {
             std::fs::create_dir_all(parent).map_err(fail)?;
         }
         let mut partial = path.clone().into_os_string();
-        partial.push(format!("{PARTIAL}{}", std::process::id()));
+        partial.push(format!("{PARTIAL}{}", mark(std::process::id())));
         let partial = PathBuf::from(partial);
         unfinished().insert(partial.clone());
         let written = File::create(&partial).and_then(|file| {
@@ -154,12 +165,14 @@ impl Output {
         written.map_err(fail)
     }
 
-    /// Removes what runs that were killed left half-written in the folder and the folders in it, unless that process still runs.
+    /// Removes what runs on this machine that were killed left half-written in the folder and the folders in it, unless that
+    /// process still runs.
     fn sweep(&self) -> Result<(), OutputError> {
         let fail = |path: &Path| {
             let path = path.to_owned();
             move |source| OutputError::Write { path, source }
         };
+        let machine = machine();
         let mut folders = vec![self.folder.clone()];
         while let Some(folder) = folders.pop() {
             let entries = match std::fs::read_dir(&folder) {
@@ -172,8 +185,9 @@ impl Output {
                     folders.push(entry.path());
                 }
                 let name = entry.file_name().to_string_lossy().into_owned();
-                let process = name.rsplit_once(PARTIAL).map(|(_, process)| process);
-                let process = process.or(name.strip_prefix(PROBE)).and_then(|process| process.parse().ok());
+                let writer = name.rsplit_once(PARTIAL).map(|(_, writer)| writer).or(name.strip_prefix(PROBE));
+                let here = writer.and_then(|writer| writer.split_once('@')).filter(|(_, at)| *at == machine);
+                let process = here.and_then(|(process, _)| process.parse().ok());
                 if process.is_none_or(runs) {
                     continue;
                 }
@@ -246,15 +260,21 @@ mod tests {
     fn only_our_leftovers_of_dead_runs_are_swept() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::create(folder.path()).unwrap();
-        let own = format!("a.npz.sdp3-partial-{}", std::process::id());
         // 4294967295 is no process
+        let (own, dead) = (mark(std::process::id()), mark(4_294_967_295));
         let gone = [
-            "a.npz.sdp3-partial-4294967295",
-            ".sdp3-probe-4294967295",
-            "models/b.sdp3-partial-4294967295",
-            &own,
+            format!("a.npz.sdp3-partial-{dead}"),
+            format!(".sdp3-probe-{dead}"),
+            format!("models/b.sdp3-partial-{dead}"),
+            format!("a.npz.sdp3-partial-{own}"),
         ];
-        let kept = ["a.npz", "b.txt.partial-4294967295", "a.npz.sdp3-partial-", "a.npz.sdp3-partial-x"];
+        let kept = [
+            "a.npz".into(),
+            format!("b.txt.partial-{dead}"),
+            "a.npz.sdp3-partial-".into(),
+            "a.npz.sdp3-partial-x".into(),
+            "a.npz.sdp3-partial-4294967295@elsewhere.invalid".into(),
+        ];
         std::fs::create_dir(output.path("models")).unwrap();
         gone.iter().chain(&kept).for_each(|name| std::fs::write(output.path(name), b"").unwrap());
         Output::create(folder.path()).unwrap();

@@ -7,8 +7,8 @@ use crate::formats::dataset::Written;
 use crate::formats::model_file::Summary;
 use crate::predictor::interchange::Exchanged;
 use crate::results::{
-    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Faults, Files, Listed, Optimum, Prediction,
-    Run, Schedule, SweepRow, Training, Verify,
+    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Faults, Files, Listed, Merged, Optimum,
+    Prediction, Run, Schedule, Submitted, SweepRow, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -22,7 +22,7 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 26] = published![
+pub const PUBLISHED: [(&str, &str); 28] = published![
     "anytime",
     "calibrate",
     "channels",
@@ -31,6 +31,7 @@ pub const PUBLISHED: [(&str, &str); 26] = published![
     "import",
     "key",
     "man",
+    "merge",
     "model",
     "optimize",
     "predict",
@@ -47,6 +48,7 @@ pub const PUBLISHED: [(&str, &str); 26] = published![
     "sign",
     "simulate",
     "study",
+    "sweep",
     "train",
     "verify",
 ];
@@ -91,6 +93,15 @@ enum Studied {
     Baselines(crate::studies::baselines::Baselines),
 }
 
+/// What a shard did, or with `--slurm` or `--kubernetes` the job's files.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum ShardOrJob {
+    Shard(Swept),
+    Job(Submitted),
+}
+
 /// The schema of this name as the types have it; of none that this build has no type for.
 pub fn of_types(name: &str) -> Option<Value> {
     let schema = match name {
@@ -100,6 +111,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         "channels" => schema_for!(ChannelTable),
         "export" | "import" => schema_for!(Exchanged),
         "gallery" | "key" | "man" | "quantize" | "report" | "scenario-new" | "sign" => schema_for!(Files),
+        "merge" => schema_for!(Merged),
         "model" => schema_for!(Summary),
         "optimize" => schema_for!(Optimized),
         "predict" => schema_for!(Prediction),
@@ -111,6 +123,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         "simulate" => schema_for!(Written),
         #[cfg(feature = "train")]
         "study" => schema_for!(Studied),
+        "sweep" => schema_for!(ShardOrJob),
         "train" => schema_for!(Vec<Training>),
         "verify" => schema_for!(Verify),
         _ => return None,

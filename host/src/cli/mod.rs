@@ -1,5 +1,6 @@
 //! The command line: one subcommand, one function; a file for each group of them.
 
+mod cluster;
 mod context;
 mod job;
 mod models;
@@ -39,6 +40,7 @@ const EXAMPLES: &str = "Examples:
   sdp3 predict --points points.csv --json
   sdp3 optimize --accuracy 0.9
   sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+  sdp3 sweep docs/plans/quick.toml --out quick
   sdp3 scenario new room.toml
 `sdp3 COMMAND --help` has examples of every command, `sdp3 schema COMMAND` what it prints with --json.
 Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.";
@@ -89,6 +91,22 @@ pub enum Command {
   sdp3 study robustness --seeds 3 --out robustness
   sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
     Study(training::StudyArgs),
+    /// Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines.
+    ///
+    /// Every cell simulates, trains, quantises and tests; the same command goes on where it was interrupted. The shard is --shard's,
+    /// else that of SLURM_ARRAY_TASK_ID (with SLURM_ARRAY_TASK_MIN and _COUNT), else that of JOB_COMPLETION_INDEX (with
+    /// JOB_COMPLETIONS), else the whole.
+    #[command(after_help = "Examples:
+  sdp3 sweep docs/plans/quick.toml --out quick
+  sdp3 sweep plan.toml --shard 2/8 --out sweep
+  sdp3 sweep plan.toml --slurm --shards 60 --sbatch=--partition=long --out sweep
+  sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep")]
+    Sweep(cluster::SweepArgs),
+    /// Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan.
+    #[command(after_help = "Examples:
+  sdp3 merge quick
+  sdp3 merge quick --json")]
+    Merge(cluster::MergeArgs),
     /// Turn trained networks into int8 model files.
     #[command(after_help = "Examples:
   sdp3 quantize
@@ -180,7 +198,9 @@ impl Cli {
     /// How to go on after an interruption.
     pub fn resumption(&self) -> &'static str {
         match self.command {
-            Some(Command::Simulate(_) | Command::Study(_)) => "the same command goes on where it was",
+            Some(Command::Simulate(_) | Command::Study(_) | Command::Sweep(_)) => {
+                "the same command goes on where it was"
+            }
             None | Some(Command::Run(_) | Command::Train(_)) => {
                 "the same command with --resume goes on after the last whole epoch"
             }
@@ -200,6 +220,8 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Gallery => simulator::gallery(context),
         Command::Train(args) => trainer::train(context, args),
         Command::Study(args) => trainer::study(context, args),
+        Command::Sweep(args) => cluster::sweep(context, &args),
+        Command::Merge(args) => cluster::merge(context, &args),
         Command::Quantize(args) => trainer::quantize(context, args),
         Command::Export(args) => models::export(context, &args),
         Command::Import(args) => models::import(context, &args),

@@ -1,21 +1,24 @@
-//! Commands that train: `run`, `train`, `quantize`, `study`.
+//! Commands that train: `run`, `train`, `quantize`, `study`, a shard of `sweep`.
 
 use super::context::{Context, model_name};
 use super::job::{self, RunArgs, check_targets, schedule_case};
 use super::simulator::{measurement, rho};
 use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
-use sdp3::formats::dataset::Stored;
+use sdp3::formats::dataset::{Shard, Stored};
 use sdp3::formats::measured::Stated;
 use sdp3::optimizer::{Rule, playback};
+use sdp3::output::Output;
 use sdp3::pipeline::{Failure, Job};
 use sdp3::predictor::anytime::gallery::gallery;
 use sdp3::predictor::learn::{How, history};
 use sdp3::predictor::parameters::Parameters;
 use sdp3::predictor::safetensors;
 use sdp3::predictor::spectrograms::Collected;
-use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Verify};
+use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
 use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
+use sdp3::studies::Workshop;
+use sdp3::sweep::plan::Sweep;
 use sdp3_core::anytime::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
@@ -196,7 +199,7 @@ pub fn quantize(context: &Context, args: QuantizeArgs) -> Result<bool, Failure> 
 
 pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     use sdp3::studies::cells::Cells;
-    use sdp3::studies::{Request, Workshop, baselines, fidelity, learning_curve, recordings, robustness};
+    use sdp3::studies::{Request, baselines, fidelity, learning_curve, recordings, robustness};
     let StudyArgs { name, seeds, measured, carrier, rate } = args;
     if measured.is_some() && name != Study::Fidelity {
         return Err("command line: --measured belongs to the study fidelity".into());
@@ -237,4 +240,9 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
         }
     }
     Ok(true)
+}
+
+pub fn shard(context: &Context, sweep: &Sweep, shard: Shard) -> Result<Swept, Failure> {
+    let workshop = Workshop { progress: context.progress, workers: context.workers() };
+    sdp3::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, workshop)
 }

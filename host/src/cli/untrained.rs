@@ -3,9 +3,12 @@
 use super::context::Context;
 use super::job::RunArgs;
 use super::training::{QuantizeArgs, StudyArgs, TrainArgs};
+use sdp3::formats::dataset::Shard;
 use sdp3::pipeline::Failure;
+use sdp3::results::Swept;
+use sdp3::sweep::plan::Sweep;
 
-fn refusal(what: &str) -> Result<bool, Failure> {
+fn refusal<T>(what: &str) -> Result<T, Failure> {
     Err(format!("this build cannot {what}: build it with the feature `train`").into())
 }
 
@@ -22,5 +25,9 @@ pub fn quantize(_: &Context, _: QuantizeArgs) -> Result<bool, Failure> {
 }
 
 pub fn study(_: &Context, _: StudyArgs) -> Result<bool, Failure> {
+    refusal("train")
+}
+
+pub fn shard(_: &Context, _: &Sweep, _: Shard) -> Result<Swept, Failure> {
     refusal("train")
 }

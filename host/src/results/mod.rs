@@ -5,10 +5,14 @@
 
 mod faults;
 mod files;
+mod spread;
+mod sweep;
 mod trade;
 
 pub use faults::*;
 pub use files::*;
+pub use spread::*;
+pub use sweep::*;
 pub use trade::*;
 
 use schemars::JsonSchema;

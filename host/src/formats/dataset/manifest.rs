@@ -3,7 +3,8 @@
 //! It is put together from the sidecars, one at a time, so that its length needs no memory.
 
 use super::record::{FileRecord, hex};
-use super::{PROGRAM, Work, part};
+use super::{Work, part};
+use crate::PROGRAM;
 use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
 use serde::ser::{Error, SerializeSeq};

@@ -15,25 +15,25 @@ mod sigmf;
 mod stored;
 
 use crate::output::{Output, OutputError};
+use crate::resume::refuse_another;
 use crate::scenario::{Class, Scenario};
 use rayon::prelude::*;
 use record::FileRecord;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use std::collections::BTreeSet;
+use std::fmt::{self, Display, Formatter};
 use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use record::TruthRecord;
+pub(crate) use record::sha256;
 #[cfg(feature = "train")]
 pub use stored::{Labelled, Stored, StoredError};
 
 /// Legal recordings of each class: their parts are numbered with five digits.
 pub const PER_CLASS: RangeInclusive<i64> = 1..=2_000_000;
 
-const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));
 const SCENARIO: &str = "scenario.toml";
 const REQUEST: &str = "request.json";
 
@@ -59,7 +59,7 @@ pub struct Request {
     pub sigmf: bool,
 }
 
-/// Which parts to make: those whose number leaves `index - 1` when divided by `count`.
+/// Which pieces to make: those whose number leaves `index - 1` when divided by `count`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     index: u32,
@@ -67,8 +67,24 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// All parts.
+    /// All pieces.
     pub const ALL: Shard = Shard { index: 1, count: 1 };
+
+    /// The `index`-th of `count`, 1..=count.
+    pub fn new(index: u32, count: u32) -> Option<Self> {
+        (1..=count).contains(&index).then_some(Shard { index, count })
+    }
+
+    /// Whether the piece of this number, from 0, is one of the shard's.
+    pub fn has(self, number: u32) -> bool {
+        number % self.count == self.index - 1
+    }
+}
+
+impl Display for Shard {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
 }
 
 impl FromStr for Shard {
@@ -76,10 +92,8 @@ impl FromStr for Shard {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-        match numbers {
-            Some((index, count)) if 1 <= index && index <= count => Ok(Shard { index, count }),
-            _ => Err(format!("{text} is not in 1/N..=N/N: the I-th of N shards, for example 2/3")),
-        }
+        let shard = numbers.and_then(|(index, count)| Shard::new(index, count));
+        shard.ok_or_else(|| format!("{text} is not in 1/N..=N/N: the I-th of N shards, for example 2/3"))
     }
 }
 
@@ -152,7 +166,7 @@ impl<'a> Work<'a> {
                 output.write(name, text.as_bytes())?;
             }
         }
-        let mine: Vec<u32> = (0..self.parts()).filter(|part| part % shard.count == shard.index - 1).collect();
+        let mine: Vec<u32> = (0..self.parts()).filter(|part| shard.has(*part)).collect();
         let total = mine.iter().map(|part| self.recordings_of(*part).len() as u64).sum();
         let done = AtomicU64::new(0);
         let more =
@@ -173,7 +187,7 @@ impl<'a> Work<'a> {
         }
         let complete = (0..self.parts())
             .into_par_iter()
-            .all(|part| part % shard.count == shard.index - 1 || part::is_whole(self, part, output, false));
+            .all(|part| shard.has(part) || part::is_whole(self, part, output, false));
         if complete {
             manifest::write(self, output)?;
         }
@@ -189,9 +203,9 @@ impl<'a> Work<'a> {
     /// Refuses a folder whose scenario or request is another.
     fn refuse_another(&self, output: &Output) -> Result<(), OutputError> {
         let asked = toml::from_str(&self.scenario.to_toml()).unwrap_or_default();
-        compare(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
+        refuse_another(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
         let asked = serde_json::to_value(&self.request).unwrap_or_default();
-        compare(output, REQUEST, &asked, |text| serde_json::from_str(text).map_err(|e| e.to_string()))
+        refuse_another(output, REQUEST, &asked, |text| serde_json::from_str(text).map_err(|e| e.to_string()))
     }
 }
 
@@ -208,44 +222,6 @@ pub struct Written {
     pub kept: u32,
     /// The manifest, if the dataset is complete.
     pub manifest: Option<&'static str>,
-}
-
-/// Refuses a file that is there and says something else.
-fn compare(
-    output: &Output,
-    name: &str,
-    asked: &Value,
-    parse: impl Fn(&str) -> Result<Value, String>,
-) -> Result<(), OutputError> {
-    const CURE: &str = "use another --out, or remove this folder";
-    if !output.path(name).exists() {
-        return Ok(());
-    }
-    let refuse = |reason: String| OutputError::Content { path: output.path(name), reason };
-    let text = output.read(name, CURE)?;
-    let found = parse(&String::from_utf8_lossy(&text)).map_err(|e| refuse(format!("{e}; {CURE}")))?;
-    match difference("", &found, asked) {
-        None => Ok(()),
-        Some((field, found, asked)) => Err(refuse(format!(
-            "{field} = {found}, but this command says {asked}: only the same options resume a dataset; {CURE}"
-        ))),
-    }
-}
-
-/// The first field that differs, with both values.
-fn difference(field: &str, found: &Value, asked: &Value) -> Option<(String, String, String)> {
-    match (found, asked) {
-        (Value::Object(found), Value::Object(asked)) => {
-            let keys: BTreeSet<&String> = found.keys().chain(asked.keys()).collect();
-            keys.into_iter().find_map(|key| {
-                let name = if field.is_empty() { key.clone() } else { format!("{field}.{key}") };
-                let value = |of: &serde_json::Map<String, Value>| of.get(key).cloned().unwrap_or_default();
-                difference(&name, &value(found), &value(asked))
-            })
-        }
-        _ if found == asked => None,
-        _ => Some((field.to_owned(), found.to_string(), asked.to_string())),
-    }
 }
 
 #[cfg(test)]

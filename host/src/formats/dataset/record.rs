@@ -22,7 +22,7 @@ pub struct FileRecord {
 impl FileRecord {
     /// Describes content.
     pub fn new(name: String, content: &[u8]) -> Self {
-        FileRecord { name, bytes: content.len() as u64, sha256: hex(&Sha256::digest(content)) }
+        FileRecord { name, bytes: content.len() as u64, sha256: sha256(content) }
     }
 
     /// Describes a file that is there.
@@ -93,6 +93,11 @@ impl From<TruthRecord> for Row {
         let Truth { class, child, height_m, speed_m_s, heading_deg, phase, start_m } = truth;
         Row { index, label, class, child, height_m, speed_m_s, heading_deg, phase, start_m }
     }
+}
+
+/// SHA-256 of content, in hexadecimal.
+pub fn sha256(content: &[u8]) -> String {
+    hex(&Sha256::digest(content))
 }
 
 /// Bytes in hexadecimal.

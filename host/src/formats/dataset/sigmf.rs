@@ -2,8 +2,9 @@
 //!
 //! <https://sigmf.org>. The data is 16-bit I and Q in turn, little-endian, one slot after the other.
 
+use super::Work;
 use super::record::{FileRecord, hex};
-use super::{PROGRAM, Work};
+use crate::PROGRAM;
 use crate::output::{Output, OutputError, to_json};
 use crate::simulator::body::motion::Truth;
 use crate::simulator::radar::SAMPLE_RATE;

@@ -1,7 +1,8 @@
 //! A dataset read back: complete, every file that is read held to the digest in its manifest.
 
 use super::record::FileRecord;
-use super::{REQUEST, Request, SCENARIO, difference, manifest};
+use super::{REQUEST, Request, SCENARIO, manifest};
+use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
 use npyz::npz::NpzArchive;

@@ -1,8 +1,9 @@
 use super::*;
 use crate::simulator::dataset::Set;
 use npyz::npz::NpzArchive;
+use serde_json::Value;
 use sha2::{Digest, Sha512};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Short recordings; 21 per class are a part and five recordings.
@@ -100,7 +101,8 @@ fn what_is_missing_or_damaged_is_made_again_and_the_rest_is_kept() {
             None => std::fs::remove_file(&path).unwrap(),
             Some(bytes) => std::fs::write(&path, bytes).unwrap(),
         }
-        std::fs::write(case.path().join(format!("{name}.sdp3-partial-4294967295")), b"half").unwrap();
+        let half = format!("{name}.sdp3-partial-{}", crate::output::mark(4_294_967_295));
+        std::fs::write(case.path().join(half), b"half").unwrap();
         let written = case.make(3, 21, "1/1").unwrap();
         assert_eq!((written.made, written.kept), (1, 1), "{name}");
         assert_eq!(differing(&whole, &case.files()), [""; 0], "{name}");

@@ -1,0 +1,24 @@
+//! A sweep: a plan of scenarios x carriers x rho x N_s x seeds, every cell an experiment of its own, on one machine or many.
+//!
+//! Not `optimize --sweep` ([`crate::optimizer::sweep`]), which varies the communication of one scenario and trains nothing: here
+//! every cell simulates, trains, quantises, tests through the core, and prices what the remaining slots carry.
+//!
+//! [`plan`] reads and resolves, [`shard`] says whose share is whose, `cell` measures (in builds that train), [`store`] keeps a
+//! cell in a file that says what it belongs to, [`merge`] puts them together. [`slurm`] and [`kubernetes`] write the jobs.
+//!
+//! A folder holds `sweep.toml` (the resolved plan; it needs no other file), `cells/00000.json` ..., and, merged, `merged.csv` and
+//! `merged.json`. Every byte depends on the plan and the program's version alone.
+
+#[cfg(feature = "train")]
+mod cell;
+pub mod kubernetes;
+pub mod merge;
+pub mod plan;
+#[cfg(feature = "train")]
+pub mod run;
+pub mod shard;
+pub mod slurm;
+pub mod store;
+
+#[cfg(test)]
+mod tests;
