@@ -87,7 +87,7 @@ enum Scheduled {
 #[serde(untagged)]
 #[allow(dead_code)]
 enum Studied {
-    LearningCurve(crate::studies::learning_curve::LearningCurve),
+    LearningCurve(Box<crate::studies::learning_curve::LearningCurve>),
     Robustness(crate::studies::robustness::Robustness),
     Fidelity(Box<crate::studies::fidelity::Fidelity>),
     Baselines(crate::studies::baselines::Baselines),

@@ -61,8 +61,8 @@ fn pages(
     write: &mut impl FnMut(clap_mangen::Man) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     write(clap_mangen::Man::new(command.clone()))?;
-    let below = command.get_subcommands().filter(|command| command.get_name() != "help");
-    below.into_iter().try_for_each(|command| pages(command, write))
+    let mut below = command.get_subcommands().filter(|command| command.get_name() != "help");
+    below.try_for_each(|command| pages(command, write))
 }
 
 pub fn schema(context: &Context, args: &SchemaArgs) -> Result<bool, Failure> {

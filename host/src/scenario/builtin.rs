@@ -37,11 +37,7 @@ impl BuiltIn {
         comment.map(str::trim).collect::<Vec<_>>().join(" ")
     }
 
-    /// The scenario.
-    ///
-    /// # Panics
-    ///
-    /// Never: a test reads every one.
+    /// The scenario; a test reads every one.
     pub fn scenario(&self) -> Scenario {
         toml::from_str(self.toml).unwrap_or_default()
     }

@@ -30,7 +30,9 @@ impl Rules {
     /// A number between bounds that depend on no other field.
     pub(super) fn within(&mut self, field: &str, value: f64, low: f64, high: f64) {
         self.legal(field, value, (low..=high).contains(&value), &format!("{low}..={high}"));
-        self.list.iter_mut().last().into_iter().for_each(|rule| rule.bounds = Some([low, high]));
+        if let Some(rule) = self.list.last_mut() {
+            rule.bounds = Some([low, high]);
+        }
     }
 
     /// The same for a count.

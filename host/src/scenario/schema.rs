@@ -111,7 +111,7 @@ mod tests {
                 };
                 let held =
                     changed.rules().into_iter().filter(|r| r.field == rule.field && r.bounds.is_some());
-                assert!(held.into_iter().all(|r| r.holds == legal), "{set}");
+                assert!(held.all(|r| r.holds == legal), "{set}");
             }
         }
     }
