@@ -109,7 +109,7 @@ mod tests {
                     assert!(!legal, "{set}");
                     continue;
                 };
-                let held =
+                let mut held =
                     changed.rules().into_iter().filter(|r| r.field == rule.field && r.bounds.is_some());
                 assert!(held.all(|r| r.holds == legal), "{set}");
             }
