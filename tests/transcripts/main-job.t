@@ -84,8 +84,8 @@ The main job in short, and every command about its results. Needs the feature `t
   $ sdp3 sign again.sdp3 --key radio.key --to signed.sdp3
   ./signed.sdp3
 
-  $ sdp3 sign again.sdp3 --key radio.pub --to other.sdp3
-  sdp3: *radio.pub* (glob)
+  $ sdp3 sign again.sdp3 --key small.toml --to other.sdp3
+  sdp3: small.toml: length of the key* (glob)
   [2]
 
   $ sdp3 model signed.sdp3 --key radio.pub | head -1
