@@ -325,7 +325,7 @@ fn padded(values: &[i8], out: &mut Vec<u8>) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::predictor::interchange::header;
     use crate::scenario::Scenario;
@@ -346,7 +346,7 @@ mod tests {
         }
     }
 
-    pub(super) fn network() -> QuantizedNetwork {
+    pub(crate) fn network() -> QuantizedNetwork {
         let block = |s: i32| Block {
             affine: weighted(4, 1, s),
             conv1: weighted(4, 36, s + 1),
