@@ -13,6 +13,8 @@ Help: the tool and every command, with examples.
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters and the history of their losses
     study        Answer a question that takes many trainings; the same command goes on where it was interrupted
+    sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines
+    merge        Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan
     quantize     Turn trained networks into int8 model files
     export       Write a network for other programs: a model file as .tflite, float parameters as .safetensors
     import       Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
@@ -52,6 +54,7 @@ Help: the tool and every command, with examples.
     sdp3 predict --points points.csv --json
     sdp3 optimize --accuracy 0.9
     sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+    sdp3 sweep docs/plans/quick.toml --out quick
     sdp3 scenario new room.toml
   `sdp3 COMMAND --help` has examples of every command, `sdp3 schema COMMAND` what it prints with --json.
   Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.

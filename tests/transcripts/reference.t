@@ -9,6 +9,7 @@ Schemas, completions and man pages.
   import
   key
   man
+  merge
   model
   optimize
   predict
@@ -25,6 +26,7 @@ Schemas, completions and man pages.
   sign
   simulate
   study
+  sweep
   train
   verify
 
@@ -54,7 +56,7 @@ Schemas, completions and man pages.
   }
 
   $ sdp3 schema nothing
-  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, key, man, model, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, sign, simulate, study, train, verify
+  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, key, man, merge, model, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, sign, simulate, study, sweep, train, verify
   [2]
 
   $ sdp3 completions tcsh
@@ -75,6 +77,8 @@ Schemas, completions and man pages.
   pages/sdp3-gallery.1
   pages/sdp3-train.1
   pages/sdp3-study.1
+  pages/sdp3-sweep.1
+  pages/sdp3-merge.1
   pages/sdp3-quantize.1
   pages/sdp3-export.1
   pages/sdp3-import.1
