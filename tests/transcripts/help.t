@@ -54,6 +54,7 @@ Help: the tool and every command, with examples.
     sdp3 predict --points points.csv --json
     sdp3 optimize --accuracy 0.9
     sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
+    sdp3 sweep docs/plans/quick.toml --out quick
     sdp3 scenario new room.toml
   `sdp3 COMMAND --help` has examples of every command, `sdp3 schema COMMAND` what it prints with --json.
   Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.
