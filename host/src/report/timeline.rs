@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn both_strips_are_full() {
-        let svg = svg(&[(-1, 1), (0, 3), (-2, 440), (7, 56)]);
-        let area: f64 = svg
+        let drawn = svg(&[(-1, 1), (0, 3), (-2, 440), (7, 56)]);
+        let area: f64 = drawn
             .split("<rect x=")
             .filter_map(|rect| {
                 let number = |name: &str| rect.split(name).nth(1)?.split('"').next()?.parse::<f64>().ok();
@@ -143,7 +143,7 @@ mod tests {
             .sum();
         assert!((area / (2.0 * STRIP.0 * STRIP.1) - 1.0).abs() < 1e-3, "{area}");
         for name in ["nobody", "sensing", "receiver 1", "receiver 8", "500 slots"] {
-            assert!(svg.contains(name), "{name}");
+            assert!(drawn.contains(name), "{name}");
         }
         assert!(svg(&[]).ends_with("</svg>"));
     }
