@@ -85,7 +85,7 @@ The main job in short, and every command about its results. Needs the feature `t
   ./signed.sdp3
 
   $ sdp3 sign again.sdp3 --key small.toml --to other.sdp3
-  sdp3: small.toml: length of the key* (glob)
+  sdp3: model: small.toml: length of the key is *, must be 32 bytes (glob)
   [2]
 
   $ sdp3 model signed.sdp3 --key radio.pub | head -1

@@ -59,7 +59,7 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
     let scenario = (context.given() || !common.set.is_empty()).then_some(&context.scenario);
     let sweep = Sweep::load(&args.plan, scenario, common.seed)?;
     if args.slurm || args.kubernetes {
-        let done = hand_out(args, &sweep, &Output::create(&common.out)?)?;
+        let done = hand_out(args, &sweep, &common.out)?;
         context.print(&done, || written(&done))?;
         return Ok(true);
     }
@@ -78,7 +78,7 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
 }
 
 /// Writes the job's files, and submits them if asked to.
-fn hand_out(args: &SweepArgs, sweep: &Sweep, output: &Output) -> Result<Submitted, Failure> {
+fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Failure> {
     let cells = sweep.cells.len() as u32;
     let shards = args.shards.unwrap_or(cells.min(SHARDS));
     if shards > cells {
@@ -87,6 +87,7 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, output: &Output) -> Result<Submitte
         );
         return Err(text.into());
     }
+    let output = &Output::create(out)?;
     match &args.image {
         Some(image) => Ok(kubernetes::write(sweep, shards, (image, &args.claim), output)?),
         None => {

@@ -1,6 +1,6 @@
 //! Prove: the core against an independent reference, and the firmware against the core.
 //!
-//! [`reference`] is every stage written again, plainly; [`suite`] the inputs; [`compare`] holds the core to the
+//! [`mod@reference`] is every stage written again, plainly; [`suite`] the inputs; [`compare`] holds the core to the
 //! reference value by value; [`digests`] holds other processors to the core, one number per stage; [`qemu`] runs them and
 //! [`transcript`] reads what they print; [`locate`] finds the first value that differs; [`proof`] puts them together. [`faults`]
 //! breaks the core on purpose.

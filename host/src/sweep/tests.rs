@@ -6,6 +6,7 @@ use crate::formats::dataset::Shard;
 use crate::output::Output;
 use crate::results::{Accuracy, Cell, Measurement, Throughput};
 use crate::scenario::Scenario;
+use crate::simulator::calibration::stored_rho;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -81,8 +82,11 @@ fn what_a_plan_leaves_out_is_the_scenarios_own() {
     assert_eq!(sweep.cells.len(), 2 * own.frame.sensing_slots.len());
     let (first, last) = (&sweep.cells[0].0, &sweep.cells[sweep.cells.len() - 1].0);
     assert_eq!((first.seed, first.scenario == own.name), (7, true));
-    // the stored table's rho follows the carrier
-    assert!(first.rho != last.rho && last.carrier_hz == 60e9, "{first:?} {last:?}");
+    // rho is the stored table's at the cell's carrier
+    let mut there = own.clone();
+    there.radar.carrier_hz = 60e9;
+    assert_eq!((first.rho, first.carrier_hz), (stored_rho(&own).0, 3.5e9));
+    assert_eq!((last.rho, last.carrier_hz), (stored_rho(&there).0, 60e9));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Calibration: the rho whose simulated grey levels are nearest to the measured ones.
 //!
-//! [`conditioning`] treats measured and simulated signals alike, [`grey`] makes levels of them, [`divergence`] compares and searches,
+//! [`conditioning`] treats measured and simulated signals alike, [`grey`] makes levels of them, [`mod@divergence`] compares and searches,
 //! [`stored`] keeps what was found. The same random draws serve every rho, so the curve is smooth.
 
 pub mod conditioning;
