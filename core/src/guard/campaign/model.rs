@@ -24,9 +24,7 @@ impl<'m, 'c> Damage<'m, 'c> {
     pub(super) fn flip(&mut self, rng: &mut impl Rng, outcome: &mut Outcome) {
         let bits = self.copy.len() as u64 * 8;
         let at = (u64::from(rng.next_u32()).wrapping_mul(bits)) >> 32;
-        let mut flip =
-            || self.copy.iter_mut().skip((at / 8) as usize).take(1).for_each(|byte| *byte ^= 1 << (at % 8));
-        flip();
+        self.toggle(at);
         outcome.injected += 1;
         match self.whole.against(self.copy) {
             Err(_) => {
@@ -35,9 +33,12 @@ impl<'m, 'c> Damage<'m, 'c> {
             }
             Ok(()) => outcome.silent += 1,
         }
-        let mut flip =
-            || self.copy.iter_mut().skip((at / 8) as usize).take(1).for_each(|byte| *byte ^= 1 << (at % 8));
-        flip();
-        outcome.broken += u64::from(self.whole.check().is_err());
+        self.toggle(at);
+        outcome.broken += u64::from(self.whole.against(self.copy).is_err());
+    }
+
+    /// Flips a bit of the copy.
+    fn toggle(&mut self, bit: u64) {
+        self.copy.iter_mut().skip((bit / 8) as usize).take(1).for_each(|byte| *byte ^= 1 << (bit % 8));
     }
 }
