@@ -136,7 +136,7 @@ fn changed(firmware: &str, machine: &str) -> Result<bool> {
         let detail = v.detail.as_deref().unwrap_or_default();
         v.compared > 0
             && v.mismatches > 0
-            && ["stage layer", "index", "expected", "found"].iter().all(|w| detail.contains(w))
+            && ["stage ", "index", "expected", "found"].iter().all(|w| detail.contains(w))
     };
     Ok(!verdicts.is_empty() && verdicts.iter().all(found))
 }
