@@ -1,6 +1,5 @@
 //! The firmware's programs under QEMU: the station recognises what the host does, and its defmt records can be read.
 
-use defmt_decoder::{DecodeError, Table};
 use sdp3::conformance::compare::OwnedBuffers;
 use sdp3::conformance::qemu::{Firmware, QemuError, machines, run};
 use sdp3::conformance::suite::{ScheduleCase, Suite, stimuli};
@@ -10,7 +9,7 @@ use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dsn::Model;
 use sdp3_core::frame::Slot;
 use sdp3_core::stft::FixedStft;
-use sdp3_tests::program;
+use sdp3_tests::{call, outcome, program};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -30,21 +29,12 @@ fn model(name: &str) -> Vec<u8> {
 
 /// Every record of a log in words: level and text.
 fn records(firmware: &Firmware, log: &Path) -> Vec<String> {
-    let elf = std::fs::read(&firmware.elf).expect("a program");
-    let table = Table::parse(&elf).expect("an ELF file").expect("a defmt table");
-    let mut decoder = table.new_stream_decoder();
-    decoder.received(&std::fs::read(log).expect("a log"));
-    let mut found = Vec::new();
-    loop {
-        match decoder.decode() {
-            Ok(frame) => {
-                let level = frame.level().map_or("", |level| level.as_str());
-                found.push(format!("{level} {}", frame.display_message()));
-            }
-            Err(DecodeError::UnexpectedEof) => return found,
-            Err(DecodeError::Malformed) => panic!("a malformed record after {found:?}"),
-        }
-    }
+    let reader = program().ancestors().nth(2).expect("target").join("defmt/release/sdp3-defmt");
+    assert!(reader.is_file(), "{} is missing: run tests/run, or tests/defmt/build first", reader.display());
+    let arguments = [&firmware.elf, log].map(|path| path.to_str().expect("a plain path"));
+    let (code, records, error) = outcome(&call(&reader, &arguments));
+    assert_eq!(code, 0, "{error}");
+    records.lines().map(str::to_owned).collect()
 }
 
 fn walk(slots: u32) -> Vec<Slot> {

@@ -2,6 +2,7 @@
 //!
 //! Every file is written beside its name and renamed over it.
 
+use crate::formats::bounded;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
@@ -218,7 +219,7 @@ impl Output {
     /// [`OutputError::Read`] naming the file and, by `hint`, what makes it.
     pub fn read(&self, name: &str, hint: &'static str) -> Result<Vec<u8>, OutputError> {
         let path = self.path(name);
-        std::fs::read(&path).map_err(|source| OutputError::Read { path, source, hint })
+        bounded::read(&path, bounded::WHOLE).map_err(|source| OutputError::Read { path, source, hint })
     }
 
     /// Reads a JSON file.

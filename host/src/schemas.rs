@@ -4,7 +4,7 @@
 //! `tests/schemas` holds every command's real output to them.
 
 use crate::formats::dataset::Written;
-use crate::formats::model_file::Summary;
+use crate::formats::model_file::{Summary, Verdict};
 use crate::predictor::interchange::Exchanged;
 use crate::results::{
     AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Faults, Files, Listed, Merged, Optimum,
@@ -22,17 +22,19 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 28] = published![
+pub const PUBLISHED: [(&str, &str); 29] = published![
     "anytime",
     "calibrate",
     "channels",
     "export",
     "gallery",
     "import",
-    "key",
     "man",
     "merge",
-    "model",
+    "model-keygen",
+    "model-show",
+    "model-sign",
+    "model-verify",
     "optimize",
     "predict",
     "quantize",
@@ -45,7 +47,6 @@ pub const PUBLISHED: [(&str, &str); 28] = published![
     "scenario-show",
     "schedule",
     "schema",
-    "sign",
     "simulate",
     "study",
     "sweep",
@@ -110,9 +111,12 @@ pub fn of_types(name: &str) -> Option<Value> {
         "calibrate" => schema_for!(Calibrated),
         "channels" => schema_for!(ChannelTable),
         "export" | "import" => schema_for!(Exchanged),
-        "gallery" | "key" | "man" | "quantize" | "report" | "scenario-new" | "sign" => schema_for!(Files),
+        "gallery" | "man" | "model-keygen" | "model-sign" | "quantize" | "report" | "scenario-new" => {
+            schema_for!(Files)
+        }
         "merge" => schema_for!(Merged),
-        "model" => schema_for!(Summary),
+        "model-show" => schema_for!(Summary),
+        "model-verify" => schema_for!(Verdict),
         "optimize" => schema_for!(Optimized),
         "predict" => schema_for!(Prediction),
         "run" => schema_for!(Run),

@@ -18,9 +18,7 @@ Help: the tool and every command, with examples.
     quantize     Turn trained networks into int8 model files
     export       Write a network for other programs: a model file as .tflite, float parameters as .safetensors
     import       Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
-    model        Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it
-    sign         Sign a model file, for firmware that takes signed models only
-    key          Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with
+    model        Tell what a model file holds, make keys, sign it, and ask whether a radio would take it
     verify       Compare the core with its reference and its firmware, bit for bit, on the models of --out
     predict      Fit the seven learning curves to accuracies
     optimize     Draw the accuracy-throughput region and choose a point on it
@@ -425,6 +423,106 @@ Help: the tool and every command, with examples.
     sdp3 study robustness --seeds 3 --out robustness
     sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
 
+  $ sdp3 sweep --help
+  Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines.
+  
+  Every cell simulates, trains, quantises and tests; the same command goes on where it was interrupted. The shard is --shard's, else that of SLURM_ARRAY_TASK_ID (with SLURM_ARRAY_TASK_MIN and _COUNT), else that of JOB_COMPLETION_INDEX (with JOB_COMPLETIONS), else the whole.
+  
+  Usage: sdp3 sweep [OPTIONS] <PLAN.toml>
+  
+  Arguments:
+    <PLAN.toml>
+            The plan: name, scenarios, carrier_hz, rho, sensing_slots, seeds
+  
+  Options:
+        --shard <I/N>
+            Make only the I-th of N shards of the cells; wins over the environment
+  
+        --slurm
+            Write a Slurm array job and the merge that depends on it, and submit both
+  
+        --dry-run
+            Only write them
+  
+        --sbatch <OPTION>
+            An option of sbatch for both jobs, such as --sbatch=--partition=long; may be given several times
+  
+        --kubernetes
+            Write a Kubernetes Indexed Job with the plan in it, and the merge to apply after it
+  
+        --image <IMAGE>
+            Container image that has sdp3 as its entry point
+  
+        --claim <NAME>
+            Persistent volume claim, writable by many nodes, for the results
+            
+            [default: sdp3]
+  
+        --shards <N>
+            Shards of the job, at most one a cell; absent: one a cell, at most 100
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random
+            
+            [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Say more on stderr
+  
+    -q, --quiet
+            Say nothing on stderr but errors
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 sweep docs/plans/quick.toml --out quick
+    sdp3 sweep plan.toml --shard 2/8 --out sweep
+    sdp3 sweep plan.toml --slurm --shards 60 --sbatch=--partition=long --out sweep
+    sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep
+
+  $ sdp3 merge --help
+  Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan
+  
+  Usage: sdp3 merge [OPTIONS] <DIR>
+  
+  Arguments:
+    <DIR>  The folder that `sdp3 sweep` was given as --out
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 merge quick
+    sdp3 merge quick --json
+
   $ sdp3 quantize --help
   Turn trained networks into int8 model files
   
@@ -496,15 +594,18 @@ Help: the tool and every command, with examples.
     sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000
 
   $ sdp3 model --help
-  Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it
+  Tell what a model file holds, make keys, sign it, and ask whether a radio would take it
   
-  Usage: sdp3 model [OPTIONS] <FILE>
+  Usage: sdp3 model [OPTIONS] <COMMAND>
   
-  Arguments:
-    <FILE>  MODEL.sdp3
+  Commands:
+    show    Tell what a model file holds: envelope, network, memory it needs
+    keygen  Make a key pair: NAME.key, to be kept secret, signs; NAME.pub is what firmware is built with. Existing files are kept
+    sign    Sign a model file, for firmware that takes signed models only
+    verify  Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model
+    help    Print this message or the help of the given subcommand(s)
   
   Options:
-        --key <NAME.pub>             Public key that must have signed it
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
@@ -516,13 +617,61 @@ Help: the tool and every command, with examples.
     -h, --help                       Print help
   
   Examples:
-    sdp3 model out/models/dsn-1000.sdp3
-    sdp3 model signed.sdp3 --key radio.pub --json
+    sdp3 model show out/models/dsn-1000.sdp3
+    sdp3 model keygen radio
+    sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
+    sdp3 model verify signed.sdp3 --key radio.pub --oldest 7
 
-  $ sdp3 sign --help
+  $ sdp3 model show --help
+  Tell what a model file holds: envelope, network, memory it needs
+  
+  Usage: sdp3 model show [OPTIONS] <FILE>
+  
+  Arguments:
+    <FILE>  MODEL.sdp3
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 model show out/models/dsn-1000.sdp3
+    sdp3 model show signed.sdp3 --json
+
+  $ sdp3 model keygen --help
+  Make a key pair: NAME.key, to be kept secret, signs; NAME.pub is what firmware is built with. Existing files are kept
+  
+  Usage: sdp3 model keygen [OPTIONS] <NAME>
+  
+  Arguments:
+    <NAME>  NAME; existing files are kept
+  
+  Options:
+        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+        --seed <SEED>                Seed of everything random [default: 1]
+        --out <DIR>                  Folder for results [default: out]
+        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --json                       Print results as JSON, and nothing else, on stdout
+    -v, --verbose                    Say more on stderr
+    -q, --quiet                      Say nothing on stderr but errors
+    -h, --help                       Print help
+  
+  Examples:
+    sdp3 model keygen radio
+    sdp3 model keygen keys/release --json
+
+  $ sdp3 model sign --help
   Sign a model file, for firmware that takes signed models only
   
-  Usage: sdp3 sign [OPTIONS] --key <NAME.key> --to <FILE> <FILE>
+  Usage: sdp3 model sign [OPTIONS] --key <NAME.key> --to <FILE> <FILE>
   
   Arguments:
     <FILE>  MODEL.sdp3
@@ -542,17 +691,19 @@ Help: the tool and every command, with examples.
     -h, --help                       Print help
   
   Examples:
-    sdp3 sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
+    sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
 
-  $ sdp3 key --help
-  Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with
+  $ sdp3 model verify --help
+  Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model
   
-  Usage: sdp3 key [OPTIONS] <NAME>
+  Usage: sdp3 model verify [OPTIONS] --key <NAME.pub> <FILE>
   
   Arguments:
-    <NAME>  NAME; existing files are kept
+    <FILE>  MODEL.sdp3
   
   Options:
+        --key <NAME.pub>             Public key that must have signed it
+        --oldest <N>                 The largest revision the radio has run: an older one is a rollback [default: 0]
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
@@ -564,7 +715,8 @@ Help: the tool and every command, with examples.
     -h, --help                       Print help
   
   Examples:
-    sdp3 key radio
+    sdp3 model verify signed.sdp3 --key radio.pub
+    sdp3 model verify signed.sdp3 --key radio.pub --oldest 7 --json
 
   $ sdp3 verify --help
   Compare the core with its reference and its firmware, bit for bit, on the models of --out

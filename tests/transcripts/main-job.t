@@ -34,7 +34,7 @@ The main job in short, and every command about its results. Needs the feature `t
   host-reference* 0               - (glob)
 
   $ sdp3 verify --set channel.rho=0.5
-  sdp3: command line: --set cannot change a run that has been made; `sdp3 run --set` makes another
+  sdp3: out/scenario.toml: channel.rho = null, but the command line says 0.5: what has been made is not changed; another --out takes another scenario
   [2]
 
   $ sdp3 predict | head -1
@@ -54,10 +54,10 @@ The main job in short, and every command about its results. Needs the feature `t
   $ sdp3 report
   out/report.html
 
-  $ sdp3 model out/models/dsn-200.sdp3 | head -1
+  $ sdp3 model show out/models/dsn-200.sdp3 | head -1
   model file, version * (glob)
 
-  $ sdp3 model small.toml
+  $ sdp3 model show small.toml
   sdp3: small.toml: * (glob)
   [2]
 
@@ -73,20 +73,28 @@ The main job in short, and every command about its results. Needs the feature `t
   sdp3: * (glob)
   [2]
 
-  $ sdp3 key radio
+  $ sdp3 model keygen radio
   radio.key
   radio.pub
 
-  $ sdp3 key radio
+  $ sdp3 model keygen radio
   sdp3: *radio.key* (glob)
   [2]
 
-  $ sdp3 sign again.sdp3 --key radio.key --to signed.sdp3
+  $ sdp3 model sign again.sdp3 --key radio.key --to signed.sdp3
   ./signed.sdp3
 
-  $ sdp3 sign again.sdp3 --key small.toml --to other.sdp3
+  $ sdp3 model sign again.sdp3 --key small.toml --to other.sdp3
   sdp3: model: small.toml: length of the key is *, must be 32 bytes (glob)
   [2]
 
-  $ sdp3 model signed.sdp3 --key radio.pub | head -1
-  model file, version *signed with the given key* (glob)
+  $ sdp3 model sign again.sdp3 --key radio.pub --to other.sdp3
+  sdp3: model: --key is radio.pub, must be a secret key, NAME.key
+  [2]
+
+  $ sdp3 model verify signed.sdp3 --key radio.pub
+  signed.sdp3: taken: revision 0
+
+  $ sdp3 model verify signed.sdp3 --key radio.pub --oldest 1
+  signed.sdp3: refused: revision 0 is a rollback* (glob)
+  [1]

@@ -7,10 +7,12 @@ Schemas, completions and man pages.
   export
   gallery
   import
-  key
   man
   merge
-  model
+  model-keygen
+  model-show
+  model-sign
+  model-verify
   optimize
   predict
   quantize
@@ -23,7 +25,6 @@ Schemas, completions and man pages.
   scenario-show
   schedule
   schema
-  sign
   simulate
   study
   sweep
@@ -56,7 +57,7 @@ Schemas, completions and man pages.
   }
 
   $ sdp3 schema nothing
-  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, key, man, merge, model, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, sign, simulate, study, sweep, train, verify
+  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify
   [2]
 
   $ sdp3 completions tcsh
@@ -83,8 +84,10 @@ Schemas, completions and man pages.
   pages/sdp3-export.1
   pages/sdp3-import.1
   pages/sdp3-model.1
-  pages/sdp3-sign.1
-  pages/sdp3-key.1
+  pages/sdp3-model-show.1
+  pages/sdp3-model-keygen.1
+  pages/sdp3-model-sign.1
+  pages/sdp3-model-verify.1
   pages/sdp3-verify.1
   pages/sdp3-predict.1
   pages/sdp3-optimize.1

@@ -7,6 +7,7 @@ use sdp3::output::{Output, OutputError, to_json};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::progress::Progress;
 use sdp3::results::Files;
+use sdp3::resume::difference;
 use sdp3::scenario::{Override, Scenario};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -98,15 +99,20 @@ impl Context {
         Ok(job)
     }
 
-    /// The resolved scenario of `--out`'s run, which nothing changes any more.
+    /// The resolved scenario of `--out`'s run, which nothing changes any more: one on the command line must be the same.
     pub fn resolved(&self, job: &Job) -> Result<Scenario, Failure> {
-        if !self.common.set.is_empty() {
-            return Err(
-                "command line: --set cannot change a run that has been made; `sdp3 run --set` makes another"
-                    .into(),
-            );
+        let made = job.output.path("scenario.toml");
+        let found = Scenario::load(&made)?;
+        let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
+        match difference("", &json(&found), &json(&self.trained(job)?)) {
+            None => Ok(found),
+            Some((field, found, asked)) => Err(format!(
+                "{}: {field} = {found}, but the command line says {asked}: what has been made is not changed; another --out takes \
+                 another scenario",
+                made.display()
+            )
+            .into()),
         }
-        Ok(Scenario::load(&job.output.path("scenario.toml"))?)
     }
 
     /// The scenario that `--out`'s networks were trained in, or one given on the command line; with what is set over it.

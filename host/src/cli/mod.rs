@@ -122,19 +122,13 @@ pub enum Command {
   sdp3 import dsn.tflite --to dsn.sdp3
   sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000")]
     Import(models::ImportArgs),
-    /// Tell what a model file holds: envelope, network, memory it needs. Exit code 1 if --key is given and did not sign it.
+    /// Tell what a model file holds, make keys, sign it, and ask whether a radio would take it.
     #[command(after_help = "Examples:
-  sdp3 model out/models/dsn-1000.sdp3
-  sdp3 model signed.sdp3 --key radio.pub --json")]
+  sdp3 model show out/models/dsn-1000.sdp3
+  sdp3 model keygen radio
+  sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
+  sdp3 model verify signed.sdp3 --key radio.pub --oldest 7")]
     Model(models::ModelArgs),
-    /// Sign a model file, for firmware that takes signed models only.
-    #[command(after_help = "Examples:
-  sdp3 sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3")]
-    Sign(models::SignArgs),
-    /// Make a key pair for `sign`: NAME.key, to be kept secret, and NAME.pub, to build firmware with.
-    #[command(after_help = "Examples:
-  sdp3 key radio")]
-    Key(models::KeyArgs),
     /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
     #[command(after_help = "Examples:
   sdp3 verify
@@ -226,8 +220,6 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Export(args) => models::export(context, &args),
         Command::Import(args) => models::import(context, &args),
         Command::Model(args) => models::model(context, &args),
-        Command::Sign(args) => models::sign(context, &args),
-        Command::Key(args) => models::key(context, &args),
         Command::Verify(args) => job::verify(context, &args),
         Command::Predict(args) => trader::predict(context, &args),
         Command::Optimize(args) => trader::optimize(context, args),

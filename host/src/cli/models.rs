@@ -1,13 +1,14 @@
-//! Model files: `export`, `import`, `model`, `sign`, `key`.
+//! Model files: `export`, `import`, `model show`, `sign`, `verify`, `keygen`.
 
 use super::context::{Context, folder_of, name_of};
-use clap::Args;
-use sdp3::formats::model_file::Summary;
-use sdp3::formats::model_file::signature::{new_key, read_key, sign as signed};
+use clap::{Args, Subcommand};
+use sdp3::formats::bounded;
+use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
+use sdp3::formats::model_file::{Summary, Verdict};
 use sdp3::output::Output;
 use sdp3::pipeline::Failure;
 use sdp3::predictor::interchange::{self, Exchange};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A network to write for other programs.
 #[derive(Debug, Clone, Args)]
@@ -34,15 +35,58 @@ pub struct ImportArgs {
     pub slots: Option<u16>,
 }
 
-/// A model file to tell about.
+/// What to do with model files.
 #[derive(Debug, Clone, Args)]
 pub struct ModelArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: ModelCommand,
+}
+
+/// The commands about model files.
+#[derive(Debug, Clone, Subcommand)]
+pub enum ModelCommand {
+    /// Tell what a model file holds: envelope, network, memory it needs.
+    #[command(after_help = "Examples:
+  sdp3 model show out/models/dsn-1000.sdp3
+  sdp3 model show signed.sdp3 --json")]
+    Show(ShowArgs),
+    /// Make a key pair: NAME.key, to be kept secret, signs; NAME.pub is what firmware is built with. Existing files are kept.
+    #[command(after_help = "Examples:
+  sdp3 model keygen radio
+  sdp3 model keygen keys/release --json")]
+    Keygen(KeygenArgs),
+    /// Sign a model file, for firmware that takes signed models only.
+    #[command(after_help = "Examples:
+  sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3")]
+    Sign(SignArgs),
+    /// Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model.
+    #[command(after_help = "Examples:
+  sdp3 model verify signed.sdp3 --key radio.pub
+  sdp3 model verify signed.sdp3 --key radio.pub --oldest 7 --json")]
+    Verify(VerifyArgs),
+}
+
+/// A model file to tell about.
+#[derive(Debug, Clone, Args)]
+pub struct ShowArgs {
+    /// MODEL.sdp3.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+}
+
+/// A model file to hold to a key.
+#[derive(Debug, Clone, Args)]
+pub struct VerifyArgs {
     /// MODEL.sdp3.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Public key that must have signed it.
     #[arg(long, value_name = "NAME.pub")]
-    pub key: Option<PathBuf>,
+    pub key: PathBuf,
+    /// The largest revision the radio has run: an older one is a rollback.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub oldest: u32,
 }
 
 /// A model file to sign.
@@ -64,7 +108,7 @@ pub struct SignArgs {
 
 /// A key pair to make.
 #[derive(Debug, Clone, Args)]
-pub struct KeyArgs {
+pub struct KeygenArgs {
     /// NAME; existing files are kept.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
@@ -88,23 +132,43 @@ pub fn import(context: &Context, args: &ImportArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
-/// `false` if the key given did not sign it.
 pub fn model(context: &Context, args: &ModelArgs) -> Result<bool, Failure> {
-    let found = Summary::read(&args.file, args.key.as_deref())?;
-    context.print(&found, || found.describe())?;
-    Ok(found.signature_holds != Some(false))
+    match &args.command {
+        ModelCommand::Show(args) => show(context, args),
+        ModelCommand::Keygen(args) => keygen(context, args),
+        ModelCommand::Sign(args) => sign(context, args),
+        ModelCommand::Verify(args) => verify(context, args),
+    }
 }
 
-pub fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
+fn read(file: &Path) -> Result<Vec<u8>, Failure> {
+    Ok(bounded::read(file, bounded::NETWORK).map_err(|error| format!("{}: {error}", file.display()))?)
+}
+
+fn show(context: &Context, args: &ShowArgs) -> Result<bool, Failure> {
+    let found =
+        Summary::of(&read(&args.file)?).map_err(|error| format!("{}: {error}", args.file.display()))?;
+    context.print(&found, || found.describe())?;
+    Ok(true)
+}
+
+fn keygen(context: &Context, args: &KeygenArgs) -> Result<bool, Failure> {
+    context.print_files(&new_key(&args.name)?)?;
+    Ok(true)
+}
+
+fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
     let SignArgs { file, key, revision, to } = args;
-    let model = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    let model = signed(&model, read_key(key)?, *revision).map_err(|e| format!("{}: {e}", file.display()))?;
+    let model = signed(&read(file)?, read_secret_key(key)?, *revision)
+        .map_err(|error| format!("{}: {error}", file.display()))?;
     let written = Output::create(&folder_of(to))?.write(&name_of(to), &model)?;
     context.print_files(&[written])?;
     Ok(true)
 }
 
-pub fn key(context: &Context, args: &KeyArgs) -> Result<bool, Failure> {
-    context.print_files(&new_key(&args.name)?)?;
-    Ok(true)
+/// `false` if firmware with that key would refuse the model.
+fn verify(context: &Context, args: &VerifyArgs) -> Result<bool, Failure> {
+    let verdict = Verdict::of(&read(&args.file)?, &read_public_key(&args.key)?, args.oldest);
+    context.print(&verdict, || format!("{}: {}", args.file.display(), verdict.describe()))?;
+    Ok(verdict.taken)
 }

@@ -5,7 +5,6 @@
 //! `sdp3_core::dsn::model` reads it.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 mod check;
 mod read;
@@ -14,7 +13,7 @@ pub mod signature;
 mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
-pub use summary::Summary;
+pub use summary::{Summary, Verdict};
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;
@@ -195,16 +194,6 @@ impl QuantizedNetwork {
         let crc = crc32fast::hash(&out);
         out.extend_from_slice(&crc.to_le_bytes());
         Ok(out)
-    }
-
-    /// Writes the file.
-    ///
-    /// # Errors
-    /// As [`QuantizedNetwork::to_bytes`], or what the file system said about `path`.
-    pub fn write(&self, path: &Path) -> Result<(), ModelFileError> {
-        let bytes = self.to_bytes()?;
-        std::fs::write(path, bytes)
-            .map_err(|source| ModelFileError::Io { path: path.display().to_string(), source })
     }
 
     fn header(&self) -> Vec<u8> {
@@ -503,12 +492,6 @@ pub(crate) mod tests {
         // "Check" value of CRC-32/ISO-HDLC in the catalogue of parametrised CRC algorithms.
         assert_eq!(crc32fast::hash(b"123456789"), 0xCBF4_3926);
         assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-    }
-
-    #[test]
-    fn a_refused_path_is_named() {
-        let error = network().write(Path::new("/nonexistent/model.sdp3")).unwrap_err();
-        assert!(error.to_string().starts_with("model file /nonexistent/model.sdp3: "));
     }
 
     #[test]

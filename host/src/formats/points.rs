@@ -1,6 +1,7 @@
 //! Accuracy points: CSV `sensing_slots,accuracy[,tested]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
+use super::bounded;
 use crate::results::CurvePoint;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -43,7 +44,7 @@ const LEAST_TESTED: f64 = 2.0;
 ///
 /// [`PointsError`] names file, line or point, field, value and legal range.
 pub fn read(file: &Path) -> Result<Vec<CurvePoint>, PointsError> {
-    let text = std::fs::read_to_string(file)
+    let text = bounded::read_text(file, bounded::TEXT)
         .map_err(|source| PointsError::Read { file: file.to_owned(), source })?;
     let refuse = |place: String, field, value: &str, legal| PointsError::Value {
         file: file.to_owned(),

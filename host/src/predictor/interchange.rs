@@ -11,6 +11,7 @@ use super::parameters::Parameters;
 use super::quantization::{QuantizationReport, quantize};
 use super::safetensors;
 use super::spectrograms::collect;
+use crate::formats::bounded;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::formats::tflite::{self, Surroundings};
 use crate::output::Output;
@@ -58,7 +59,7 @@ fn ending(file: &Path) -> String {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(file).map_err(|e| named(file)(&e))
+    bounded::read(file, bounded::NETWORK).map_err(|e| named(file)(&e))
 }
 
 /// Writes a network for other programs: a model file as `.tflite`, float parameters as `.safetensors`.

@@ -3,6 +3,7 @@
 use super::check::ScenarioError;
 use super::overrides::Override;
 use super::{Scenario, builtin};
+use crate::formats::bounded;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
@@ -84,7 +85,7 @@ impl Scenario {
 
 /// The TOML of a file, or of the built-in scenario of that name.
 fn text_of(file: &Path) -> Result<String, ScenarioError> {
-    match (std::fs::read_to_string(file), builtin::named(file)) {
+    match (bounded::read_text(file, bounded::TEXT), builtin::named(file)) {
         (Ok(text), _) => Ok(text),
         (Err(source), Some(built_in)) if source.kind() == std::io::ErrorKind::NotFound => {
             Ok(built_in.toml.to_owned())

@@ -1,6 +1,7 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
+use crate::formats::bounded;
 use crate::formats::dataset::sha256;
 use crate::output::{Output, OutputError};
 use crate::pipeline::Failure;
@@ -10,6 +11,7 @@ use crate::scenario::Scenario;
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +103,7 @@ impl Sweep {
     ///
     /// [`PlanError`], and what a scenario or its motion capture says of itself.
     pub fn load(file: &Path, scenario: Option<&Scenario>, seed: u64) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(file)
+        let text = bounded::read_text(file, bounded::TEXT)
             .map_err(|source| PlanError::Read { file: file.to_owned(), source })?;
         let mut plan: Plan = toml::from_str(&text).map_err(|error| PlanError::Syntax {
             file: file.to_owned(),
@@ -217,12 +219,13 @@ impl Check<'_> {
     }
 
     /// At least one value, none of them twice.
-    fn axis<T: PartialEq + Display>(&self, field: &str, values: Option<&[T]>) -> Result<(), PlanError> {
+    fn axis<T: Display>(&self, field: &str, values: Option<&[T]>) -> Result<(), PlanError> {
         let Some(values) = values else { return Ok(()) };
         self.legal(field, "[]", !values.is_empty(), "at least one value, or no such key")?;
+        let mut before = BTreeSet::new();
         for (k, value) in values.iter().enumerate() {
             let range = "values of which none is there twice";
-            self.legal(&format!("{field}[{k}]"), value, !values[..k].contains(value), range)?;
+            self.legal(&format!("{field}[{k}]"), value, before.insert(value.to_string()), range)?;
         }
         Ok(())
     }
@@ -237,9 +240,10 @@ impl Check<'_> {
         self.axis("rho", plan.rho.as_deref())?;
         self.axis("sensing_slots", plan.sensing_slots.as_deref())?;
         self.axis("seeds", plan.seeds.as_deref())?;
+        let mut names = BTreeSet::new();
         for (k, scenario) in plan.scenario.iter().enumerate() {
             let plain = !scenario.name.is_empty() && !scenario.name.contains([',', '"', '\r', '\n']);
-            let first = plan.scenario[..k].iter().all(|other| other.name != scenario.name);
+            let first = names.insert(&scenario.name);
             let range = "a name of its own without commas, quotes and line breaks";
             let field = format!("scenario[{k}].name");
             self.legal(&field, format!("{:?}", scenario.name), plain && first, range)?;

@@ -5,6 +5,7 @@
 
 use super::plan::Sweep;
 use crate::PROGRAM;
+use crate::formats::bounded;
 use crate::formats::dataset::sha256;
 use crate::output::{Output, OutputError, to_json};
 use crate::results::{Cell, Measurement};
@@ -96,7 +97,7 @@ impl<'a> Store<'a> {
     /// [`OutputError::Read`] naming a file that is there and cannot be read.
     pub fn read(&self, cell: &Cell) -> Result<Result<Measurement, Fault>, OutputError> {
         let path = self.path(cell);
-        match std::fs::read(&path) {
+        match bounded::read(&path, bounded::TEXT) {
             Ok(bytes) => Ok(self.check(&bytes, cell)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Err(Fault::Missing)),
             Err(source) => Err(OutputError::Read { path, source, hint: "a shard of the sweep wrote it" }),

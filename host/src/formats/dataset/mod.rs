@@ -11,7 +11,6 @@ mod manifest;
 pub mod part;
 mod record;
 mod sigmf;
-#[cfg(feature = "train")]
 mod stored;
 
 use crate::output::{Output, OutputError};
@@ -28,7 +27,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use record::TruthRecord;
 pub(crate) use record::sha256;
-#[cfg(feature = "train")]
 pub use stored::{Labelled, Stored, StoredError};
 
 /// Legal recordings of each class: their parts are numbered with five digits.

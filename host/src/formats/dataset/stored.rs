@@ -1,7 +1,9 @@
 //! A dataset read back: complete, every file that is read held to the digest in its manifest.
 
+use super::part::RECORDINGS;
 use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
+use crate::formats::bounded;
 use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
@@ -10,7 +12,7 @@ use sdp3_core::frame::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::io::{self, Cursor};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Why a dataset cannot be learned from.
 #[derive(Debug, thiserror::Error)]
@@ -203,6 +205,10 @@ impl Stored {
             let legal = format!("recordings by {shape:?}, in C order");
             return Err(self.files.value(name, &format!("{array}: shape"), format!("{own:?}"), legal));
         }
+        if own[0] > u64::from(RECORDINGS) {
+            let legal = format!("at most {RECORDINGS} recordings");
+            return Err(self.files.value(name, &format!("{array}: shape"), format!("{own:?}"), legal));
+        }
         found.into_vec().map_err(broken)
     }
 }
@@ -217,30 +223,38 @@ struct Files {
 impl Files {
     fn open(folder: &Path) -> Result<Self, StoredError> {
         let file = folder.join(manifest::NAME);
-        let bytes =
-            std::fs::read(&file).map_err(|source| StoredError::Read { file: file.clone(), source })?;
+        let bytes = bounded::read(&file, bounded::WHOLE)
+            .map_err(|source| StoredError::Read { file: file.clone(), source })?;
         let Manifest { files } = parsed(&file, &bytes)?;
+        let plain =
+            |name: &str| Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+        if let Some(record) = files.iter().find(|record| !plain(&record.name)) {
+            let (field, value) = ("files: name".to_owned(), format!("{:?}", record.name));
+            return Err(StoredError::Value {
+                file,
+                field,
+                value,
+                legal: "a path that stays in the folder".into(),
+            });
+        }
         Ok(Files { folder: folder.to_owned(), records: files })
     }
 
     /// A file, if it is the one that the manifest names.
     fn read(&self, name: &str) -> Result<Vec<u8>, StoredError> {
         let file = self.folder.join(name);
-        let bytes = std::fs::read(&file).map_err(|source| StoredError::Read { file, source })?;
+        let Some(record) = self.records.iter().find(|record| record.name == name) else {
+            let (value, legal) = (format!("without {name}"), format!("with it; {CURE}"));
+            return Err(self.value(manifest::NAME, "files", value, legal));
+        };
+        let bytes =
+            bounded::read(&file, bounded::WHOLE).map_err(|source| StoredError::Read { file, source })?;
         let found = FileRecord::new(name.to_owned(), &bytes);
-        match self.records.iter().find(|record| record.name == name) {
-            Some(record) if *record == found => Ok(bytes),
-            Some(record) => {
-                let legal = format!("{}, as {} says; {CURE}", record.sha256, manifest::NAME);
-                Err(self.value(name, "SHA-256", found.sha256, legal))
-            }
-            None => Err(self.value(
-                manifest::NAME,
-                "files",
-                format!("without {name}"),
-                format!("with it; {CURE}"),
-            )),
+        if *record != found {
+            let legal = format!("{}, as {} says; {CURE}", record.sha256, manifest::NAME);
+            return Err(self.value(name, "SHA-256", found.sha256, legal));
         }
+        Ok(bytes)
     }
 
     fn value(&self, name: &str, field: &str, value: impl ToString, legal: String) -> StoredError {

@@ -228,7 +228,6 @@ fn shards_are_counted_from_one() {
 }
 
 /// A dataset of 2 recordings per class whose labels and beats are others, digests and all.
-#[cfg(feature = "train")]
 fn foreign<T: npyz::AutoSerialize + Copy>(labels: &[u8], beats: &[T], name: &str) -> String {
     use npyz::WriterBuilder;
     let case = Case::new(false, false);
@@ -255,7 +254,6 @@ fn foreign<T: npyz::AutoSerialize + Copy>(labels: &[u8], beats: &[T], name: &str
     Stored::open(case.path()).unwrap().each(|_| ()).unwrap_err().to_string()
 }
 
-#[cfg(feature = "train")]
 #[test]
 fn parts_of_others_are_refused_by_array_value_and_range() {
     let labels: Vec<u8> = (0..10).map(|n| n % 5).collect();

@@ -4,14 +4,14 @@
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
+use crate::formats::bounded;
 use npyz::{DType, NpyFile, Order, TypeChar, npz::NpzArchive};
 use rustfft::num_complex::{Complex32, Complex64};
-use std::fs::File;
 use std::io::{BufReader, Read};
 
 /// Reads a `.npy` file.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
-    let file = File::open(source.0).map_err(|e| source.unreadable("NPY", e))?;
+    let file = bounded::open(source.0, bounded::WHOLE).map_err(|e| source.unreadable("NPY", e))?;
     let array = NpyFile::new(BufReader::new(file)).map_err(|e| source.unreadable("NPY", e))?;
     array_of(source, array)?.contents(source)
 }
@@ -19,7 +19,8 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
 /// Reads an array of a `.npz` file: the one named, or its only one.
 pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("NPZ", error);
-    let mut archive = NpzArchive::open(source.0).map_err(broken)?;
+    let file = bounded::open(source.0, bounded::WHOLE).map_err(broken)?;
+    let mut archive = NpzArchive::new(BufReader::new(file)).map_err(broken)?;
     let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
     names.sort();
     let name = match (name, names.as_slice()) {

@@ -6,6 +6,7 @@
 
 use super::array::slots;
 use super::{Contents, MOST, MeasuredError, Samples, Source};
+use crate::formats::bounded;
 use rustfft::num_complex::Complex64;
 use sdp3_core::frame::SLOT_SAMPLES;
 use serde::Deserialize;
@@ -99,8 +100,8 @@ impl Datatype {
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |reason: String| source.unreadable("SigMF", reason);
     let meta_file = source.0.with_extension("sigmf-meta");
-    let text =
-        std::fs::read_to_string(&meta_file).map_err(|e| broken(format!("{}: {e}", meta_file.display())))?;
+    let text = bounded::read_text(&meta_file, bounded::TEXT)
+        .map_err(|e| broken(format!("{}: {e}", meta_file.display())))?;
     let Meta { global, captures } = serde_json::from_str(&text).map_err(|e| broken(e.to_string()))?;
     let legal =
         "ri8, ri16_le, ri32_le, rf32_le, rf64_le, ci8, ci16_le, ci32_le, cf32_le, cf64_le, or big-endian";
@@ -129,7 +130,7 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     if size / datatype.bytes as u64 > MOST {
         return Err(source.value("size (bytes)", size, format!("at most {MOST} numbers")));
     }
-    let bytes = std::fs::read(&data_file).map_err(named)?;
+    let bytes = bounded::read(&data_file, bounded::WHOLE).map_err(named)?;
     let end = bytes.len().saturating_sub(global.trailing_bytes);
     let Some(bytes) = bytes.get(header..end) else {
         return Err(source.value("core:header_bytes", header, format!("at most {end}")));

@@ -2,14 +2,20 @@
 //!
 //! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1..=1.
 
-use super::{Contents, MeasuredError, Samples, Source};
+use super::{Contents, MOST, MeasuredError, Samples, Source};
+use crate::formats::bounded;
 use rustfft::num_complex::Complex64;
+use std::io::BufReader;
 
 /// Reads one.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("WAV", error);
-    let mut reader = hound::WavReader::open(source.0).map_err(broken)?;
+    let file = bounded::open(source.0, bounded::WHOLE).map_err(|error| broken(error.into()))?;
+    let mut reader = hound::WavReader::new(BufReader::new(file)).map_err(broken)?;
     let spec = reader.spec();
+    if u64::from(reader.len()) > MOST {
+        return Err(source.value("samples", reader.len(), format!("at most {MOST}")));
+    }
     if !(1..=2).contains(&spec.channels) {
         return Err(source.value("channels", spec.channels, "1 (real) or 2 (I and Q)"));
     }

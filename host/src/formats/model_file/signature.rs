@@ -3,6 +3,7 @@
 //! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
 
 use super::ModelFileError;
+use crate::formats::bounded;
 use ed25519_dalek::{Signer, SigningKey};
 use sdp3_core::dsn::model::{KEY_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN};
 use sdp3_core::dsn::{Model, ModelError};
@@ -32,39 +33,78 @@ pub fn public_key(seed: [u8; KEY_LEN]) -> [u8; KEY_LEN] {
     SigningKey::from_bytes(&seed).verifying_key().to_bytes()
 }
 
-/// Makes a key pair from the system's randomness and writes it; keeps what is there. Returns both paths.
+/// Makes a key pair from the system's randomness and writes `NAME.key` and `NAME.pub`; keeps what is there. Returns both paths.
 ///
 /// # Errors
-/// A file that exists or cannot be written.
+/// A file that exists or cannot be written; then neither is made.
 pub fn new_key(name: &Path) -> Result<[PathBuf; 2], ModelFileError> {
-    let paths = ["key", "pub"].map(|extension| name.with_extension(extension));
+    let paths = [SECRET, PUBLIC].map(|extension| {
+        let mut path = name.as_os_str().to_owned();
+        path.push(".");
+        path.push(extension);
+        PathBuf::from(path)
+    });
     let mut seed = [0; KEY_LEN];
     getrandom::fill(&mut seed).map_err(|error| ModelFileError::Io {
         path: "the system's randomness".to_owned(),
         source: std::io::Error::other(error.to_string()),
     })?;
-    for (path, bytes) in paths.iter().zip([seed, public_key(seed)]) {
-        let fail = |source| ModelFileError::Io { path: path.display().to_string(), source };
-        let mut options = std::fs::OpenOptions::new();
-        options.write(true).create_new(true);
-        #[cfg(unix)]
-        if path.extension().is_some_and(|extension| extension == "key") {
-            use std::os::unix::fs::OpenOptionsExt;
-            options.mode(0o600);
-        }
-        let mut file = options.open(path).map_err(fail)?;
-        std::io::Write::write_all(&mut file, &bytes).map_err(fail)?;
+    for (k, bytes) in [seed, public_key(seed)].iter().enumerate() {
+        write_new(&paths[k], bytes, k == 0).map_err(|source| {
+            paths[..k].iter().for_each(|made| drop(std::fs::remove_file(made)));
+            ModelFileError::Io { path: paths[k].display().to_string(), source }
+        })?;
     }
     Ok(paths)
 }
 
-/// Reads a key file.
+const SECRET: &str = "key";
+const PUBLIC: &str = "pub";
+
+/// Writes a file that is not there yet, a secret one for its owner's eyes alone.
+fn write_new(path: &Path, bytes: &[u8], secret: bool) -> std::io::Result<()> {
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    if secret {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(0o600);
+    }
+    let mut file = options.open(path)?;
+    std::io::Write::write_all(&mut file, bytes).inspect_err(|_| drop(std::fs::remove_file(path)))
+}
+
+/// Reads a secret key.
 ///
 /// # Errors
-/// A file that cannot be read or does not hold 32 bytes.
-pub fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
+/// A file that cannot be read, does not hold 32 bytes, or is named as a public key: both kinds are 32 bytes, and a signature by
+/// a public key would be one that everybody can make.
+pub fn read_secret_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
+    refuse_kind(path, PUBLIC, "a secret key, NAME.key")?;
+    read_key(path)
+}
+
+/// Reads a public key.
+///
+/// # Errors
+/// A file that cannot be read, does not hold 32 bytes, or is named as a secret key.
+pub fn read_public_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
+    refuse_kind(path, SECRET, "a public key, NAME.pub")?;
+    read_key(path)
+}
+
+fn refuse_kind(path: &Path, refused: &str, legal: &str) -> Result<(), ModelFileError> {
+    if path.extension().is_none_or(|extension| extension != refused) {
+        return Ok(());
+    }
+    let (field, value) = ("--key".to_owned(), path.display().to_string());
+    Err(ModelFileError::Field { field, value, legal: legal.to_owned() })
+}
+
+fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| ModelFileError::Io { path: name.clone(), source })?;
+    let bytes = bounded::read(path, bounded::TEXT)
+        .map_err(|source| ModelFileError::Io { path: name.clone(), source })?;
     let length = bytes.len();
     bytes.try_into().map_err(|_| ModelFileError::Field {
         field: format!("{name}: length of the key"),
@@ -127,6 +167,13 @@ mod tests {
         let [other, _] = new_key(&folder.path().join("two")).unwrap();
         assert_ne!(read_key(&secret).unwrap(), read_key(&other).unwrap());
         assert!(new_key(&folder.path().join("one")).is_err());
+        // a public key that is there is kept, and no secret one without its pair is left
+        std::fs::write(folder.path().join("three.v2.pub"), b"kept").unwrap();
+        assert!(new_key(&folder.path().join("three.v2")).is_err());
+        assert!(!folder.path().join("three.v2.key").exists());
+        // neither kind is taken for the other
+        assert!(read_secret_key(&public).unwrap_err().to_string().contains("must be a secret key"));
+        assert!(read_public_key(&secret).unwrap_err().to_string().contains("must be a public key"));
         std::fs::write(&other, b"short").unwrap();
         assert!(
             read_key(&other).unwrap_err().to_string().contains("length of the key is 5, must be 32 bytes")

@@ -1,11 +1,9 @@
 //! A model file in words and as JSON: its envelope, the memory it needs, and what its network does.
 
 use super::QuantizedNetwork;
-use super::signature::read_key;
 use schemars::JsonSchema;
 use sdp3_core::dsn::{Model, ModelError};
 use serde::Serialize;
-use std::path::Path;
 
 /// What a model file says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
@@ -20,9 +18,6 @@ pub struct Summary {
     pub revision: u32,
     /// Whether it carries a signature.
     pub signed: bool,
-    /// Whether the signature is the given key's; absent if none was given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub signature_holds: Option<bool>,
     /// Bytes of scratch its network needs.
     pub scratch_bytes: usize,
     /// Bytes of all memory a receiver borrows for it.
@@ -32,11 +27,11 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of a file's bytes, its signature held to a public key if one is given.
+    /// Of a file's bytes; by whom it is signed is [`Verdict`]'s matter.
     ///
     /// # Errors
-    /// What the radar module's parser finds wrong; a signature that does not hold is no error here.
-    pub fn of(bytes: &[u8], key: Option<&[u8; 32]>) -> Result<Self, ModelError> {
+    /// What the radar module's parser finds wrong.
+    pub fn of(bytes: &[u8]) -> Result<Self, ModelError> {
         let model = Model::parse(bytes)?;
         let network = QuantizedNetwork::from_bytes(bytes)?.describe();
         let shape = model.shape();
@@ -47,32 +42,15 @@ impl Summary {
             checksum: format!("{checksum:08x}"),
             revision: model.revision(),
             signed: model.is_signed(),
-            signature_holds: key.map(|key| Model::parse_signed(bytes, key, 0).is_ok()),
             scratch_bytes: shape.scratch_bytes(),
             required_bytes: shape.required_bytes(),
             network,
         })
     }
 
-    /// Of a file, its signature held to the key in another.
-    ///
-    /// # Errors
-    /// Names the file that cannot be read or is no model, or no key.
-    pub fn read(file: &Path, key: Option<&Path>) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
-        let key = key.map(read_key).transpose()?;
-        let name = file.display();
-        let bytes = std::fs::read(file).map_err(|error| format!("{name}: {error}"))?;
-        Ok(Self::of(&bytes, key.as_ref()).map_err(|error| format!("{name}: {error}"))?)
-    }
-
     /// In words.
     pub fn describe(&self) -> String {
-        let signature = match (self.signed, self.signature_holds) {
-            (false, _) => "not signed",
-            (true, None) => "signed (give --key to check by whom)",
-            (true, Some(true)) => "signed with the given key",
-            (true, Some(false)) => "signed, but not with the given key or not for this content",
-        };
+        let signature = if self.signed { "signed" } else { "not signed" };
         format!(
             "model file, version {}, revision {}, {} bytes, checksum {} holds, {signature}\n{}memory: {} bytes, {} of them scratch of the network",
             self.version,
@@ -86,6 +64,37 @@ impl Summary {
     }
 }
 
+/// What firmware built with a public key answers to a model file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Verdict {
+    /// Whether it would run the model.
+    pub taken: bool,
+    /// Its revision, if it is taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub revision: Option<u32>,
+    /// Why it is refused, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
+}
+
+impl Verdict {
+    /// On a file's bytes, by the radar module's own parser with this key and the largest revision it has run.
+    pub fn of(bytes: &[u8], key: &[u8; 32], oldest: u32) -> Self {
+        match Model::parse_signed(bytes, key, oldest) {
+            Ok(model) => Verdict { taken: true, revision: Some(model.revision()), refused: None },
+            Err(error) => Verdict { taken: false, revision: None, refused: Some(error.to_string()) },
+        }
+    }
+
+    /// In words.
+    pub fn describe(&self) -> String {
+        match (&self.refused, self.revision) {
+            (Some(reason), _) => format!("refused: {reason}"),
+            (None, revision) => format!("taken: revision {}", revision.unwrap_or_default()),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::signature::{public_key, sign};
@@ -95,13 +104,26 @@ mod tests {
     #[test]
     fn the_words_tell_envelope_memory_and_network() {
         let plain = network().to_bytes().unwrap();
-        let text = Summary::of(&plain, None).unwrap().describe();
+        let text = Summary::of(&plain).unwrap().describe();
         for part in ["version 1, revision 0", "not signed", "memory: ", "200 sensing slots", "block 1 conv2"]
         {
             assert!(text.contains(part), "{part} missing in {text}");
         }
+    }
+
+    #[test]
+    fn a_verdict_is_what_firmware_says() {
+        let plain = network().to_bytes().unwrap();
         let signed = sign(&plain, [1; 32], 3).unwrap();
-        let holds = |seed| Summary::of(&signed, Some(&public_key([seed; 32]))).unwrap().signature_holds;
-        assert_eq!((holds(1), holds(2)), (Some(true), Some(false)));
+        let say = |bytes: &[u8], seed, oldest| Verdict::of(bytes, &public_key([seed; 32]), oldest).describe();
+        assert_eq!(say(&signed, 1, 3), "taken: revision 3");
+        for (answer, reason) in [
+            (say(&signed, 2, 0), "its signature does not belong to this key"),
+            (say(&signed, 1, 4), "revision 3 is a rollback"),
+            (say(&plain, 1, 0), "not signed"),
+            (say(&signed[..90], 1, 0), "truncated"),
+        ] {
+            assert!(answer.starts_with("refused: ") && answer.contains(reason), "{answer}");
+        }
     }
 }
