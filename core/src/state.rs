@@ -59,4 +59,28 @@ mod tests {
         words.0.swap(0, 1);
         assert_ne!(seal(&mut words), whole);
     }
+
+    #[test]
+    fn the_seal_is_the_one_described() {
+        // worked out by hand, in integers without an end: ((s ^ w) * 0x85ebca6b mod 2^32, then s ^ (s >> 16)) for every word
+        assert_eq!(seal(&mut Words([0, 1, u32::MAX, 0x8000_0000, 7])), 0xc973_d8f2);
+    }
+
+    #[test]
+    fn flags_and_bytes_are_words_and_come_back() {
+        for (word, on) in [(0, false), (1, true), (2, true), (u32::MAX, true)] {
+            let mut state = !on;
+            flag(&mut state, &mut |seen| {
+                assert_eq!(*seen, u32::from(!on));
+                *seen = word;
+            });
+            assert_eq!(state, on);
+        }
+        let mut state = 0xa5;
+        byte(&mut state, &mut |seen| {
+            assert_eq!(*seen, 0xa5);
+            *seen = 0x1234_5678;
+        });
+        assert_eq!(state, 0x78);
+    }
 }

@@ -86,8 +86,10 @@ pub fn check(slot: &Slot) -> Result<(), SampleFault> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use crate::frame::Iq;
+    use std::string::ToString;
 
     fn sweep(amplitude: f64) -> Slot {
         core::array::from_fn(|n| {
@@ -121,5 +123,55 @@ mod tests {
         let mut slot = sweep(5000.0);
         slot.iter_mut().for_each(|x| x.i += 2500);
         assert!(matches!(check(&slot), Err(SampleFault::Offset { i: 2300..2700, q: -200..200 })));
+    }
+
+    /// Samples that move every bit about these means.
+    fn about(i: i16, q: i16) -> Slot {
+        core::array::from_fn(|n| {
+            let swing = 31 * (n as i16 / 2) + 1;
+            let swing = if n % 2 == 0 { swing } else { -swing };
+            Iq { i: i + swing, q: q - swing }
+        })
+    }
+
+    #[test]
+    fn the_limits_are_the_last_values_that_are_taken() {
+        let offset = |i, q| Err(SampleFault::Offset { i, q });
+        for (i, q, found) in [
+            (2048, 0, Ok(())),
+            (0, -2048, Ok(())),
+            (-2048, 2048, Ok(())),
+            (2049, 0, offset(2049, 0)),
+            (-2049, 1, offset(-2049, 1)),
+            (0, 2049, offset(0, 2049)),
+            (7, -2049, offset(7, -2049)),
+        ] {
+            assert_eq!(check(&about(i, q)), found, "{i}, {q}");
+        }
+        for (at_i, at_q) in [(20, 0), (0, 20), (10, 10)] {
+            for end in [i16::MAX, i16::MIN] {
+                let mut slot = about(0, 0);
+                slot.iter_mut().take(at_i).for_each(|x| x.i = end);
+                slot.iter_mut().skip(500).take(at_q).for_each(|x| x.q = end);
+                assert_eq!(check(&slot), Ok(()));
+                slot[300].q = end;
+                assert_eq!(check(&slot), Err(SampleFault::Saturated { values: 21 }));
+            }
+        }
+    }
+
+    #[test]
+    fn every_fault_says_what_it_is() {
+        for (fault, words) in [
+            (SampleFault::Silent, "all samples are the same"),
+            (
+                SampleFault::Stuck { i: 1, q: 0x8000 },
+                "bits never move: 0x0001 in phase, 0x8000 in quadrature",
+            ),
+            (SampleFault::Saturated { values: 21 }, "21 values are at an end of the range"),
+            (SampleFault::Offset { i: -3000, q: 4 }, "the mean is -3000 LSB in phase, 4 in quadrature"),
+        ] {
+            assert_eq!(fault.to_string(), words);
+        }
     }
 }

@@ -1,0 +1,99 @@
+//! The whole chain on a real model: every stage's digest is a known answer, by every kernel, on every processor.
+//!
+//! The answers are the core's own; that they are the reference's too, `tests/conformance` shows on two hundred other recordings.
+
+use rand_core::SeedableRng;
+use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_core::digest::DigestProbe;
+use sdp3_core::dsn::vector::VectorMemory;
+use sdp3_core::dsn::{Kernels, Model, Portable, Shape, Vector};
+use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::memory_for;
+use sdp3_core::receiver::Receiver;
+use sdp3_core::selftest::noise;
+use sdp3_core::simd::{Isa, LANES, Line};
+use sdp3_core::stft::{FixedStft, ShortTime, Stft};
+
+static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+const SHAPE: Shape = match Shape::of(MODEL) {
+    Some(shape) => shape,
+    None => panic!("dsn-200.sdp3 is no model"),
+};
+type Memory = memory_for!(SHAPE);
+
+fn model() -> Model<'static> {
+    Model::parse(MODEL).expect("a model")
+}
+
+/// A wall that stands, a beat that moves and noise, the same on every processor.
+fn slots() -> Vec<Slot> {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(11);
+    let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    let triangle = |n: i32| 20 * ((n.rem_euclid(400) - 200).abs() - 100);
+    let mut one = |k: i32| {
+        noise(&mut rng, &mut slot);
+        for (n, sample) in slot.iter_mut().enumerate() {
+            let wall = triangle(7 * n as i32);
+            let moving = triangle(7 * n as i32 + 13 * k) / 4;
+            *sample =
+                Iq { i: sample.i / 64 + (wall + moving) as i16, q: sample.q / 64 + (wall - moving) as i16 };
+        }
+        slot
+    };
+    (0..200).map(&mut one).collect()
+}
+
+/// Stage by stage, and the answer.
+fn digests<K: Kernels, T: ShortTime>(mut receiver: Receiver<K, T>) -> Vec<(&'static str, u64)> {
+    let mut probe = DigestProbe::new();
+    for (taken, slot) in slots().iter().enumerate() {
+        assert_eq!(receiver.push(slot, &mut probe), Ok(199 - taken));
+    }
+    receiver.classify(&mut probe).expect("complete");
+    probe.stages().map(|(name, digest)| (name, digest.hash())).collect()
+}
+
+fn tiled<T: ShortTime>() -> Vec<(&'static str, u64)> {
+    let mut memory = Box::new(Memory::new());
+    digests(Receiver::<_, T>::with_transform(model(), memory.view()).expect("enough memory"))
+}
+
+fn with<K: Kernels, T: ShortTime>(kernels: K) -> Vec<(&'static str, u64)> {
+    let mut memory = Box::new(Memory::new());
+    digests(Receiver::<K, T>::with_kernels(model(), memory.view(), kernels).expect("enough memory"))
+}
+
+/// Of [`FixedStft`]; [`Stft`], in floats, has another frame and here the same image.
+const KNOWN: [(&str, u64); 10] = [
+    ("beat", 0x5361_bd57_df9b_e99a),
+    ("gram", 0x9eb2_f9f3_492e_c7d8),
+    ("weights", 0x0c24_5ffa_10e5_e385),
+    ("slow-time", 0x8408_b947_4b94_7571),
+    ("frame", 0x2260_1590_17b6_c68e),
+    ("image", 0xad3b_027d_f61e_ffe0),
+    ("layer", 0x8bf3_2844_a6c5_4d97),
+    ("logits", 0xc87f_1dd7_42a9_3d6a),
+    ("class", 0xaf63_b94c_8601_b113),
+    ("confidence", 0x25dd_5459_9ab9_303e),
+];
+
+#[test]
+fn every_kernel_has_the_known_answers() {
+    assert_eq!(tiled::<FixedStft>(), KNOWN, "tiled");
+    assert_eq!(with::<_, FixedStft>(Portable), KNOWN, "plain");
+    let (lines, words) = (Vector::lines(&model()), Vector::words(&model()));
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let mut lines = vec![Line([0; LANES]); lines];
+        let mut words = vec![0; words];
+        let memory = VectorMemory { lines: &mut lines, words: &mut words };
+        let vector = Vector::new(&model(), isa, memory).expect("enough memory");
+        assert_eq!(with::<_, FixedStft>(vector), KNOWN, "{isa:?}");
+    }
+}
+
+#[test]
+fn the_transform_in_floats_has_the_known_answers() {
+    let known =
+        KNOWN.map(|(name, digest)| (name, if name == "frame" { 0x1023_0a7d_d749_714d } else { digest }));
+    assert_eq!(tiled::<Stft>(), known);
+}
