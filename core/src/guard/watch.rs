@@ -405,6 +405,58 @@ mod tests {
     }
 
     #[test]
+    fn what_is_told_to_a_damaged_schedule_tells_the_damage() {
+        let told = |tell: fn(&mut Watch) -> Option<Fault>| {
+            let (mut whole, mut damaged) = (watch(0), watch(0));
+            uses(&mut whole, 0..3);
+            uses(&mut damaged, 0..3);
+            damaged.watched.next ^= 4;
+            (tell(&mut whole), tell(&mut damaged))
+        };
+        let expected = (None, Some(Fault::Schedule));
+        assert_eq!(told(|watch| watch.lose()), expected);
+        assert_eq!(told(|watch| watch.end_sensing()), expected);
+        assert_eq!(told(|watch| watch.set_rate(1, 9)), expected);
+        assert_eq!(told(|watch| watch.set_sensing(Sensing::new(40, 3, 2).unwrap())), expected);
+        assert_eq!(told(|watch| watch.set_sensing_slots(2).unwrap()), expected);
+        let mut watch = watch(0);
+        assert_eq!(watch.set_sensing_slots(2), Ok(None));
+        assert_eq!(watch.scheduler().wanted(), Sensing::new(40, 3, 2).unwrap());
+        assert!(watch.set_sensing_slots(11).is_err());
+        assert_eq!(watch.scheduler().wanted(), Sensing::new(40, 3, 2).unwrap());
+    }
+
+    #[test]
+    fn as_many_skipped_slots_are_played_through_as_stated() {
+        let long = || Watch::new(Sensing::new(400, 3, 5).unwrap(), [3, 2, 1, 0, 0, 0, 0, 0], 0);
+        let whole = uses(&mut long(), 0..400);
+        for (skipped, played) in [(63, true), (64, true), (65, false)] {
+            let mut gapped = long();
+            uses(&mut gapped, 0..30);
+            let step = gapped.next(30 + skipped);
+            match step.fault {
+                Some(Fault::Skipped { slots, sensing: 0 }) => assert!(played && slots == skipped),
+                Some(Fault::Outage { slots }) => assert!(!played && slots == skipped),
+                other => panic!("{skipped}: {other:?}"),
+            }
+            let at = if played { 30 + skipped as usize } else { 0 };
+            assert_eq!((step.begins, step.slot), (!played, whole[at]));
+        }
+    }
+
+    #[test]
+    fn a_doubtful_number_decides_nothing_alone() {
+        let whole = uses(&mut watch(100), 100..140);
+        let mut odd = watch(100);
+        assert_eq!(uses(&mut odd, 100..105), whole[..5]);
+        // nobody has counted from 0 before
+        assert_eq!(odd.next(0).fault, Some(Fault::Late));
+        // the slot before is no repetition now: what the radio counts from is not known
+        assert_eq!(odd.next(104), Step { slot: SlotUse::Idle, begins: false, fault: Some(Fault::Late) });
+        assert_eq!(uses(&mut odd, 105..140), whole[5..]);
+    }
+
+    #[test]
     fn a_reset_goes_on_from_kept_memory() {
         let whole = uses(&mut watch(0), 0..40);
         let mut running = watch(0);

@@ -105,6 +105,29 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_given_where_the_question_is_none() {
+        let given = |rates: &[u32], given: &[i32], slots, receivers| {
+            let mut shares = std::vec![7_u32; receivers];
+            apportion(rates, given, slots, &mut shares);
+            shares.iter().sum::<u32>()
+        };
+        let longest = LONGEST_PERIOD as i32;
+        assert_eq!(given(&[1, 2], &[0, -longest], 10, 2), 10);
+        assert_eq!(given(&[1, 2], &[longest, 0], LONGEST_PERIOD, 2), LONGEST_PERIOD);
+        for (rates, had, slots, receivers) in [
+            (&[1, 2, 3][..], &[0, 0][..], 10, 2),
+            (&[1, 2], &[0, 0, 0], 10, 2),
+            (&[1, 2], &[0, 0], 10, 3),
+            (&[1, 2], &[0, longest + 1], 10, 2),
+            (&[1, 2], &[i32::MIN, 0], 10, 2),
+            (&[1, 2], &[0, 0], LONGEST_PERIOD + 1, 2),
+            (&[1; RECEIVERS + 1], &[0; RECEIVERS + 1], 10, RECEIVERS + 1),
+        ] {
+            assert_eq!(given(rates, had, slots, receivers), 0, "{rates:?}, {had:?}, {slots}, {receivers}");
+        }
+    }
+
+    #[test]
     fn shares_are_the_integer_optimum_found_by_trying_all() {
         let mut rng = Random::seed_from_u64(5);
         for _ in 0..300 {
@@ -169,15 +192,6 @@ mod tests {
                 assert!(product.saturating_sub(u64::from(rate)) <= worst);
             }
         }
-    }
-
-    #[test]
-    fn numbers_beyond_the_longest_period_get_nothing() {
-        let mut shares = [7; 2];
-        apportion(&[1, 1], &[0; 2], LONGEST_PERIOD + 1, &mut shares);
-        assert_eq!(shares, [0; 2]);
-        apportion(&[1, 1], &[0, i32::MIN], 4, &mut shares);
-        assert_eq!(shares, [0; 2]);
     }
 
     #[test]
