@@ -216,6 +216,7 @@ impl State for Plan {
 mod tests {
     extern crate std;
     use super::*;
+    use std::string::ToString;
 
     #[test]
     fn what_does_not_fit_is_named() {
@@ -224,6 +225,27 @@ mod tests {
         assert_eq!(Plan::new(10, 3, 3, &[7]), Err(PlanError::Spacing { need: 12, period: 10 }));
         assert_eq!(Plan::new(10, 3, 2, &[7]), Err(PlanError::Sum { sum: 9, period: 10 }));
         assert!(Plan::new(10, 3, 2, &[8]).is_ok());
+        for (error, words) in [
+            (PlanError::Period { period: 0 }, "period 0 is not in 1..=16777216"),
+            (PlanError::Receivers { receivers: 9 }, "9 receivers; legal are 1..=8"),
+            (
+                PlanError::Spacing { need: 12, period: 10 },
+                "sensing slots with their spacing need 12 slots; the period has 10",
+            ),
+            (PlanError::Sum { sum: 9, period: 10 }, "the uses sum to 9 slots; the period has 10"),
+        ] {
+            assert_eq!(error.to_string(), words);
+        }
+    }
+
+    #[test]
+    fn sensing_is_what_was_asked_for_up_to_the_whole_period() {
+        let sensing = Sensing::new(40, 3, 10).unwrap();
+        assert_eq!((sensing.period(), sensing.spacing(), sensing.slots(), sensing.others()), (40, 3, 10, 30));
+        assert_eq!(Sensing::new(40, 3, 11), Err(PlanError::Spacing { need: 44, period: 40 }));
+        assert!(Sensing::new(LONGEST_PERIOD, 0, LONGEST_PERIOD).is_ok());
+        let beyond = LONGEST_PERIOD + 1;
+        assert_eq!(Sensing::new(beyond, 0, 1), Err(PlanError::Period { period: beyond }));
     }
 
     #[test]
