@@ -353,6 +353,26 @@ mod tests {
     }
 
     #[test]
+    fn served_counts_what_was_given_in_this_period() {
+        let sensing = Sensing::new(400, 3, 100).unwrap();
+        let mut scheduler = Scheduler::new(sensing, [1, 2, 4, 0, 0, 0, 0, 0]);
+        for _ in 0..2 {
+            let mut given = [0; RECEIVERS];
+            for n in 0..400 {
+                if n == 90 {
+                    scheduler.end_sensing();
+                }
+                if let SlotUse::Communication(k) = scheduler.next() {
+                    given[usize::from(k)] += 1;
+                }
+                if n < 399 {
+                    assert_eq!(scheduler.served(), given, "after slot {n}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn ending_sensing_gives_its_slots_to_the_receivers() {
         let sensing = Sensing::new(400, 3, 100).unwrap();
         let mut scheduler = Scheduler::new(sensing, [1, 2, 4, 0, 0, 0, 0, 0]);
