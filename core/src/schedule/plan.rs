@@ -239,6 +239,12 @@ mod tests {
     }
 
     #[test]
+    fn only_who_has_slots_waits() {
+        let plan = Plan::new(40, 3, 5, &[35, 0]).unwrap();
+        assert_eq!([0, 1, 2].map(|k| plan.longest_wait(k)), [Some(2), None, None]);
+    }
+
+    #[test]
     fn sensing_is_what_was_asked_for_up_to_the_whole_period() {
         let sensing = Sensing::new(40, 3, 10).unwrap();
         assert_eq!((sensing.period(), sensing.spacing(), sensing.slots(), sensing.others()), (40, 3, 10, 30));
