@@ -8,7 +8,8 @@ use sdp3::formats::dataset::Stored;
 use sdp3_fuzz::files::Folder;
 use sha2::{Digest, Sha256};
 
-const SCENARIO: &str = "name = \"fuzz\"\n[frame]\nsensing_slots = [32]\n[spectrogram]\nwindow = 32\n";
+const SCENARIO: &str =
+    "name = \"fuzz\"\n[frame]\nsensing_slots = [56]\n[spectrogram]\nwindow = 32\nhop = 8\n";
 const REQUEST: &str = r#"{"version": "0.1.0", "scenario_sha256": "", "rho": 0.99, "seed": 1, "per_class": 2, "classes":
 ["adult-walking", "child-walking", "adult-pacing", "child-pacing", "standing"], "raw": false, "sigmf": false}"#;
 const PART: &str = "part-00000.npz";

@@ -6,8 +6,8 @@ use sdp3::sweep::plan::Sweep;
 use sdp3::sweep::store::Store;
 use sdp3_fuzz::files::Folder;
 
-/// One cell.
-const PLAN: &str = "name = \"fuzz\"\nsensing_slots = [200]\nseeds = [1]\nrho = [0.99]\n";
+/// One cell: `tests/fuzzing/seeds/sweep/cell` is it, behind a byte 1.
+const PLAN: &str = include_str!("../plan.toml");
 
 fuzz_target!(|data: &[u8]| {
     let Some((&kind, rest)) = data.split_first() else { return };
