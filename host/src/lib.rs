@@ -9,6 +9,7 @@
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
+pub mod bounded;
 pub mod conformance;
 pub mod formats;
 pub mod optimizer;

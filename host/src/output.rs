@@ -2,7 +2,7 @@
 //!
 //! Every file is written beside its name and renamed over it.
 
-use crate::formats::bounded;
+use crate::bounded;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;

@@ -2,7 +2,7 @@
 
 use super::context::{Context, folder_of, name_of};
 use clap::{Args, Subcommand};
-use sdp3::formats::bounded;
+use sdp3::bounded;
 use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use sdp3::formats::model_file::{Summary, Verdict};
 use sdp3::output::Output;

@@ -1,6 +1,5 @@
 //! File formats: what the outside world writes and reads.
 
-pub mod bounded;
 pub mod dataset;
 pub mod measured;
 pub mod model_file;

@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::quantization::{QuantizationReport, quantize};
 use super::safetensors;
 use super::spectrograms::collect;
-use crate::formats::bounded;
+use crate::bounded;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::formats::tflite::{self, Surroundings};
 use crate::output::Output;

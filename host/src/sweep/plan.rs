@@ -1,7 +1,7 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
-use crate::formats::bounded;
+use crate::bounded;
 use crate::formats::dataset::sha256;
 use crate::output::{Output, OutputError};
 use crate::pipeline::Failure;

@@ -3,7 +3,7 @@
 use super::part::RECORDINGS;
 use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
-use crate::formats::bounded;
+use crate::bounded;
 use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;

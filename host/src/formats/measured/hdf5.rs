@@ -6,7 +6,7 @@
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
-use crate::formats::bounded;
+use crate::bounded;
 use hdf5_pure::{AttrValue, Datatype, DatatypeByteOrder, File, FixedPointLayout, Group};
 use rustfft::num_complex::Complex64;
 

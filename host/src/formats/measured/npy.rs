@@ -4,7 +4,7 @@
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
-use crate::formats::bounded;
+use crate::bounded;
 use npyz::{DType, NpyFile, Order, TypeChar, npz::NpzArchive};
 use rustfft::num_complex::{Complex32, Complex64};
 use std::io::{BufReader, Read};

@@ -6,7 +6,7 @@
 
 use super::array::slots;
 use super::{Contents, MOST, MeasuredError, Samples, Source};
-use crate::formats::bounded;
+use crate::bounded;
 use rustfft::num_complex::Complex64;
 use sdp3_core::frame::SLOT_SAMPLES;
 use serde::Deserialize;

@@ -3,7 +3,7 @@
 //! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1..=1.
 
 use super::{Contents, MOST, MeasuredError, Samples, Source};
-use crate::formats::bounded;
+use crate::bounded;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;
 
