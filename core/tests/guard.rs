@@ -172,6 +172,16 @@ fn skipped_slots_are_a_gap_only_if_they_were_to_sense() {
     // after the verdict nobody minds
     let told = [(905, skipped(5, 0))];
     assert_eq!(play(900, Act::Sleeps(5)), log([200, 200], &[(0, 200), (1, 200)], &told));
+    // from the last slot of a period into the next one: 49 of its sensing slots are not needed
+    for (slots, sensing) in [(1, 1), (6, 2), (62, 16)] {
+        let told = [(PERIOD + slots, skipped(slots, sensing))];
+        assert_eq!(play(PERIOD, Act::Sleeps(slots)), log([200, 200], &[(0, 200), (1, 200)], &told));
+    }
+    // fifteen sensing slots skipped after 35: 200 are left with the one that tells it; after 36 too few
+    let told = [(sensing(36) + 60, skipped(60, 15))];
+    assert_eq!(play(sensing(36), Act::Sleeps(60)), log([35 + 200, 200], &[(0, 235), (1, 200)], &told));
+    let told = [(sensing(37) + 60, skipped(60, 15))];
+    assert_eq!(play(sensing(37), Act::Sleeps(60)), log([36 + 1, 200], &[(1, 200)], &told));
     // an outage begins a new period, of 1000 slots from there: 296, ..., 1296, ...
     let outage = (sensing(50) + 100, Trouble::Slot(Fault::Outage { slots: 100 }));
     assert_eq!(play(sensing(50), Act::Sleeps(100)), log([49 + 176, 24 + 176], &[(1, 24)], &[outage]));

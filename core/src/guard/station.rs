@@ -6,7 +6,7 @@
 
 use super::health::{self, SampleFault};
 use super::intact::Intact;
-use super::watch::{Fault, Watch};
+use super::watch::{Fault, WORDS, Watch};
 use crate::anytime::{Anytime, EXITS, Verdict};
 use crate::dsn::{Kernels, ModelError, Tiled};
 use crate::frame::Slot;
@@ -74,7 +74,8 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
         if self.awaited.is_some() && !again {
             tell(Trouble::Missing);
             self.awaited = None;
-            gap = true;
+            // a gap in what ended is none in what begins
+            gap |= !step.begins;
         }
         if step.begins {
             self.receiver.reset();
@@ -83,16 +84,21 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
                 tell(Trouble::Model(error));
             }
             self.sound = damage.is_none();
-        } else if gap {
-            self.restart();
         }
+        if gap {
+            self.restart(usize::from(step.slot == SlotUse::Sensing));
+        }
+        let mut slot = step.slot;
         if !self.sound {
             self.watch.end_sensing();
+            if slot == SlotUse::Sensing {
+                slot = SlotUse::Idle; // nobody would take its samples
+            }
         }
-        if self.sound && step.slot == SlotUse::Sensing && !again && !self.receiver.stopped() {
+        if slot == SlotUse::Sensing && !again && !self.receiver.stopped() {
             self.awaited = Some(number);
         }
-        Begun { slot: step.slot, troubles }
+        Begun { slot, troubles }
     }
 
     /// The samples of the sensing slot that began with this number. The verdict that stops ends the period's sensing.
@@ -107,7 +113,7 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
         self.awaited = None;
         if let Err(fault) = health::check(slot) {
             self.watch.lose();
-            self.restart();
+            self.restart(0);
             return Err(Trouble::Samples(fault));
         }
         let verdict = self.receiver.push(slot, &mut ());
@@ -122,14 +128,31 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
         &mut self.watch
     }
 
-    /// The recording begins anew, if the period has slots enough for one.
-    fn restart(&mut self) {
+    /// The receiver, to be looked at.
+    pub fn receiver(&self) -> &Anytime<'m, 'b, K, T> {
+        &self.receiver
+    }
+
+    /// After a reset: goes on in the period that was running when [`Watch::save`] wrote `memory`, with a recording begun anew if the
+    /// period has slots enough for one. `false` if the memory is not whole: then nothing changes.
+    #[must_use]
+    pub fn restore(&mut self, memory: &[u32; WORDS]) -> bool {
+        let Some(watch) = Watch::restore(memory) else { return false };
+        self.watch = watch;
+        self.receiver.reset();
+        self.awaited = None;
+        self.restart(0);
+        true
+    }
+
+    /// The recording begins anew, if the period has slots enough for one: those to come and the `current` one.
+    fn restart(&mut self, current: usize) {
         if self.receiver.stopped() {
             return;
         }
         self.receiver.reset();
         let need = self.receiver.exits().first().map_or(0, |exit| exit.model.sensing_slots());
-        if (self.watch.scheduler().sensing_left() as usize) < need {
+        if (self.watch.scheduler().sensing_left() as usize).saturating_add(current) < need {
             self.watch.end_sensing();
         }
     }

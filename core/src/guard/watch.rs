@@ -49,7 +49,7 @@ pub enum Fault {
 pub struct Step {
     /// What it is for.
     pub slot: SlotUse,
-    /// Whether a period begins with it: recordings begin anew.
+    /// Whether a period begins with it, or began with the slots skipped before it: recordings begin anew.
     pub begins: bool,
     /// What was wrong.
     pub fault: Option<Fault>,
@@ -138,6 +138,8 @@ impl Watch {
             self.close();
             return Step { slot: SlotUse::Idle, begins: false, fault };
         }
+        // the period that begins may begin with skipped slots
+        let between = self.watched.scheduler.position() == 0;
         if fault.is_none() {
             match number.wrapping_sub(self.watched.next) {
                 0 => (),
@@ -154,7 +156,7 @@ impl Watch {
         }
         self.watched.doubtful = false;
         self.watched.next = number.wrapping_add(1);
-        let begins = self.watched.scheduler.position() == 0;
+        let begins = between || self.watched.scheduler.position() == 0;
         let slot = self.watched.scheduler.next();
         if begins {
             fault = fault.or(self.mend());
@@ -355,6 +357,21 @@ mod tests {
         assert_eq!(uses(&mut gapped, 24..47), whole[17..]);
         assert!(gapped.next(47).begins);
         assert_eq!(gapped.scheduler().boundary().changes.lost + sensing, 6);
+    }
+
+    #[test]
+    fn a_period_that_begins_with_skipped_slots_begins_all_the_same() {
+        let whole = uses(&mut watch(0), 0..80);
+        for skipped in [1, 5, 39] {
+            let mut gapped = watch(0);
+            uses(&mut gapped, 0..40);
+            let step = gapped.next(40 + skipped);
+            assert!(
+                step.begins && matches!(step.fault, Some(Fault::Skipped { slots, .. }) if slots == skipped)
+            );
+            assert_eq!(step.slot, whole[40 + skipped as usize]);
+            assert!(!gapped.next(41 + skipped).begins || skipped == 39);
+        }
     }
 
     #[test]

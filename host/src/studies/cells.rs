@@ -1,6 +1,7 @@
 //! The cells of a study: results that are kept as soon as they are known.
 //!
-//! `study.json` says what the folder is for; a folder of another study is refused, nothing in it is touched.
+//! `study.json` says what the folder is for; a folder of another study is refused, nothing in it is touched. More seeds, or fewer,
+//! are the same study: what is known of a seed is kept.
 
 use super::Request;
 use crate::output::{Output, OutputError};
@@ -28,12 +29,15 @@ impl<'a> Cells<'a> {
         let path = output.path(REQUEST);
         if path.exists() {
             let there: Request = output.read_json(REQUEST, "a study writes it")?;
-            if there != *request {
+            if (Request { seeds: request.seeds, ..there.clone() }) != *request {
                 let reason = format!(
-                    "this folder holds the study {} (seed {}, {} seeds) with other settings: use the same, or another --out",
-                    there.study, there.seed, there.seeds
+                    "this folder holds the study {} (from seed {}) with other settings: use the same, or another --out",
+                    there.study, there.seed
                 );
                 return Err(OutputError::Content { path, reason }.into());
+            }
+            if there.seeds != request.seeds {
+                output.write_json(REQUEST, request)?;
             }
         } else {
             output.write_json(REQUEST, request)?;
@@ -74,9 +78,11 @@ mod tests {
         let request = Request { study: "test".into(), seed: 1, seeds: 2, scenario: Scenario::default() };
         let cells = Cells::open(&output, &request).unwrap();
         assert_eq!(cells.get("a", || Ok(0.1_f64)).unwrap(), 0.1);
-        let again = Cells::open(&output, &request).unwrap();
+        let more = Request { seeds: 3, ..request.clone() };
+        let again = Cells::open(&output, &more).unwrap();
         assert_eq!(again.get("a", || -> Result<f64, Failure> { panic!("made twice") }).unwrap(), 0.1);
-        let other = Request { seeds: 3, ..request };
+        assert_eq!(output.read_json::<Request>(REQUEST, "").unwrap(), more);
+        let other = Request { seed: 2, ..request };
         let error = Cells::open(&output, &other).unwrap_err().to_string();
         assert!(error.contains("study.json") && error.contains("--out"), "{error}");
     }
