@@ -5,6 +5,7 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::anytime::{Anytime, Exit};
 use sdp3_core::dsn::{ModelError, Shape};
 use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::guard::campaign::recording;
 use sdp3_core::guard::station::Trouble;
 use sdp3_core::guard::{Fault, Guarded, Intact, SampleFault, Watch};
 use sdp3_core::memory_for;
@@ -181,10 +182,32 @@ fn skipped_slots_are_a_gap_only_if_they_were_to_sense() {
     let told = [(sensing(36) + 60, skipped(60, 15))];
     assert_eq!(play(sensing(36), Act::Sleeps(60)), log([35 + 200, 200], &[(0, 235), (1, 200)], &told));
     let told = [(sensing(37) + 60, skipped(60, 15))];
-    assert_eq!(play(sensing(37), Act::Sleeps(60)), log([36 + 1, 200], &[(1, 200)], &told));
+    assert_eq!(play(sensing(37), Act::Sleeps(60)), log([36, 200], &[(1, 200)], &told));
     // an outage begins a new period, of 1000 slots from there: 296, ..., 1296, ...
     let outage = (sensing(50) + 100, Trouble::Slot(Fault::Outage { slots: 100 }));
     assert_eq!(play(sensing(50), Act::Sleeps(100)), log([49 + 176, 24 + 176], &[(1, 24)], &[outage]));
+}
+
+#[test]
+fn disturbed_recordings_are_told_and_the_next_verdict_is_the_same() {
+    let mut memory = Box::new(Memory::new());
+    let (intact, model) = Intact::accept(MODEL).expect("a model");
+    let watch = recording::watch(model.sensing_slots() as u32).expect("legal");
+    let mut buffers = memory.view();
+    let kernels = buffers.take_kernels(&model).expect("enough memory");
+    let receiver: Anytime<_> =
+        Anytime::new([Exit::alone(model, kernels)], 2.0, buffers).expect("enough memory");
+    let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
+    let each = 6;
+    let events = each * recording::KINDS.len() as u64;
+    let table = recording::run::<Xoshiro128PlusPlus, _, _>(&mut station, 9, events);
+    for (kind, o) in recording::KINDS.iter().zip(&table) {
+        assert_eq!(
+            (o.injected, o.detected, o.recovered, o.silent, o.broken),
+            (each, each, each, 0, 0),
+            "{kind}"
+        );
+    }
 }
 
 #[test]

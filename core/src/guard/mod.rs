@@ -10,6 +10,56 @@
 //!
 //! Every fault is told once; the next whole period is as if it had not been. [`station::Guarded`] is the slot loop with all of it,
 //! [`campaign`] breaks it on purpose, with a known number of outcomes on every processor.
+//!
+//! ```
+//! use sdp3_core::anytime::{Anytime, Exit};
+//! use sdp3_core::frame::Slot;
+//! use sdp3_core::guard::{Guarded, Intact, Watch, watch::WORDS};
+//! use sdp3_core::receiver::StandardMemory;
+//! use sdp3_core::schedule::{Sensing, SlotUse};
+//!
+//! # struct Radio;
+//! # impl Radio {
+//! #     fn next_number(&self) -> u32 { 0 }
+//! #     fn number(&mut self) -> Option<u32> { None }
+//! #     fn samples(&mut self) -> Option<&'static Slot> { None }
+//! # }
+//! # fn tell<T>(_: T) {}
+//! // `kept` survives a reset: RAM that start-up leaves alone
+//! fn station(
+//!     model: &'static [u8],
+//!     memory: &mut StandardMemory,
+//!     kept: &mut [u32; WORDS],
+//!     radio: &mut Radio,
+//! ) -> Result<(), &'static str> {
+//!     let (intact, model) = Intact::accept(model).map_err(|_| "no model")?;
+//!     let sensing = Sensing::new(4000, 3, 1000).map_err(|_| "N_s (N_m + 1) > N")?;
+//!     let watch = Watch::new(sensing, [4, 3, 3, 0, 0, 0, 0, 0], radio.next_number());
+//!     let mut buffers = memory.view();
+//!     let kernels = buffers.take_kernels(&model).map_err(|_| "too little memory")?;
+//!     let receiver: Anytime<_> =
+//!         Anytime::new([Exit::alone(model, kernels)], 2.0, buffers).map_err(|_| "too little memory")?;
+//!     let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
+//!     if !station.restore(kept) {
+//!         tell("nothing whole was kept: a period begins with the radio's next slot");
+//!     }
+//!     while let Some(number) = radio.number() {
+//!         let begun = station.begin(number);
+//!         begun.troubles.iter().for_each(tell);
+//!         if let (SlotUse::Sensing, Some(samples)) = (begun.slot, radio.samples()) {
+//!             match station.sensed(number, samples) {
+//!                 Ok(Some(verdict)) => tell(verdict.class),
+//!                 Ok(None) => (),
+//!                 Err(trouble) => tell(trouble),
+//!             }
+//!         }
+//!         station.watch().save(kept);
+//!     }
+//!     Ok(())
+//! }
+//! let mut memory = Box::new(StandardMemory::new());
+//! assert_eq!(station(b"not a model", &mut memory, &mut [0; WORDS], &mut Radio), Err("no model"));
+//! ```
 
 pub mod campaign;
 pub mod health;

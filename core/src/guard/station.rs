@@ -85,15 +85,13 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
             }
             self.sound = damage.is_none();
         }
-        if gap {
-            self.restart(usize::from(step.slot == SlotUse::Sensing));
-        }
         let mut slot = step.slot;
+        let enough = !gap || self.restart(usize::from(slot == SlotUse::Sensing));
         if !self.sound {
             self.watch.end_sensing();
-            if slot == SlotUse::Sensing {
-                slot = SlotUse::Idle; // nobody would take its samples
-            }
+        }
+        if slot == SlotUse::Sensing && !(enough && self.sound) {
+            slot = SlotUse::Idle; // its samples would serve nothing
         }
         if slot == SlotUse::Sensing && !again && !self.receiver.stopped() {
             self.awaited = Some(number);
@@ -145,15 +143,17 @@ impl<'m, 'b, K: Kernels, T: ShortTime> Guarded<'m, 'b, K, T> {
         true
     }
 
-    /// The recording begins anew, if the period has slots enough for one: those to come and the `current` one.
-    fn restart(&mut self, current: usize) {
+    /// The recording begins anew, if the period has slots enough for one: those to come and the `current` one. Whether it has.
+    fn restart(&mut self, current: usize) -> bool {
         if self.receiver.stopped() {
-            return;
+            return true;
         }
         self.receiver.reset();
         let need = self.receiver.exits().first().map_or(0, |exit| exit.model.sensing_slots());
-        if (self.watch.scheduler().sensing_left() as usize).saturating_add(current) < need {
+        let enough = (self.watch.scheduler().sensing_left() as usize).saturating_add(current) >= need;
+        if !enough {
             self.watch.end_sensing();
         }
+        enough
     }
 }

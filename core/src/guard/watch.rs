@@ -486,6 +486,10 @@ mod tests {
         assert_eq!(uses(&mut back, 13..40), whole[13..]);
         memory[17] ^= 4;
         assert!(Watch::restore(&memory).is_none());
+        // memory that nobody has written
+        for word in [0, u32::MAX, 0xAAAA_AAAA, 0x5555_5555, 0xDEAD_BEEF] {
+            assert!(Watch::restore(&[word; WORDS]).is_none(), "{word:#x}");
+        }
     }
 
     #[test]

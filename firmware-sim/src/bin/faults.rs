@@ -1,6 +1,7 @@
 //! Breaks the guards on purpose and prints what became of every fault, and the digest of all counts.
 //!
-//! Arguments: `seed=N`, `events=N`. Exit code 0 if no fault of schedule or model was silent and no promise broke, 1 if one was.
+//! Arguments: `seed=N`; `events=N`, faults of each guard by itself; `recordings=N`, disturbed recordings through the whole chain, dechirp
+//! to network. Exit code 0 if no fault of schedule, model or recording was silent and no promise broke, 1 if one was.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -11,42 +12,68 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::guard::campaign::{CERTAIN, KINDS, digest, run};
+    use rand_xoshiro::Xoshiro128PlusPlus;
+    use sdp3_core::anytime::{Anytime, Exit};
+    use sdp3_core::dsn::Shape;
+    use sdp3_core::guard::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
+    use sdp3_core::guard::{Guarded, Intact};
+    use sdp3_core::memory_for;
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 
     static MODEL: &[u8] = include_bytes!("../../models/dsn-200.sdp3");
+    const SHAPE: Shape = match Shape::of(MODEL) {
+        Some(shape) => shape,
+        None => panic!("dsn-200.sdp3 is no model"),
+    };
+    type Small = memory_for!(SHAPE);
+    static MEMORY: Single<Small> = Single::new(Small::new());
     static COPY: Single<[u8; 1 << 14]> = Single::new([0; 1 << 14]);
+
+    /// Prints it; whether all held, with nothing silent in the first `certain` kinds.
+    fn told(what: &str, kinds: &[&str], certain: usize, table: &[Outcome], events: u64) -> bool {
+        let mut held = true;
+        for (kind, (name, o)) in kinds.iter().zip(table).enumerate() {
+            println(format_args!(
+                "{name:<30}{:>10}{:>10}{:>10}{:>10}{:>10}",
+                o.injected, o.detected, o.recovered, o.silent, o.broken
+            ));
+            held &= o.broken == 0 && (o.injected > 0 || events < kinds.len() as u64);
+            held &=
+                kind >= certain || (o.detected == o.injected && o.recovered == o.injected && o.silent == 0);
+        }
+        println(format_args!("{what} {:016x} of {events}", digest(table)));
+        held
+    }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         let mut buffer = [0; 1024];
-        let (mut seed, mut events) = (1_u64, 1000_u64);
+        let (mut seed, mut events, mut recordings) = (1_u64, 1000_u64, 12_u64);
         for word in arguments(&mut buffer).split_ascii_whitespace() {
             match word.split_once('=').map(|(name, value)| (name, value.parse())) {
                 Some(("seed", Ok(number))) => seed = number,
                 Some(("events", Ok(number))) => events = number,
+                Some(("recordings", Ok(number))) => recordings = number,
                 _ => {
-                    println(format_args!("an argument is neither seed=N nor events=N"));
+                    println(format_args!("an argument is none of seed=N, events=N, recordings=N"));
                     exit(2)
                 }
             }
         }
-        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(seed);
-        let Some(copy) = COPY.take() else { exit(2) };
+        let (Some(copy), Some(memory)) = (COPY.take(), MEMORY.take()) else { exit(2) };
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let table = run(&mut rng, events, MODEL, copy);
-        let mut held = true;
-        for (kind, (name, o)) in KINDS.iter().zip(&table).enumerate() {
-            println(format_args!(
-                "{name:<30}{:>10}{:>10}{:>10}{:>10}{:>10}",
-                o.injected, o.detected, o.recovered, o.silent, o.broken
-            ));
-            held &= o.broken == 0 && o.injected > 0;
-            held &=
-                kind >= CERTAIN || (o.detected == o.injected && o.recovered == o.injected && o.silent == 0);
-        }
-        println(format_args!("digest {:016x} of {events}", digest(&table)));
+        let mut held = told("digest", &KINDS, CERTAIN, &table, events);
+        let Ok((intact, model)) = Intact::accept(MODEL) else { exit(2) };
+        let Ok(watch) = recording::watch(model.sensing_slots() as u32) else { exit(2) };
+        let mut buffers = memory.view();
+        let Ok(kernels) = buffers.take_kernels(&model) else { exit(2) };
+        let Ok(receiver) = Anytime::new([Exit::alone(model, kernels)], 2.0, buffers) else { exit(2) };
+        let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
+        let table = recording::run::<Xoshiro128PlusPlus, _, _>(&mut station, seed, recordings);
+        held &= told("recordings", &recording::KINDS, recording::KINDS.len(), &table, recordings);
         exit(usize::from(!held))
     }
 }

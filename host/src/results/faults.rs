@@ -39,23 +39,32 @@ pub struct SpoiledRow {
     pub without_verdict: f64,
 }
 
+/// A table of faults, and what of it firmware must find too.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct FaultTable {
+    /// Faults.
+    pub events: u64,
+    /// The first so many of them.
+    pub events_of_part: u64,
+    /// Digest of their outcomes, in hexadecimal: firmware finds the same.
+    pub digest_of_part: String,
+    /// By kind.
+    pub rows: Vec<FaultRow>,
+}
+
 /// A fault campaign: what `sdp3 schedule --faults` finds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Faults {
     /// Seed of the first part.
     pub seed: u64,
-    /// Faults in all parts.
-    pub events: u64,
-    /// Digest of the first part's outcomes, `events_of_part` faults: firmware finds the same.
-    pub digest_of_part: String,
-    /// Faults of a part.
-    pub events_of_part: u64,
-    /// Schedule, model, samples.
-    pub rows: Vec<FaultRow>,
+    /// Against schedule, model and samples, each by itself.
+    pub guards: FaultTable,
+    /// Against recordings on their way through the whole chain.
+    pub recordings: FaultTable,
     /// Share of untouched recordings recognised.
     pub accuracy: f64,
     /// What spoiled samples cost.
     pub spoiled: Vec<SpoiledRow>,
-    /// Whether no fault of schedule or model was silent and no promise broke.
+    /// Whether no fault of schedule, model or recording was silent and no promise broke.
     pub held: bool,
 }

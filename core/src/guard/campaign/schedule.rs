@@ -7,6 +7,9 @@ use crate::state::State;
 use heapless::Vec;
 use rand_core::Rng;
 
+/// Slots that a drifting clock gains or loses in one event.
+const SLIPS: usize = 4;
+
 /// Words of [`Watch`]'s state before those of its spares.
 const SPARES_AT: u32 = WORDS as u32 - 24;
 
@@ -114,18 +117,18 @@ impl World {
     fn slot(&mut self) -> Step {
         let step = self.watch.next(self.number);
         self.number = self.number.wrapping_add(1);
+        if step.begins {
+            // a period that was cut short by a fault is told; one that was not ran to its end
+            let whole = self.position == self.plan.period() || step.fault.is_some() || self.position == 0;
+            self.promise(whole);
+            self.begin();
+        }
         if let Some(fault) = step.fault {
             if let Fault::Skipped { slots, .. } = fault {
                 self.position = self.position.saturating_add(slots);
                 self.gap = true;
             }
             let _ = self.faults.push(fault); // more than eight are too many anyway
-        }
-        if step.begins {
-            // a period that was cut short by a fault is told; one that was not ran to its end
-            let whole = self.position == self.plan.period() || step.fault.is_some() || self.position == 0;
-            self.promise(whole);
-            self.begin();
         }
         step
     }
@@ -171,7 +174,7 @@ impl World {
         self.broken += 1;
     }
 
-    /// One fault of a kind, 0..14 in the order of [`super::KINDS`], at a random slot; then a period as wanted.
+    /// One fault of a kind, 0..16 in the order of [`super::KINDS`], at a random slot; then a period as wanted.
     pub(super) fn suffer(&mut self, kind: usize, rng: &mut impl Rng, outcome: &mut Outcome) {
         self.play(1);
         self.play(below(rng, self.plan.period().saturating_sub(3)));
@@ -184,11 +187,12 @@ impl World {
         self.finish();
         let c = &self.changes;
         let detected = match (kind, self.faults.as_slice()) {
-            (0, [Fault::Skipped { .. }]) | (1, [Fault::Outage { .. }]) => true,
+            (0 | 15, [Fault::Skipped { .. }]) | (1, [Fault::Outage { .. }]) => true,
             (2, [Fault::Repeated]) | (3, [Fault::Late]) | (4, [Fault::Late, Fault::Recounted]) => true,
             (5, []) => c.left.count_ones() == 1,
             (6, []) => c.sensing,
             (7 | 8, [] | [Fault::Skipped { .. }]) => taken,
+            (14, told) => taken && told.len() == SLIPS,
             (9 | 10 | 12, [Fault::Schedule]) | (11, [Fault::Spare]) | (13, [Fault::Forgotten]) => true,
             _ => false,
         };
@@ -199,7 +203,7 @@ impl World {
         outcome.broken += self.broken + u64::from(!detected && !self.faults.is_empty());
     }
 
-    /// Does it; whether a reset took kept memory if it was whole, and only then.
+    /// Does it; whether a reset took kept memory if it was whole, and only then; whether every slip of a clock was told by its name.
     fn inject(&mut self, kind: usize, rng: &mut impl Rng) -> bool {
         let left = self.plan.period().saturating_sub(self.position);
         match kind {
@@ -233,6 +237,14 @@ impl World {
                 wanted.into_iter().enumerate().for_each(|(k, rate)| self.set_rate(k, rate));
             }
             7 | 8 => return self.reset(kind == 8, left, rng),
+            14 => return self.drift(rng),
+            15 => {
+                let before = 2 + below(rng, self.sensing.period() - 12);
+                self.restart(before.wrapping_neg());
+                self.play(before - 2);
+                // the last number before the wrap is among those skipped
+                self.number = self.number.wrapping_add(1 + below(rng, 8));
+            }
             9 => self.flip_any((0, SPARES_AT), |word| 1 << (word % 32), rng),
             10 => self.flip_any((0, SPARES_AT), |word| word.max(1), rng),
             11 => self.flip_any((SPARES_AT, WORDS as u32), |word| 1 << (word % 32), rng),
@@ -276,11 +288,40 @@ impl World {
                 again == whole
             }
             None => {
-                self.watch = Watch::new(self.sensing, self.rates, self.number);
-                self.position = self.plan.period();
-                self.play(1);
+                self.restart(self.number);
                 damage
             }
         }
+    }
+
+    /// Everything is made anew; the first slot of a period passes.
+    fn restart(&mut self, number: u32) {
+        self.number = number;
+        self.watch = Watch::new(self.sensing, self.rates, number);
+        self.position = self.plan.period();
+        self.play(1);
+    }
+
+    /// The radio's clock runs fast, and now and then a number is missing, or slow, and one comes twice. Whether each was told.
+    fn drift(&mut self, rng: &mut impl Rng) -> bool {
+        let fast = below(rng, 2) == 0;
+        let mut told = true;
+        for _ in 0..SLIPS {
+            self.play(below(rng, 60));
+            if fast {
+                self.number = self.number.wrapping_add(1);
+                self.play(1);
+                let skipped = matches!(self.faults.last(), Some(Fault::Skipped { slots: 1, .. }));
+                // the last slot of a period and an outage are the same
+                told &= skipped || self.faults.last() == Some(&Fault::Outage { slots: 1 });
+            } else {
+                self.play(1);
+                let step = self.watch.next(self.number.wrapping_sub(1));
+                self.promise(step.slot == self.watch.scheduler().last() && !step.begins);
+                let _ = step.fault.map(|fault| self.faults.push(fault));
+                told &= self.faults.last() == Some(&Fault::Repeated);
+            }
+        }
+        told
     }
 }
