@@ -1,4 +1,4 @@
-//! The shape of a slot: how many samples it has and what the decimated beat looks like.
+//! The shapes of what walks down the street: a slot, its decimated beat, the spectrum of a frame.
 //!
 //! Sensing model of the paper, section II-B: B = 10 MHz, T_sw = 100 us, f_s = 10 MHz, hence L = T_sw f_s = 1000.
 
@@ -55,5 +55,12 @@ pub type Beat = [Complex<i32>; BEATS];
 
 /// A beat of zeros.
 pub const ZERO_BEAT: Beat = [Complex::new(0, 0); BEATS];
+
+/// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
+pub type Spectrum = [Complex<f32>; FFT_LEN];
+
+/// The same in integers, in LSB of the slow-time signal (half of it for a window beyond 128 samples). Bins that become no row are
+/// zero.
+pub type FixedBins = [Complex<i32>; FFT_LEN];
 
 const _: () = assert!(BLOCK_SAMPLES * BEATS == SLOT_SAMPLES, "the blocks must tile the slot");

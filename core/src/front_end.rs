@@ -5,8 +5,9 @@
 use crate::clutter::{GRAM_SLOTS, Gram, Kept, project, weights};
 use crate::dechirp::dechirp;
 use crate::frame::{Beat, Complex, ROWS, Slot};
+use crate::logarithm::EMPTY;
 use crate::probe::Probe;
-use crate::spectrogram::{EMPTY, levels, pixel};
+use crate::spectrogram::{levels, pixel};
 use crate::stft::{NativeStft, ShortTime, frames};
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was

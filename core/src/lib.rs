@@ -48,6 +48,7 @@ pub mod fixed;
 pub mod frame;
 pub mod front_end;
 pub mod guard;
+pub mod logarithm;
 pub mod math;
 pub mod probe;
 pub mod receiver;

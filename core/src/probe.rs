@@ -3,8 +3,7 @@
 //! All methods do nothing by default; `()` observes nothing and costs nothing.
 
 use crate::clutter::{Gram, Weights};
-use crate::frame::{Beat, Complex};
-use crate::stft::{FixedBins, Spectrum};
+use crate::frame::{Beat, Complex, FixedBins, Spectrum};
 
 /// Sees the values of every stage as they are made.
 pub trait Probe {

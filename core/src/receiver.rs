@@ -6,11 +6,23 @@
 use crate::dsn::network::{Answer, Network, scratch_bytes};
 use crate::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
 use crate::dsn::{Kernels, Model, ModelError, Shape};
-use crate::frame::{Beat, Complex, ROWS, Slot, ZERO_BEAT};
+use crate::frame::{BEATS, Beat, Complex, ROWS, Slot, ZERO_BEAT};
 use crate::front_end::{FrontEnd, FrontEndBuffers};
 use crate::probe::Probe;
 use crate::simd::pairs::Eight;
 use crate::stft::{NativeStft, ShortTime};
+
+impl Shape {
+    /// Bytes of all memory that a receiver borrows, [`Memory::BYTES`] of these sizes:
+    /// beats and slow time (72 bytes a slot), levels and image (192 bytes a frame), scratch and kernels, in whole
+    /// [`Eight`]s.
+    pub const fn required_bytes(&self) -> usize {
+        let slot = (BEATS + 1) * size_of::<Complex<i32>>();
+        let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
+        let sum = self.sensing_slots * slot + cells + self.scratch_bytes() + self.tiled_sizes().total();
+        sum.next_multiple_of(size_of::<Eight>())
+    }
+}
 
 /// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network ([`scratch_bytes`]),
 /// `EIGHTS` and `WORDS` for its kernels ([`TiledSizes`]).

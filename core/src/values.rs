@@ -3,9 +3,8 @@
 //! Floats go by their bits; a complex number is two values, the real part first.
 
 use crate::clutter::{Gram, Weights};
-use crate::frame::{Beat, Complex};
+use crate::frame::{Beat, Complex, FixedBins, Spectrum};
 use crate::probe::Probe;
-use crate::stft::{FixedBins, Spectrum};
 
 /// A stage of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,6 +6,7 @@ use super::conv::same;
 use super::head::{MAX_CLASSES, arg_max};
 use super::kernels::{Kernels, Portable};
 use super::model::Model;
+use super::shape::Shape;
 use crate::dsn::conv::MAX_CHANNELS;
 use crate::frame::ROWS;
 use crate::probe::Probe;
@@ -15,6 +16,13 @@ use heapless::Vec;
 pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -> usize {
     let (height, width) = (same(ROWS, stem_stride), same(frames, stem_stride));
     3 * (height / 2) * (width / 2) * channels + 2 * width * channels
+}
+
+impl Shape {
+    /// Bytes of scratch its network needs.
+    pub const fn scratch_bytes(&self) -> usize {
+        scratch_bytes(self.frames, self.channels, self.stem_stride)
+    }
 }
 
 /// The network's answer.

@@ -11,11 +11,8 @@
 //! ```
 
 use super::format::{HEADER_LEN, MAGIC};
-use super::network::scratch_bytes;
-use super::tiled::TiledSizes;
-use crate::frame::{BEATS, ROWS};
 
-/// Sizes of a model.
+/// Sizes of a model. What follows from them stands where it belongs: its network's scratch, its kernels' memory, a receiver's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shape {
@@ -46,25 +43,5 @@ impl Shape {
             channels: model[32] as usize,
             stem_stride: model[23] as usize,
         })
-    }
-
-    /// Bytes of scratch its network needs.
-    pub const fn scratch_bytes(&self) -> usize {
-        scratch_bytes(self.frames, self.channels, self.stem_stride)
-    }
-
-    /// Memory of its kernels, with one place for packed weights.
-    pub const fn tiled_sizes(&self) -> TiledSizes {
-        TiledSizes::new(self.frames, self.channels, self.stem_stride, 1)
-    }
-
-    /// Bytes of all memory that a receiver borrows, [`Memory::BYTES`](crate::receiver::Memory::BYTES) of these sizes:
-    /// beats and slow time (72 bytes a slot), levels and image (192 bytes a frame), scratch and kernels, in whole
-    /// [`Eight`](crate::simd::pairs::Eight)s.
-    pub const fn required_bytes(&self) -> usize {
-        let slot = (BEATS + 1) * size_of::<crate::frame::Complex<i32>>();
-        let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
-        let sum = self.sensing_slots * slot + cells + self.scratch_bytes() + self.tiled_sizes().total();
-        sum.next_multiple_of(size_of::<crate::simd::pairs::Eight>())
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The inner problem of Theorem 1 in integers: max over shares of min over receivers of bits, water-filling over whole slots.
 
-use super::plan::{LONGEST_PERIOD, RECEIVERS};
+use super::sensing::{LONGEST_PERIOD, RECEIVERS};
 
 /// Most slots that the integer optimum lies below the continuous one's whole part: the others round up by less than one each.
 const BELOW: u32 = RECEIVERS as u32;

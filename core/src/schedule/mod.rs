@@ -1,17 +1,19 @@
 //! Who gets which slot: sensing slots exactly periodic, the others in optimal proportions, spread evenly.
 //!
-//! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1). [`plan`] says how many
-//! slots each use gets ([`mod@apportion`]), [`sequencer`] which slot is whose ([`turns`]), [`scheduler`] what to do when the world
-//! changes.
+//! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1). [`sensing`] lays
+//! those out, [`plan`] says how many slots each use gets ([`mod@apportion`]), [`sequencer`] which slot is whose ([`turns`]),
+//! [`scheduler`] what to do when the world changes.
 
 pub mod apportion;
 pub mod plan;
 pub mod scheduler;
 pub mod selftest;
+pub mod sensing;
 pub mod sequencer;
 pub mod turns;
 
 pub use apportion::apportion;
-pub use plan::{Plan, PlanError, RECEIVERS, Sensing};
+pub use plan::Plan;
 pub use scheduler::{Boundary, Changes, Scheduler};
+pub use sensing::{PlanError, RECEIVERS, Sensing};
 pub use sequencer::{Sequencer, SlotUse};

@@ -1,119 +1,11 @@
 //! How many slots of a period each use gets, checked once.
 //!
-//! N_s + sum N_c,k = N and N_s (N_m + 1) <= N; problem P of the paper in integers.
+//! N_s + sum N_c,k = N, beside what [`sensing`](super::sensing) asks for; problem P of the paper in integers.
 
 use super::apportion::apportion;
+use super::sensing::{PlanError, RECEIVERS, Sensing};
 use crate::state::State;
 use heapless::Vec;
-
-/// Most receivers of a plan.
-pub const RECEIVERS: usize = 8;
-
-/// Longest period in slots.
-pub const LONGEST_PERIOD: u32 = 1 << 24;
-
-/// Why numbers are not a plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum PlanError {
-    /// The period is 0 or longer than [`LONGEST_PERIOD`].
-    Period {
-        /// N.
-        period: u32,
-    },
-    /// No receiver, or more than [`RECEIVERS`].
-    Receivers {
-        /// K.
-        receivers: usize,
-    },
-    /// The sensing slots with their spacing do not fit the period: N_s (N_m + 1) > N.
-    Spacing {
-        /// Slots they need.
-        need: u64,
-        /// N.
-        period: u32,
-    },
-    /// The uses do not add up to the period.
-    Sum {
-        /// N_s + sum N_c,k.
-        sum: u64,
-        /// N.
-        period: u32,
-    },
-}
-
-impl core::fmt::Display for PlanError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            PlanError::Period { period } => write!(f, "period {period} is not in 1..={LONGEST_PERIOD}"),
-            PlanError::Receivers { receivers } => {
-                write!(f, "{receivers} receivers; legal are 1..={RECEIVERS}")
-            }
-            PlanError::Spacing { need, period } => {
-                write!(f, "sensing slots with their spacing need {need} slots; the period has {period}")
-            }
-            PlanError::Sum { sum, period } => {
-                write!(f, "the uses sum to {sum} slots; the period has {period}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for PlanError {}
-
-/// Where a period's sensing slots lie: N, N_m and N_s, checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Sensing {
-    period: u32,
-    spacing: u32,
-    slots: u32,
-}
-
-impl Sensing {
-    /// `slots` (N_s) sensing slots `spacing` (N_m) apart in a period of `period` (N).
-    ///
-    /// # Errors
-    ///
-    /// [`PlanError::Period`], [`PlanError::Spacing`].
-    pub fn new(period: u32, spacing: u32, slots: u32) -> Result<Self, PlanError> {
-        if period == 0 || period > LONGEST_PERIOD {
-            return Err(PlanError::Period { period });
-        }
-        let need = u64::from(slots).saturating_mul(u64::from(spacing) + 1);
-        if need > u64::from(period) {
-            return Err(PlanError::Spacing { need, period });
-        }
-        Ok(Sensing { period, spacing, slots })
-    }
-
-    /// N.
-    pub fn period(&self) -> u32 {
-        self.period
-    }
-
-    /// N_m.
-    pub fn spacing(&self) -> u32 {
-        self.spacing
-    }
-
-    /// N_s.
-    pub fn slots(&self) -> u32 {
-        self.slots
-    }
-
-    /// Slots left for communication, N - N_s.
-    pub fn others(&self) -> u32 {
-        self.period.saturating_sub(self.slots)
-    }
-}
-
-impl State for Sensing {
-    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-        [&mut self.period, &mut self.spacing, &mut self.slots].into_iter().for_each(visit);
-    }
-}
 
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -135,7 +27,7 @@ impl Plan {
         let receivers = shares.len();
         let shares_kept = Vec::from_slice(shares).ok().filter(|_| receivers > 0);
         let Some(shares_kept) = shares_kept else { return Err(PlanError::Receivers { receivers }) };
-        let slots = u64::from(sensing.slots);
+        let slots = u64::from(sensing.slots());
         let sum = shares.iter().map(|&share| u64::from(share)).fold(slots, u64::saturating_add);
         if sum != u64::from(period) {
             return Err(PlanError::Sum { sum, period });
@@ -157,17 +49,17 @@ impl Plan {
 
     /// N.
     pub fn period(&self) -> u32 {
-        self.sensing.period
+        self.sensing.period()
     }
 
     /// N_m.
     pub fn spacing(&self) -> u32 {
-        self.sensing.spacing
+        self.sensing.spacing()
     }
 
     /// N_s.
     pub fn sensing(&self) -> u32 {
-        self.sensing.slots
+        self.sensing.slots()
     }
 
     /// N_c,k of every receiver.
@@ -214,9 +106,7 @@ impl State for Plan {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
-    use std::string::ToString;
 
     #[test]
     fn what_does_not_fit_is_named() {
@@ -225,33 +115,12 @@ mod tests {
         assert_eq!(Plan::new(10, 3, 3, &[7]), Err(PlanError::Spacing { need: 12, period: 10 }));
         assert_eq!(Plan::new(10, 3, 2, &[7]), Err(PlanError::Sum { sum: 9, period: 10 }));
         assert!(Plan::new(10, 3, 2, &[8]).is_ok());
-        for (error, words) in [
-            (PlanError::Period { period: 0 }, "period 0 is not in 1..=16777216"),
-            (PlanError::Receivers { receivers: 9 }, "9 receivers; legal are 1..=8"),
-            (
-                PlanError::Spacing { need: 12, period: 10 },
-                "sensing slots with their spacing need 12 slots; the period has 10",
-            ),
-            (PlanError::Sum { sum: 9, period: 10 }, "the uses sum to 9 slots; the period has 10"),
-        ] {
-            assert_eq!(error.to_string(), words);
-        }
     }
 
     #[test]
     fn only_who_has_slots_waits() {
         let plan = Plan::new(40, 3, 5, &[35, 0]).unwrap();
         assert_eq!([0, 1, 2].map(|k| plan.longest_wait(k)), [Some(2), None, None]);
-    }
-
-    #[test]
-    fn sensing_is_what_was_asked_for_up_to_the_whole_period() {
-        let sensing = Sensing::new(40, 3, 10).unwrap();
-        assert_eq!((sensing.period(), sensing.spacing(), sensing.slots(), sensing.others()), (40, 3, 10, 30));
-        assert_eq!(Sensing::new(40, 3, 11), Err(PlanError::Spacing { need: 44, period: 40 }));
-        assert!(Sensing::new(LONGEST_PERIOD, 0, LONGEST_PERIOD).is_ok());
-        let beyond = LONGEST_PERIOD + 1;
-        assert_eq!(Sensing::new(beyond, 0, 1), Err(PlanError::Period { period: beyond }));
     }
 
     #[test]

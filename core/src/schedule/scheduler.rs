@@ -4,7 +4,8 @@
 //! may happen earlier is that sensing ends ([`Scheduler::end_sensing`]): then the receivers get the rest of the period at once.
 
 use super::apportion::apportion;
-use super::plan::{Plan, PlanError, RECEIVERS, Sensing};
+use super::plan::Plan;
+use super::sensing::{PlanError, RECEIVERS, Sensing};
 use super::sequencer::{Sequencer, SlotUse};
 use crate::state::{State, byte, flag};
 

@@ -2,8 +2,8 @@
 //!
 //! Rates change, receivers join and leave, slots are lost, sensing ends early, periods and targets change.
 
-use super::plan::{RECEIVERS, Sensing};
 use super::scheduler::Scheduler;
+use super::sensing::{RECEIVERS, Sensing};
 use super::sequencer::SlotUse;
 use crate::digest::Digest;
 use rand_core::Rng;

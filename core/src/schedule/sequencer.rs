@@ -1,6 +1,7 @@
 //! The use of the next slot, period after period, in integers and O(K) a slot.
 
-use super::plan::{Plan, RECEIVERS};
+use super::plan::Plan;
+use super::sensing::RECEIVERS;
 use super::turns::Turns;
 use crate::state::State;
 

@@ -5,7 +5,7 @@
 //! time among open windows never misses one (unit jobs, one server, demand equal to supply), so at every moment every receiver
 //! has its exact proportion to less than one slot.
 
-use super::plan::RECEIVERS;
+use super::sensing::RECEIVERS;
 use crate::state::State;
 
 /// One receiver's next turn.

@@ -5,10 +5,11 @@
 mod fixed;
 
 use crate::frame::{Complex, FFT_LEN};
+pub use crate::frame::{FixedBins, Spectrum};
+use crate::logarithm::level;
 use crate::math::{bessel_i0f, sqrtf};
 use crate::probe::Probe;
-use crate::spectrogram::level;
-pub use fixed::{FixedBins, FixedSpectrum, FixedStft};
+pub use fixed::{FixedSpectrum, FixedStft};
 
 /// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
 pub trait ShortTime {
@@ -39,9 +40,6 @@ pub type NativeStft = Stft;
 /// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 pub type NativeStft = FixedStft;
-
-/// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
-pub type Spectrum = [Complex<f32>; FFT_LEN];
 
 /// A spectrum of zeros.
 pub const ZERO_SPECTRUM: Spectrum = [Complex::new(0.0, 0.0); FFT_LEN];

@@ -1,8 +1,6 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
-#[cfg(feature = "train")]
-use super::job::Preset;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sdp3::output::{Output, OutputError, to_json};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::progress::Progress;
@@ -11,6 +9,15 @@ use sdp3::resume::difference;
 use sdp3::scenario::{Override, Scenario};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// Size of the main job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Minutes: fewer recordings, a strided network.
+    Quick,
+    /// The paper's sizes: 200 recordings per class to train, 100 to test.
+    Paper,
+}
 
 /// Options of every command.
 #[derive(Debug, Clone, Args)]

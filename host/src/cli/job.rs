@@ -1,8 +1,8 @@
 //! The main job and what belongs to its results: `run`, `verify`, `report`.
 
-use super::context::{Context, model_name};
+use super::context::{Context, Preset, model_name};
 use super::simulator::MeasuredArgs;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::conformance::suite::ScheduleCase;
 use sdp3::output::OutputError;
@@ -10,15 +10,6 @@ use sdp3::pipeline::{Failure, Job, REFERENCE, TARGETS};
 use sdp3::results::{Figures, Run, Verify};
 use std::fmt::Write;
 use std::path::PathBuf;
-
-/// Size of the main job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Preset {
-    /// Minutes: fewer recordings, a strided network.
-    Quick,
-    /// The paper's sizes: 200 recordings per class to train, 100 to test.
-    Paper,
-}
 
 /// The main job.
 #[derive(Debug, Clone, Args)]

@@ -1,6 +1,6 @@
 //! What can be asked of training: the words of `train`, `quantize`, `study`, the same in a build that cannot train.
 
-use super::job::Preset;
+use super::context::Preset;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

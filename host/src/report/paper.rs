@@ -3,6 +3,7 @@
 //! What a browser resolves is resolved here: no CSS variable is left in a file. PNGs are rendered in DejaVu Sans, which is part of
 //! this program, so their bytes depend on no machine's fonts.
 
+use super::plot::on_white;
 use super::{confusion, figures, spectrograms, timeline};
 use crate::results::{Figures, Run};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -30,19 +31,6 @@ pub enum PaperError {
         /// What is wrong.
         reason: String,
     },
-}
-
-/// A picture that stands alone: on white, every CSS variable replaced by its fallback.
-pub fn on_white(svg: String) -> String {
-    let svg = svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1);
-    let mut parts = svg.split("var(--");
-    let mut plain = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (variable, rest) = part.split_once(')').unwrap_or((part, ""));
-        plain += variable.split_once(',').map_or("none", |(_, fallback)| fallback);
-        plain += rest;
-    }
-    plain
 }
 
 /// Every figure of a run as SVG, by name.

@@ -2,7 +2,6 @@
 //!
 //! Colours are CSS variables with fallbacks, so that one picture serves light and dark pages and stands alone.
 
-use super::paper::on_white;
 use std::fmt::Write;
 
 /// Colour-blind-safe series colours (Okabe and Ito).
@@ -15,6 +14,19 @@ pub fn escape(text: &str) -> String {
         .replace('>', "&gt;")
         .replace('"', "&quot;")
         .replace('\'', "&#39;")
+}
+
+/// A picture that stands alone: on white, every CSS variable replaced by its fallback.
+pub fn on_white(svg: String) -> String {
+    let svg = svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1);
+    let mut parts = svg.split("var(--");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (variable, rest) = part.split_once(')').unwrap_or((part, ""));
+        plain += variable.split_once(',').map_or("none", |(_, fallback)| fallback);
+        plain += rest;
+    }
+    plain
 }
 
 /// A short decimal number.

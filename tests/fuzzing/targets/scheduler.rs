@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::schedule::plan::LONGEST_PERIOD;
+use sdp3_core::schedule::sensing::LONGEST_PERIOD;
 use sdp3_core::schedule::{Plan, RECEIVERS, Scheduler, Sensing, SlotUse};
 use sdp3_fuzz::Bytes;
 

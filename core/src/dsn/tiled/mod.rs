@@ -17,6 +17,7 @@ use super::affine::Affine;
 use super::conv::{Conv, same};
 use super::kernels::{Kernels, Portable};
 use super::model::{MAX_BLOCKS, Model};
+use super::shape::Shape;
 use crate::frame::ROWS;
 use crate::simd::NativePairs;
 use crate::simd::pairs::{Eight, POINTS, Pairs};
@@ -59,6 +60,13 @@ impl TiledSizes {
     /// All of it in bytes.
     pub const fn total(&self) -> usize {
         size_of::<Eight>() * self.eights + size_of::<i32>() * self.words
+    }
+}
+
+impl Shape {
+    /// Memory of its kernels, with one place for packed weights.
+    pub const fn tiled_sizes(&self) -> TiledSizes {
+        TiledSizes::new(self.frames, self.channels, self.stem_stride, 1)
     }
 }
 

@@ -9,7 +9,6 @@ mod helium;
 pub use helium::Helium;
 
 use crate::frame::{BEATS, Iq, Slot};
-use crate::simd::mix::BlockSums;
 use crate::simd::pairs::{Eight, Pairs, Points, Sums, plain_products};
 use core::arch::{asm, global_asm};
 
@@ -185,12 +184,12 @@ global_asm!(
 );
 
 unsafe extern "C" {
-    fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut BlockSums);
+    fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut [[i64; 2]; BEATS]);
 }
 
 /// [`crate::simd::mix::plain`] by dual multiply-accumulates with 64-bit sums.
 #[inline]
-pub fn mix(samples: &Slot, reference: &Slot) -> BlockSums {
+pub fn mix(samples: &Slot, reference: &Slot) -> [[i64; 2]; BEATS] {
     let mut sums = [[0; 2]; BEATS];
     // SAFETY: it reads 1000 samples, words of in-phase and quadrature, of each and writes 128 bytes, which is what the sums
     // are; all are aligned to words.

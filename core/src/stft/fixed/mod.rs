@@ -8,10 +8,10 @@
 mod twiddles;
 
 use super::{ShortTime, Stft};
-use crate::frame::{Complex, FFT_LEN, ROWS};
+use crate::frame::{Complex, FFT_LEN, FixedBins, ROWS};
+use crate::logarithm::{EMPTY, level_u64};
 use crate::probe::Probe;
 use crate::simd::high::{add_high, high};
-use crate::spectrogram::{EMPTY, level_u64};
 use twiddles::{COMBINING, TURNS_16, TURNS_64, to_q31};
 
 /// Parts of the transform.
@@ -31,10 +31,6 @@ const fn places() -> [u8; PART] {
     }
     table
 }
-
-/// Bins of one frame in integers, `[doppler]`: bin k at k PRF / 256, in LSB of the slow-time signal (half of it for a
-/// window beyond 128). Bins that become no row are zero.
-pub type FixedBins = [Complex<i32>; FFT_LEN];
 
 /// A spectrum and the parts it is made of.
 #[derive(Debug, Clone)]

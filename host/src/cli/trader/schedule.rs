@@ -10,7 +10,7 @@ use sdp3::conformance::compare::OwnedBuffers;
 use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::Radar, trace::Trace, world::World};
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
-use sdp3::report::{paper::on_white, timeline};
+use sdp3::report::{plot::on_white, timeline};
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
 use sdp3_core::anytime::{Anytime, EXITS, Exit};
