@@ -3,5 +3,6 @@
 pub mod dataset;
 pub mod measured;
 pub mod model_file;
+pub mod numpy;
 pub mod points;
 pub mod tflite;

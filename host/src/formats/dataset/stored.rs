@@ -4,6 +4,7 @@ use super::part::RECORDINGS;
 use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
 use crate::bounded;
+use crate::formats::numpy;
 use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
@@ -193,7 +194,7 @@ impl Stored {
         shape: &[u64],
     ) -> Result<Vec<T>, StoredError> {
         let broken = |source| StoredError::Read { file: self.files.folder.join(name), source };
-        let Some(found) = archive.by_name(array).map_err(broken)? else {
+        let Some(found) = numpy::by_name(archive, array).map_err(broken)? else {
             return Err(self.files.value(name, array, "missing", "an array".into()));
         };
         let descr = found.dtype().descr();

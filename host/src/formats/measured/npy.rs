@@ -5,6 +5,7 @@
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
 use crate::bounded;
+use crate::formats::numpy;
 use npyz::{DType, NpyFile, Order, TypeChar, npz::NpzArchive};
 use rustfft::num_complex::{Complex32, Complex64};
 use std::io::{BufReader, Read};
@@ -12,7 +13,7 @@ use std::io::{BufReader, Read};
 /// Reads a `.npy` file.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let file = bounded::open(source.0, bounded::WHOLE).map_err(|e| source.unreadable("NPY", e))?;
-    let array = NpyFile::new(BufReader::new(file)).map_err(|e| source.unreadable("NPY", e))?;
+    let array = numpy::array(BufReader::new(file)).map_err(|e| source.unreadable("NPY", e))?;
     array_of(source, array)?.contents(source)
 }
 
@@ -30,7 +31,7 @@ pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Content
             return Err(source.value("--dataset", "not given", format!("one of {}", names.join(", "))));
         }
     };
-    let array = archive.by_name(name).map_err(broken)?;
+    let array = numpy::by_name(&mut archive, name).map_err(broken)?;
     let array =
         array.ok_or_else(|| source.value("--dataset", name, format!("one of {}", names.join(", "))))?;
     array_of(source, array)?.contents(source)
