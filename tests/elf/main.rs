@@ -178,7 +178,12 @@ fn no_panic(folder: &Path, wanted: &[&str]) -> Result<bool> {
     let mut good = true;
     println!("{:<14}{:<18}{:>10}  panics and allocators", "machine", "program", "functions");
     for machine in wanted {
-        for program in CONFIGURATIONS.map(|c| c.program).into_iter().chain(["conformance", "scheduler"]) {
+        for program in CONFIGURATIONS.map(|c| c.program).into_iter().chain([
+            "conformance",
+            "scheduler",
+            "soak",
+            "faults",
+        ]) {
             let (count, bad) = functions(&std::fs::read(folder.join(machine).join(program))?)?;
             // a stripped program would show nothing, good or bad
             good &= count >= 10;

@@ -110,9 +110,7 @@ Help: the tool and every command, with examples.
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
   
         --seed <SEED>
-            Seed of everything random
-            
-            [default: 1]
+            Seed of everything random [default: 1]
   
         --out <DIR>
             Folder for results
@@ -179,9 +177,7 @@ Help: the tool and every command, with examples.
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
   
         --seed <SEED>
-            Seed of everything random
-            
-            [default: 1]
+            Seed of everything random [default: 1]
   
         --out <DIR>
             Folder for results
@@ -324,9 +320,7 @@ Help: the tool and every command, with examples.
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
   
         --seed <SEED>
-            Seed of everything random
-            
-            [default: 1]
+            Seed of everything random [default: 1]
   
         --out <DIR>
             Folder for results
@@ -392,9 +386,7 @@ Help: the tool and every command, with examples.
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
   
         --seed <SEED>
-            Seed of everything random
-            
-            [default: 1]
+            Seed of everything random [default: 1]
   
         --out <DIR>
             Folder for results
@@ -468,9 +460,7 @@ Help: the tool and every command, with examples.
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
   
         --seed <SEED>
-            Seed of everything random
-            
-            [default: 1]
+            Seed of everything random [default: 1]
   
         --out <DIR>
             Folder for results

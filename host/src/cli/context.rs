@@ -29,9 +29,9 @@ pub struct Common {
     /// times; the resolved scenario beside the results has it.
     #[arg(long, global = true, value_name = "FIELD=VALUE")]
     pub set: Vec<Override>,
-    /// Seed of everything random.
-    #[arg(long, global = true, default_value_t = 1)]
-    pub seed: u64,
+    /// Seed of everything random [default: 1]
+    #[arg(long, global = true)]
+    seed: Option<u64>,
     /// Folder for results.
     #[arg(long, global = true, default_value = "out", value_name = "DIR")]
     pub out: PathBuf,
@@ -47,6 +47,18 @@ pub struct Common {
     /// Say nothing on stderr but errors.
     #[arg(short, long, global = true)]
     pub quiet: bool,
+}
+
+impl Common {
+    /// The seed, 1 if none is given.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
+    /// Whether the command line gives a seed.
+    pub fn seeded(&self) -> bool {
+        self.seed.is_some()
+    }
 }
 
 /// A command's surroundings.
@@ -67,12 +79,26 @@ impl Context {
         let scenario = Scenario::resolve(common.scenario.as_deref(), &common.set)?;
         if common.verbose {
             let file = common.scenario.as_ref().map_or("built in".into(), |file| file.display().to_string());
-            progress.note("sdp3", &format!("scenario {} ({file}), seed {}", scenario.name, common.seed));
+            progress.note("sdp3", &format!("scenario {} ({file}), seed {}", scenario.name, common.seed()));
             let threads = rayon::current_num_threads();
             progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
         }
         sdp3::simulator::dataset::check(&scenario)?;
         Ok(Context { common, scenario, progress })
+    }
+
+    /// The seed of what was made with `own`: one on the command line must be the same.
+    ///
+    /// # Errors
+    ///
+    /// Another one, in the words for `file`.
+    pub fn seed_of(&self, own: u64, file: &str) -> Result<u64, Failure> {
+        match self.common.seed {
+            Some(seed) if seed != own => {
+                Err(format!("command line: --seed = {seed}, but {file} was made with {own}").into())
+            }
+            _ => Ok(own),
+        }
     }
 
     /// Whether the command line gives a scenario.
@@ -83,7 +109,7 @@ impl Context {
     /// The scenario and a writable output folder.
     pub fn job(&self) -> Result<Job, OutputError> {
         let output = Output::create(&self.common.out)?;
-        Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed, progress: self.progress, output })
+        Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed(), progress: self.progress, output })
     }
 
     /// The same at the size of a preset: quick makes the paper's room small; a scenario that is given is taken as it is, and

@@ -41,7 +41,7 @@ pub struct ProofArgs {
 pub fn verify(context: &Context, proof: &ProofArgs) -> Result<bool, Failure> {
     let job = context.job()?;
     let run = stored(&job)?;
-    let job = Job { scenario: context.resolved(&job)?, seed: run.seed, ..job };
+    let job = Job { scenario: context.resolved(&job)?, seed: context.seed_of(run.seed, "run.json")?, ..job };
     let verify = prove(&job, &run, proof)?;
     context.print(&verify, || table(&verify))?;
     Ok(verify.mismatches == 0)

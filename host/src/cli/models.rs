@@ -123,7 +123,7 @@ pub fn export(context: &Context, args: &ExportArgs) -> Result<bool, Failure> {
 pub fn import(context: &Context, args: &ImportArgs) -> Result<bool, Failure> {
     let exchange = Exchange {
         scenario: &context.scenario,
-        seed: context.common.seed,
+        seed: context.common.seed(),
         sensing_slots: args.slots,
         progress: context.progress,
     };

@@ -110,7 +110,7 @@ pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure
 
 fn calibrate_table(context: &Context, file: &Path) -> Result<bool, Failure> {
     let stage = context.progress.stage("calibrate", "the table of rho");
-    let table = calibration::stored::regenerate(context.common.seed, &|done, all| stage.at(done, all));
+    let table = calibration::stored::regenerate(context.common.seed(), &|done, all| stage.at(done, all));
     let text = format!("{}{}", calibration::stored::HEADER, toml::to_string(&table)?);
     Output::create(&folder_of(file))?.write(&name_of(file), text.as_bytes())?;
     stage.finish(&format!("{} entries in {}", table.entry.len(), file.display()));

@@ -60,7 +60,7 @@ pub fn merge(folder: &Path) -> Result<Merged, Failure> {
         return Err(MergeError::None { folder: folder.to_owned() }.into());
     }
     // a resolved plan leaves nothing out that another seed could fill in
-    let sweep = Sweep::load(&plan, None, 0)?;
+    let sweep = Sweep::load(&plan, None, None)?;
     let cells = read(&sweep, folder)?;
     let output = Output::create(folder)?;
     let groups = groups(&sweep, &cells)?;

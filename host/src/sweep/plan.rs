@@ -97,12 +97,12 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Reads, resolves, checks and expands a plan; `scenario` and `seed` stand in for what it leaves out.
+    /// Reads, resolves, checks and expands a plan; `scenario` and `seed` (1) stand in for what it leaves out.
     ///
     /// # Errors
     ///
     /// [`PlanError`], and what a scenario or its motion capture says of itself.
-    pub fn load(file: &Path, scenario: Option<&Scenario>, seed: u64) -> Result<Self, Failure> {
+    pub fn load(file: &Path, scenario: Option<&Scenario>, seed: Option<u64>) -> Result<Self, Failure> {
         let text = bounded::read_text(file, bounded::TEXT)
             .map_err(|source| PlanError::Read { file: file.to_owned(), source })?;
         let mut plan: Plan = toml::from_str(&text).map_err(|error| PlanError::Syntax {
@@ -125,7 +125,10 @@ impl Sweep {
             _ => (),
         }
         plan.scenario = scenarios;
-        plan.seeds.get_or_insert_with(|| vec![seed]);
+        if let (Some(_), Some(_)) = (&plan.seeds, seed) {
+            return Err(format!("command line: --seed: {} has seeds of its own", file.display()).into());
+        }
+        plan.seeds.get_or_insert_with(|| vec![seed.unwrap_or(1)]);
         Check { file }.plan(&plan)?;
         let cells = expand(&plan, file)?;
         let digest = sha256(format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes());

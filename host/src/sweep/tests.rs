@@ -15,7 +15,8 @@ const SCENARIOS: &str = "[[scenario]]\nname = \"room\"\n[[scenario]]\nname = \"h
 fn load(folder: &Path, text: &str) -> Result<Sweep, String> {
     let file = folder.join("p.toml");
     std::fs::write(&file, text).unwrap();
-    Sweep::load(&file, None, 7).map_err(|error| error.to_string())
+    let seed = (!text.contains("seeds")).then_some(7);
+    Sweep::load(&file, None, seed).map_err(|error| error.to_string())
 }
 
 fn sweep(text: &str) -> Sweep {
@@ -119,8 +120,11 @@ fn plans_that_cannot_be_are_refused_by_field_value_and_range() {
     refused(&format!("seeds = {many:?}\nrho = [0.9, 0.99]\n"), &["cells", "= 600012", "at most 100000"]);
     let file = folder.path().join("p.toml");
     std::fs::write(&file, SCENARIOS).unwrap();
-    let error = Sweep::load(&file, Some(&Scenario::default()), 1).unwrap_err().to_string();
+    let error = Sweep::load(&file, Some(&Scenario::default()), None).unwrap_err().to_string();
     assert!(error.contains("--scenario") && error.contains("p.toml"), "{error}");
+    std::fs::write(&file, format!("seeds = [3]\n{SCENARIOS}")).unwrap();
+    let error = Sweep::load(&file, None, Some(3)).unwrap_err().to_string();
+    assert!(error.contains("--seed") && error.contains("p.toml"), "{error}");
 }
 
 #[test]

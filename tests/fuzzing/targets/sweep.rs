@@ -13,18 +13,18 @@ fuzz_target!(|data: &[u8]| {
     let Some((&kind, rest)) = data.split_first() else { return };
     if kind % 2 == 0 {
         let folder = Folder::new(&[("plan.toml", rest)]);
-        match Sweep::load(&folder.path().join("plan.toml"), None, 1) {
+        match Sweep::load(&folder.path().join("plan.toml"), None, None) {
             Ok(sweep) => {
                 assert!(!sweep.cells.is_empty());
                 let folder = Folder::new(&[("sweep.toml", sweep.plan.to_toml().as_bytes())]);
-                let again = Sweep::load(&folder.path().join("sweep.toml"), None, 2).expect("a resolved plan");
+                let again = Sweep::load(&folder.path().join("sweep.toml"), None, None).expect("a resolved plan");
                 assert_eq!(again.digest, sweep.digest);
             }
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     } else {
         let folder = Folder::new(&[("fixed.toml", PLAN.as_bytes()), ("cells/00000.json", rest)]);
-        let sweep = Sweep::load(&folder.path().join("fixed.toml"), None, 1).expect("the plan above");
+        let sweep = Sweep::load(&folder.path().join("fixed.toml"), None, None).expect("the plan above");
         let (cell, _) = &sweep.cells[0];
         match Store::of(&sweep, folder.path()).read(cell).expect("a file that can be read") {
             Ok(measurement) => assert_eq!(measurement.cell, *cell),

@@ -89,9 +89,9 @@ fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
 
 pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
     let prediction = match &args.points {
-        Some(file) => fitted(&points::read(file)?, context.common.seed)
+        Some(file) => fitted(&points::read(file)?, context.common.seed())
             .map_err(|e| format!("{}: {e}", file.display()))?,
-        None => fitted(&stored_points(&context.job()?)?, context.common.seed)?,
+        None => fitted(&stored_points(&context.job()?)?, context.common.seed())?,
     };
     context.print(&prediction, || report::tables::prediction(&prediction))?;
     Ok(true)
