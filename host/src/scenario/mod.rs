@@ -20,6 +20,7 @@ pub use check::ScenarioError;
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
+pub use read::told;
 pub use rules::Rule;
 
 use schemars::JsonSchema;

@@ -83,6 +83,12 @@ impl Scenario {
     }
 }
 
+/// Most errors of a file that are looked for: each takes another pass over it.
+const MOST_ERRORS: usize = 100;
+
+/// Most characters of a line of an error: what quotes a file's line may quote megabytes.
+const LONGEST_LINE: usize = 800;
+
 /// The TOML of a file, or of the built-in scenario of that name.
 fn text_of(file: &Path) -> Result<String, ScenarioError> {
     match (bounded::read_text(file, bounded::TEXT), builtin::named(file)) {
@@ -99,8 +105,17 @@ fn deserialised(text: &str, file: &Path) -> Result<Scenario, ScenarioError> {
 }
 
 fn syntax(error: &toml::de::Error, file: &Path) -> ScenarioError {
-    let message = error.to_string().trim_end().replace('\n', "\n  ");
-    ScenarioError::Syntax { file: file.to_owned(), message }
+    ScenarioError::Syntax { file: file.to_owned(), message: told(error) }
+}
+
+/// What is wrong with a TOML, in lines that fit a terminal: a file's own may be megabytes long.
+pub fn told(error: &toml::de::Error) -> String {
+    let said = error.to_string();
+    let lines = said.trim_end().lines().map(|line| match line.char_indices().nth(LONGEST_LINE) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line.to_owned(),
+    });
+    lines.collect::<Vec<_>>().join("\n  ")
 }
 
 /// What remains of a file without the keys that are in the way, each of which adds an error.
@@ -113,7 +128,7 @@ fn tolerant(text: &str, file: &Path, errors: &mut Vec<ScenarioError>) -> Option<
             return None;
         }
     };
-    loop {
+    while errors.len() < MOST_ERRORS {
         let deserializer = toml::de::Deserializer::from(kept.clone());
         let mut error = match serde::Deserialize::deserialize(deserializer) {
             Ok(scenario) => return Some(scenario),
@@ -126,6 +141,9 @@ fn tolerant(text: &str, file: &Path, errors: &mut Vec<ScenarioError>) -> Option<
             return None;
         }
     }
+    let message = format!("{MOST_ERRORS} errors: what follows was not looked at");
+    errors.push(ScenarioError::Syntax { file: file.to_owned(), message });
+    None
 }
 
 /// Takes the innermost key away that is, or holds, the text at `place`.
@@ -155,5 +173,27 @@ fn within(value: &DeValue<'_>, place: &std::ops::Range<usize>) -> bool {
             array.iter().any(|value| around(value.span()) || within(value.get_ref(), place))
         }
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_full_of_errors_is_told_in_a_few_words() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("s.toml");
+        let errors_of = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            Scenario::errors_of(&file, &[])
+        };
+        let unknown = |count: usize| (0..count).map(|k| format!("k{k} = 1\n")).collect::<String>();
+        assert_eq!(errors_of(&unknown(99)).len(), 99);
+        let many = errors_of(&unknown(50_000));
+        assert_eq!(many.len(), MOST_ERRORS + 1);
+        assert!(many[MOST_ERRORS].to_string().contains("was not looked at"));
+        let long = errors_of(&format!("name = {}", "[".repeat(1 << 20)));
+        assert!(long.iter().all(|error| error.to_string().len() < 4 * LONGEST_LINE), "{}", long.len());
     }
 }

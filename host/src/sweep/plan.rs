@@ -7,7 +7,7 @@ use crate::output::{Output, OutputError};
 use crate::pipeline::Failure;
 use crate::results::Cell;
 use crate::resume::refuse_another;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, told};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset;
 use serde::{Deserialize, Serialize};
@@ -105,10 +105,8 @@ impl Sweep {
     pub fn load(file: &Path, scenario: Option<&Scenario>, seed: Option<u64>) -> Result<Self, Failure> {
         let text = bounded::read_text(file, bounded::TEXT)
             .map_err(|source| PlanError::Read { file: file.to_owned(), source })?;
-        let mut plan: Plan = toml::from_str(&text).map_err(|error| PlanError::Syntax {
-            file: file.to_owned(),
-            message: error.to_string().trim_end().replace('\n', "\n  "),
-        })?;
+        let mut plan: Plan = toml::from_str(&text)
+            .map_err(|error| PlanError::Syntax { file: file.to_owned(), message: told(&error) })?;
         let beside = file.parent().unwrap_or(Path::new(""));
         let read = plan.scenarios.drain(..).map(|name| Scenario::load(&beside.join(name)));
         let mut scenarios = read.collect::<Result<Vec<_>, _>>()?;
