@@ -2,6 +2,9 @@
 
 use crate::results::CurvePoint;
 
+/// Most points: seven curves, their leave-one-out and their bands take a minute with so many.
+pub const MOST: usize = 1000;
+
 /// Why points cannot be fitted.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum FitError {
@@ -9,6 +12,12 @@ pub enum FitError {
     #[error("points: {count} given; at least 2 different numbers of sensing slots are needed")]
     TooFew {
         /// Different N_s given.
+        count: usize,
+    },
+    /// More than [`MOST`].
+    #[error("points: {count} given; at most {MOST} are fitted")]
+    TooMany {
+        /// Points given.
         count: usize,
     },
     /// A value is outside its legal range.
@@ -31,6 +40,9 @@ pub enum FitError {
 ///
 /// [`FitError`] names what is wrong.
 pub fn check(points: &[CurvePoint]) -> Result<usize, FitError> {
+    if points.len() > MOST {
+        return Err(FitError::TooMany { count: points.len() });
+    }
     for (index, p) in points.iter().enumerate() {
         let refuse = |field, value, legal| Err(FitError::Value { index: index + 1, field, value, legal });
         if !(p.sensing_slots.is_finite() && p.sensing_slots > 1.0) {
