@@ -39,7 +39,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Swept bandwidth in Hz: the radar module's, and the band the sub-carriers share. Legal: 10000000, the sweep
   # of the radar module (Hz).
   bandwidth_hz = 10000000.0
-  # Transmit power in W. Legal: 0.000001..=1000.
+  # Transmit power in W. Legal: 0.000000000001..=1000.
   power_w = 0.1
   # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10..=60.
   antenna_gain_db = 25.0

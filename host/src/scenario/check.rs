@@ -93,7 +93,7 @@ impl Scenario {
         let bandwidth = self.radar.bandwidth_hz;
         let legal = "10000000, the sweep of the radar module (Hz)";
         c.legal("radar.bandwidth_hz", bandwidth, bandwidth == 10e6, legal);
-        c.within("radar.power_w", self.radar.power_w, 1e-6, 1e3);
+        c.within("radar.power_w", self.radar.power_w, 1e-12, 1e3);
         c.within("radar.antenna_gain_db", self.radar.antenna_gain_db, -10.0, 60.0);
         c.within("radar.sidelobe_db", self.radar.sidelobe_db, 0.0, 60.0);
         c.within("radar.noise_figure_db", self.radar.noise_figure_db, 0.0, 40.0);

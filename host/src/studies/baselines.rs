@@ -181,7 +181,7 @@ pub fn table(request: &Request, found: &Baselines) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
         "# Deep spectrogram network, plain network, support vector machine\n\n{:.3} GHz, rho = {}, heading within {} degrees, {} \
-         recordings per class to train, {} new ones to test, {} seeds from {}, {} epochs, C = {}, stem stride {}. Accuracy in \
+         recordings per class to train, {} new ones to test, {}, {} epochs, C = {}, stem stride {}. Accuracy in \
          float. DSN: the deep spectrogram network. CNN: its convolutions without skips and normalisation, learning rate {} (of {} \
          tried). SVM: Gaussian kernel on mean, deviation, largest and smallest grey level of every Doppler row, C and gamma by \
          cross-validation.\n\n| N_s | DSN | CNN | SVM |\n|---|---|---|---|\n",
@@ -190,8 +190,7 @@ pub fn table(request: &Request, found: &Baselines) -> String {
         request.scenario.target.heading_spread_deg,
         l.train_per_class,
         l.test_per_class,
-        request.seeds,
-        request.seed,
+        request.seeds_told(),
         l.epochs,
         l.channels,
         l.stem_stride,

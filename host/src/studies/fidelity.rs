@@ -250,16 +250,15 @@ pub fn gaps(accuracy: &[[Spread; 3]; 3]) -> [(f64, f64); 2] {
 pub fn table(request: &Request, found: &Fidelity) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# How near simulated recordings are to others\n\n{:.3} GHz, N_s = {}, {} recordings per class to train, {} to test, {} \
-         seeds from {}, {} epochs. Stand-in for an experiment: other people, 802.11ay clusters with blockage, `consistent` memory \
+        "# How near simulated recordings are to others\n\n{:.3} GHz, N_s = {}, {} recordings per class to train, {} to test, {}, {} \
+         epochs. Stand-in for an experiment: other people, 802.11ay clusters with blockage, `consistent` memory \
          at {STAND_RHO}, phase noise 1 degree, I/Q off by 0.5 dB and 2 degrees, twice the spread of speeds.\n\n## Grey levels ({LEVELS})\n\n\
          | compared with | rho | KL of calibrated DAHC | KL at rho = 1 | KL of ray tracing |\n|---|---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         found.sensing_slots,
         l.train_per_class,
         l.test_per_class,
-        request.seeds,
-        request.seed,
+        request.seeds_told(),
         l.epochs
     );
     let mut line = |name: &str, l: &Levels| {
@@ -313,7 +312,7 @@ mod tests {
 
     #[test]
     fn gaps_are_taken_from_the_stand_ins_own_network() {
-        let accuracy = |v: f64| Spread { mean: v, deviation: 0.0 };
+        let accuracy = |v: f64| Spread { mean: v, deviation: 0.0, seeds: 5 };
         let matrix = [[0.95, 0.9, 0.91], [0.8, 0.99, 0.7], [0.9, 0.9, 0.93]].map(|row| row.map(accuracy));
         let [(a, b), (c, d)] = gaps(&matrix);
         for (found, exact) in [(a, 0.02), (b, 0.02), (c, 0.06), (d, 0.23)] {

@@ -87,15 +87,14 @@ pub fn table(request: &Request, found: &LearningCurve) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
         "# Accuracy over sensing slots\n\n{:.3} GHz, rho = {}, heading within {} degrees, {} recordings per class to train, {} new \
-         ones to test, {} seeds from {}, {} epochs, C = {}, stem stride {}.\n\n| N_s | int8 | float | the paper |\n\
+         ones to test, {}, {} epochs, C = {}, stem stride {}.\n\n| N_s | int8 | float | the paper |\n\
          |---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         found.rho,
         request.scenario.target.heading_spread_deg,
         l.train_per_class,
         l.test_per_class,
-        request.seeds,
-        request.seed,
+        request.seeds_told(),
         l.epochs,
         l.channels,
         l.stem_stride

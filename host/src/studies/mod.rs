@@ -33,6 +33,14 @@ pub struct Request {
 }
 
 impl Request {
+    /// How many seeds, in words.
+    pub fn seeds_told(&self) -> String {
+        match self.seeds {
+            1 => format!("seed {}", self.seed),
+            many => format!("{many} seeds from {}", self.seed),
+        }
+    }
+
     /// The seeds.
     pub fn each_seed(&self) -> impl Iterator<Item = u64> + use<> {
         let first = self.seed;

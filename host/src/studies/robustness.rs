@@ -24,6 +24,16 @@ pub struct Condition {
     change: Box<dyn Fn(&mut Scenario)>,
 }
 
+impl Condition {
+    /// Its name as part of a file's.
+    fn key(&self) -> String {
+        let text = format!("{} {}", self.factor, self.value).to_lowercase();
+        let words =
+            text.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join("-")
+    }
+}
+
 /// Every condition, factor by factor.
 pub fn conditions() -> Vec<Condition> {
     let mut all = Vec::new();
@@ -41,7 +51,8 @@ pub fn conditions() -> Vec<Condition> {
     for rho in [1.0, 0.999, 0.998, 0.997, 0.995, 0.99, 0.98] {
         add("rho", format!("{rho}"), true, Box::new(move |s| s.channel.rho = Some(rho)));
     }
-    for db in [0.0, 20.0, 40.0, 50.0, 60.0] {
+    // a person's echo is about 100 dB above the noise at 1 W
+    for db in [0.0, 60.0, 80.0, 100.0, 120.0] {
         let change = move |s: &mut Scenario| s.radar.power_w *= libm::pow(10.0, -db / 10.0);
         add("transmit power (dB)", format!("{}", 0.0 - db), true, Box::new(change));
     }
@@ -130,7 +141,7 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
             let mut s = usual.clone();
             (condition.change)(&mut s);
             s.check(&format!("robustness, {} {}", condition.factor, condition.value))?;
-            let cell = cells.get(&format!("seed-{seed}-condition-{k:02}"), || {
+            let cell = cells.get(&format!("seed-{seed}-{}", condition.key()), || {
                 let test = images(&s, rho(&s), seed, Set::Test, workshop);
                 let transfer = match &network {
                     Some(network) => network.test(&s, &test)?,
@@ -164,14 +175,13 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
 pub fn table(request: &Request, found: &Robustness) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# What recognition bears\n\nN_s = {}, {} recordings per class to train, {} to test, {} seeds from {}. Transfer: trained in the \
+        "# What recognition bears\n\nN_s = {}, {} recordings per class to train, {} to test, {}. Transfer: trained in the \
          usual room (heading within {} degrees); matched: trained under the condition.\n\n| changed | to | transfer | matched |\n\
          |---|---|---|---|\n",
         found.sensing_slots,
         l.train_per_class,
         l.test_per_class,
-        request.seeds,
-        request.seed,
+        request.seeds_told(),
         request.scenario.target.heading_spread_deg
     );
     for row in &found.rows {
@@ -179,4 +189,23 @@ pub fn table(request: &Request, found: &Robustness) -> String {
         text += &format!("| {} | {} | {} | {matched} |\n", row.factor, row.value, row.transfer);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_condition_is_a_legal_scenario_of_its_own_name() {
+        let conditions = conditions();
+        let keys: BTreeSet<String> = conditions.iter().map(Condition::key).collect();
+        assert_eq!(keys.len(), conditions.len());
+        assert!(keys.contains("rho-0.98") && keys.contains("60-ghz-n-m-3"), "{keys:?}");
+        for condition in conditions {
+            let mut scenario = Scenario::default();
+            (condition.change)(&mut scenario);
+            scenario.check(condition.factor).unwrap();
+        }
+    }
 }
