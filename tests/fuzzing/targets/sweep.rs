@@ -17,7 +17,8 @@ fuzz_target!(|data: &[u8]| {
             Ok(sweep) => {
                 assert!(!sweep.cells.is_empty());
                 let folder = Folder::new(&[("sweep.toml", sweep.plan.to_toml().as_bytes())]);
-                let again = Sweep::load(&folder.path().join("sweep.toml"), None, None).expect("a resolved plan");
+                let again =
+                    Sweep::load(&folder.path().join("sweep.toml"), None, None).expect("a resolved plan");
                 assert_eq!(again.digest, sweep.digest);
             }
             Err(error) => assert!(!error.to_string().is_empty()),
