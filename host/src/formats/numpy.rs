@@ -55,7 +55,7 @@ pub fn array<R: Read>(mut reader: R) -> Result<Checked<R>> {
 ///
 /// # Errors
 ///
-/// As [`array`]; an archive that is none.
+/// As [`array()`]; an archive that is none.
 pub fn by_name<'a, R: Read + Seek>(
     archive: &'a mut NpzArchive<R>,
     name: &str,

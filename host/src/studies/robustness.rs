@@ -44,7 +44,7 @@ pub fn conditions() -> Vec<Condition> {
         let change = move |s: &mut Scenario| {
             s.target.heading_spread_deg = degrees;
             // sideways walks are stopped by walls
-            s.target.turns = degrees > 45.0;
+            s.target.turns |= degrees > 45.0;
         };
         add("heading (degrees)", format!("{degrees}"), true, Box::new(change));
     }
@@ -204,6 +204,7 @@ mod tests {
         assert!(keys.contains("rho-0.98") && keys.contains("60-ghz-n-m-3"), "{keys:?}");
         for condition in conditions {
             let mut scenario = Scenario::default();
+            scenario.frame.sensing_slots = vec![scenario.largest_sensing_slots()];
             (condition.change)(&mut scenario);
             scenario.check(condition.factor).unwrap();
         }
