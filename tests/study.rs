@@ -46,7 +46,7 @@ fn a_learning_curve_is_kept_cell_by_cell() {
     assert_eq!(std::fs::read(&cell).expect("a cell"), before);
     assert_eq!(std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time"), time, "made twice");
     // another study does not touch the folder
-    let (code, _, stderr) = study(folder.path(), "learning-curve", &["--seeds", "3"]);
+    let (code, _, stderr) = study(folder.path(), "learning-curve", &["--seeds", "2", "--seed", "9"]);
     assert_eq!(code, 2, "{stderr}");
     assert!(stderr.contains("study.json") && stderr.contains("--out"), "{stderr}");
 }
