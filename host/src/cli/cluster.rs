@@ -57,7 +57,7 @@ pub struct MergeArgs {
 pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
     let common = &context.common;
     let scenario = (context.given() || !common.set.is_empty()).then_some(&context.scenario);
-    let sweep = Sweep::load(&args.plan, scenario, common.seeded().then(|| common.seed()))?;
+    let sweep = Sweep::load(&args.plan, scenario, common.seed)?;
     if args.slurm || args.kubernetes {
         let done = hand_out(args, &sweep, &common.out)?;
         context.print(&done, || written(&done))?;

@@ -31,7 +31,7 @@ pub struct Common {
     pub set: Vec<Override>,
     /// Seed of everything random [default: 1]
     #[arg(long, global = true)]
-    seed: Option<u64>,
+    pub seed: Option<u64>,
     /// Folder for results.
     #[arg(long, global = true, default_value = "out", value_name = "DIR")]
     pub out: PathBuf,
@@ -53,11 +53,6 @@ impl Common {
     /// The seed, 1 if none is given.
     pub fn seed(&self) -> u64 {
         self.seed.unwrap_or(1)
-    }
-
-    /// Whether the command line gives a seed.
-    pub fn seeded(&self) -> bool {
-        self.seed.is_some()
     }
 }
 
