@@ -287,6 +287,25 @@ mod tests {
     }
 
     #[test]
+    fn components_are_cut_by_rank_from_both_ends() {
+        // every slot in one range cell: eigenvectors are the cells, the later the stronger, the first two alike
+        let mut gram = Gram::new();
+        for (cell, times) in [1, 1, 2, 3, 4, 5, 6, 7].into_iter().enumerate() {
+            let mut beat = crate::frame::ZERO_BEAT;
+            beat[cell] = Complex::new(1000, -1000);
+            (0..times).for_each(|_| gram.add(&beat));
+        }
+        let ranks = [7, 8, 6, 5, 4, 3, 2, 1];
+        for first in 1..=8 {
+            for last in first..=8 {
+                let kept = |rank: &u8| (first..=last).contains(rank);
+                let wanted = ranks.map(|rank| Complex::new(i32::from(kept(&rank)) << WEIGHT_BITS, 0));
+                assert_eq!(weights(&gram, Kept { first, last }), wanted, "{first}..={last}");
+            }
+        }
+    }
+
+    #[test]
     fn slow_time_uses_its_bits() {
         let beats = noise(3, 64);
         let mut y = [Complex::new(0, 0); 64];

@@ -8,15 +8,14 @@ use crate::simd::mix::mix;
 
 /// The sent chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
 ///
-/// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi (n^2 mod 2000) / 2000: the phase is exact.
+/// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi n^2 / 2000, in whole parts of a turn: the phase is exact.
 pub static CHIRP: [Iq; SLOT_SAMPLES] = chirp();
 
 const fn chirp() -> [Iq; SLOT_SAMPLES] {
     let mut table = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
     let mut n = 0;
     while n < SLOT_SAMPLES {
-        let k = (n as u64 + 1) * (n as u64 + 1) % 2000;
-        let (sine, cosine) = sin_cos_turn(k, 2000);
+        let (sine, cosine) = sin_cos_turn((n as u64 + 1) * (n as u64 + 1), 2000);
         table[n] = Iq { i: to_q15(cosine), q: to_q15(sine) };
         n += 1;
     }

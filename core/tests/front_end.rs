@@ -1,0 +1,144 @@
+//! The street up to the image: legal settings, how much it takes, when there is an image and what rows it has.
+
+mod support;
+
+use sdp3_core::clutter::{GRAM_SLOTS, Kept};
+use sdp3_core::frame::{BEATS, Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::front_end::{FrontEnd, FrontEndBuffers, Preprocessing};
+use sdp3_core::stft::{FixedStft, ShortTime, Stft};
+
+struct Buffers {
+    beats: Vec<Beat>,
+    slow_time: Vec<Complex<i32>>,
+    levels: Vec<i16>,
+    image: Vec<i8>,
+}
+
+impl Buffers {
+    fn new(slots: usize, cells: usize) -> Self {
+        Buffers {
+            beats: vec![ZERO_BEAT; slots],
+            slow_time: vec![Complex::new(0, 0); slots],
+            levels: vec![0; cells],
+            image: vec![0; cells],
+        }
+    }
+
+    fn view(&mut self) -> FrontEndBuffers<'_> {
+        FrontEndBuffers {
+            beats: &mut self.beats,
+            slow_time: &mut self.slow_time,
+            levels: &mut self.levels,
+            image: &mut self.image,
+        }
+    }
+}
+
+/// An echo whose phase turns by `bin` 256ths a slot, the same in all range cells.
+fn tone(n: usize, bin: i32) -> Beat {
+    let angle = core::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
+    [Complex::new((1e6 * angle.cos()) as i32, (1e6 * angle.sin()) as i32); BEATS]
+}
+
+const EVERYTHING: Kept = Kept { first: 1, last: 8 };
+
+#[test]
+fn settings_have_their_ranges() {
+    let legal = Preprocessing::default();
+    let with = |change: &dyn Fn(&mut Preprocessing)| {
+        let mut settings = legal;
+        change(&mut settings);
+        let made = FrontEnd::<Stft>::new(settings, Buffers::new(200, 640).view()).is_some();
+        assert_eq!(made, settings.is_valid());
+        made
+    };
+    assert!(with(&|_| ()));
+    for (first, last, valid) in
+        [(1, 1, true), (1, 8, true), (8, 8, true), (0, 8, false), (9, 9, false), (3, 2, false), (2, 9, false)]
+    {
+        assert_eq!(with(&|s| s.kept = Kept { first, last }), valid, "{first} {last}");
+    }
+    for (window, hop, valid) in [
+        (2, 1, true),
+        (2, 2, true),
+        (256, 256, true),
+        (1, 1, false),
+        (257, 8, false),
+        (128, 0, false),
+        (128, 129, false),
+    ] {
+        assert_eq!(with(&|s| (s.window, s.hop) = (window, hop)), valid, "{window} {hop}");
+    }
+    for (beta, valid) in [(0.0, true), (40.0, true), (-0.1, false), (40.1, false), (f32::NAN, false)] {
+        assert_eq!(with(&|s| s.beta = beta), valid, "{beta}");
+    }
+    for (bins, valid) in [(1, true), (2, true), (4, true), (0, false), (3, false), (8, false)] {
+        assert_eq!(with(&|s| s.bins_per_row = bins), valid, "{bins}");
+    }
+    for (range, valid) in [(1, true), (4095, true), (0, false), (4096, false)] {
+        assert_eq!(with(&|s| s.range = range), valid, "{range}");
+    }
+}
+
+#[test]
+fn it_takes_what_the_least_buffer_holds() {
+    for (beats, slow_time, wanted) in
+        [(200, 300, 200), (300, 150, 150), (GRAM_SLOTS + 1, GRAM_SLOTS + 1, GRAM_SLOTS)]
+    {
+        let mut buffers = Buffers::new(beats, ROWS);
+        buffers.slow_time.resize(slow_time, Complex::new(0, 0));
+        let mut front_end = FrontEnd::<Stft>::new(Preprocessing::default(), buffers.view()).expect("legal");
+        assert_eq!(front_end.capacity(), wanted);
+        for n in 0..wanted {
+            assert_eq!(front_end.taken(), n);
+            assert!(front_end.push_beat(tone(n, 3), &mut ()));
+        }
+        assert!(!front_end.push_beat(ZERO_BEAT, &mut ()));
+        assert!(!front_end.push(&support::noise_slots(1, 1)[0], &mut ()));
+        assert_eq!(front_end.taken(), wanted);
+        front_end.reset();
+        assert_eq!(front_end.taken(), 0);
+    }
+}
+
+#[test]
+fn an_image_begins_with_one_window_and_ends_with_its_memory() {
+    // two frames fit
+    let mut buffers = Buffers::new(200, 2 * ROWS);
+    let settings = Preprocessing { kept: EVERYTHING, ..Preprocessing::default() };
+    let mut front_end = FrontEnd::<Stft>::new(settings, buffers.view()).expect("legal");
+    for n in 0..160 {
+        let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
+        let wanted = match n {
+            0..128 => None,
+            128..136 => Some(1),
+            136..144 => Some(2),
+            _ => None, // three do not
+        };
+        assert_eq!(frames, wanted, "after {n} slots");
+        assert!(front_end.push_beat(tone(n, 3), &mut ()));
+    }
+    assert_eq!(settings.frames(136), 2);
+}
+
+/// The brightest row of every frame.
+fn rows<T: ShortTime>(settings: Preprocessing, bin: i32) -> Vec<usize> {
+    let mut buffers = Buffers::new(144, 3 * ROWS);
+    let mut front_end = FrontEnd::<T>::new(settings, buffers.view()).expect("legal");
+    (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
+    let image = front_end.image(&mut ()).expect("three frames");
+    let bright = |frame: usize| (0..ROWS).max_by_key(|row| image[row * 3 + frame]);
+    (0..3).filter_map(bright).collect()
+}
+
+#[test]
+fn a_tone_lies_in_its_row() {
+    for bins in [1, 2, 4_u8] {
+        let settings = Preprocessing { kept: EVERYTHING, bins_per_row: bins, ..Preprocessing::default() };
+        for row in [0, 5, 31, 32, 33, 63] {
+            let bin = (row - 32) * i32::from(bins) + i32::from(bins) / 2;
+            assert_eq!(rows::<Stft>(settings, bin), [row as usize; 3], "{bins} bins a row, bin {bin}");
+            assert_eq!(rows::<FixedStft>(settings, bin), [row as usize; 3], "{bins} bins a row, bin {bin}");
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! What several of the core's tests need: small networks of random numbers, memory of exactly the size asked for, noise.
+#![allow(dead_code)] // not every test needs everything
+
+#[path = "../../src/dsn/random_model.rs"]
+mod random_model;
+
+use rand_core::SeedableRng;
+use rand_xoshiro::Xoshiro128PlusPlus;
+use random_model::{Numbers, Size};
+use sdp3_core::dsn::Model;
+use sdp3_core::dsn::model::crc32;
+use sdp3_core::dsn::network::scratch_bytes;
+use sdp3_core::dsn::tiled::{TiledMemory, TiledSizes};
+use sdp3_core::frame::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use sdp3_core::front_end::FrontEndBuffers;
+use sdp3_core::receiver::Buffers;
+use sdp3_core::selftest::noise;
+use sdp3_core::simd::pairs::Eight;
+
+/// Channels of [`random_model`].
+pub const CHANNELS: usize = 8;
+
+/// The file of a network for `slots` sensing slots: one block, three classes, one frame every eight slots.
+pub fn random_model(slots: u16, seed: u64) -> Vec<u8> {
+    let size = Size { channels: CHANNELS, stride: 2, blocks: 1, slots, window: 128, hop: 8 };
+    let mut bytes = vec![0; 1 << 13];
+    let length = random_model::write(size, seed, Numbers::Trained, crc32, &mut bytes);
+    bytes.truncate(length);
+    bytes
+}
+
+/// The file with other bytes at `at`, its checksum mended.
+pub fn altered(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
+    let mut file = file.to_vec();
+    file[at..at + bytes.len()].copy_from_slice(bytes);
+    let end = file.len() - 4;
+    let checksum = crc32(&file[..end]);
+    file[end..].copy_from_slice(&checksum.to_le_bytes());
+    file
+}
+
+/// Slots of seeded noise.
+pub fn noise_slots(count: usize, seed: u64) -> Vec<Slot> {
+    let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    (0..count).map(|_| (noise(&mut random, &mut slot), slot).1).collect()
+}
+
+/// A receiver's memory, element by element.
+#[derive(Clone)]
+pub struct Memory {
+    pub beats: Vec<Beat>,
+    pub slow_time: Vec<Complex<i32>>,
+    pub levels: Vec<i16>,
+    pub image: Vec<i8>,
+    pub scratch: Vec<i8>,
+    pub eights: Vec<Eight>,
+    pub words: Vec<i32>,
+}
+
+impl Memory {
+    /// Exactly what a model's receiver borrows.
+    pub fn of(model: &Model<'_>) -> Self {
+        let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
+        let tiles = TiledSizes::of(model);
+        Memory {
+            beats: vec![ZERO_BEAT; slots],
+            slow_time: vec![Complex::new(0, 0); slots],
+            levels: vec![0; cells],
+            image: vec![0; cells],
+            scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
+            eights: vec![Eight::ZERO; tiles.eights],
+            words: vec![0; tiles.words],
+        }
+    }
+
+    pub fn view(&mut self) -> Buffers<'_> {
+        Buffers {
+            front_end: FrontEndBuffers {
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: &mut self.levels,
+                image: &mut self.image,
+            },
+            scratch: &mut self.scratch,
+            tiles: TiledMemory { eights: &mut self.eights, words: &mut self.words },
+        }
+    }
+}
+
+/// Takes one element away.
+pub type Shorten = fn(&mut Memory);
+
+/// Every part of the memory and what shortens it; the last two are the kernels'.
+pub const SHORTER: [(&str, Shorten); 7] = [
+    ("beats", |m| _ = m.beats.pop()),
+    ("slow_time", |m| _ = m.slow_time.pop()),
+    ("levels", |m| _ = m.levels.pop()),
+    ("image", |m| _ = m.image.pop()),
+    ("scratch", |m| _ = m.scratch.pop()),
+    ("eights", |m| _ = m.eights.pop()),
+    ("words", |m| _ = m.words.pop()),
+];
