@@ -85,5 +85,7 @@ mod tests {
         let mut foobar = Digest::new();
         foobar.value(*b"foobar");
         assert_eq!((foobar.hash(), foobar.count()), (0x8594_4171_f739_67e8, 1));
+        foobar.value([0_u8; 8]);
+        assert_eq!((Digest::new().count(), foobar.count()), (0, 2));
     }
 }
