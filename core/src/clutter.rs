@@ -12,7 +12,7 @@ pub const GRAM_LEN: usize = BEATS * (BEATS + 1) / 2;
 
 /// The running Gram matrix G = sum over slots of b b^H, exact.
 ///
-/// `[GRAM_LEN]` complex i64, upper triangle row by row. Exact up to 4000 slots: |b|^2 < 2^51, 2^51 * 4000 < 2^63.
+/// `[GRAM_LEN]` complex i64, upper triangle row by row. Exact up to [`GRAM_SLOTS`] slots: |b|^2 < 2^51.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gram {
     upper: [Complex<i64>; GRAM_LEN],

@@ -76,6 +76,15 @@ mod tests {
     }
 
     #[test]
+    fn a_shift_beyond_the_word_is_the_longest() {
+        for x in [i32::MIN, -1, 0, 1, i32::MAX] {
+            assert_eq!(rounding_divide_by_power_of_two(x, 40), rounding_divide_by_power_of_two(x, 31));
+        }
+        assert_eq!(rounding_divide_by_power_of_two(i32::MIN, 31), -1);
+        assert_eq!(rounding_divide_by_power_of_two(i32::MAX, 31), 1);
+    }
+
+    #[test]
     fn requantising_stays_within_one_of_the_exact_product() {
         let mut state = 1_u32;
         for _ in 0..100_000 {

@@ -64,3 +64,15 @@ pub type Spectrum = [Complex<f32>; FFT_LEN];
 pub type FixedBins = [Complex<i32>; FFT_LEN];
 
 const _: () = assert!(BLOCK_SAMPLES * BEATS == SLOT_SAMPLES, "the blocks must tile the slot");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_in_phase_first_and_little_endian() {
+        let sample = Iq { i: 0x0201, q: -2 };
+        assert_eq!(sample.to_le_bytes(), [1, 2, 0xfe, 0xff]);
+        assert_eq!(Iq::from_le_bytes([1, 2, 0xfe, 0xff]), sample);
+    }
+}

@@ -15,11 +15,12 @@
 //! ```
 //!
 //! [`front_end`] is the street up to the image, [`receiver`] the whole of it as one object: push a slot, ask for a
-//! class; [`anytime`] asks on the way and stops when it is sure. [`schedule`] divides a period between sensing and the receivers; [`station`] joins scheduler and receiver:
-//! one call per slot. [`guard`] stands between them and a world that loses slots, skips numbers and flips bits. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of int8), [`math`]
-//! (the only door to floats). [`probe`] lets an observer see every stage's values, [`mod@values`] gives them as bytes,
-//! [`digest`] folds them to one number per stage, and [`selftest`] runs the street on a seeded signal whose digest is
-//! known.
+//! class; [`anytime`] asks on the way and stops when it is sure. [`schedule`] divides a period between sensing and the
+//! receivers; [`station`] joins scheduler and receiver: one call per slot. [`guard`] stands between them and a world that
+//! loses slots, skips numbers and flips bits. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of
+//! int8), [`math`] (the only door to floats), `ranges` (that no sum outgrows its word, proved when it is compiled).
+//! [`probe`] lets an observer see every stage's values, [`mod@values`] gives them as bytes, [`digest`] folds them to one
+//! number per stage, and [`selftest`] runs the street on a seeded signal whose digest is known.
 //!
 //! # Which numbers are whose
 //!
@@ -51,6 +52,7 @@ pub mod guard;
 pub mod logarithm;
 pub mod math;
 pub mod probe;
+mod ranges;
 pub mod receiver;
 pub mod schedule;
 pub mod selftest;

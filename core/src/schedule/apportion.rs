@@ -8,7 +8,7 @@ use super::sensing::{LONGEST_PERIOD, RECEIVERS};
 const BELOW: u32 = RECEIVERS as u32;
 
 /// Fraction bits of a receiver's weight: a level of [`LONGEST_PERIOD`] slots is exact to far below one.
-const WEIGHT_BITS: u32 = 32;
+pub(crate) const WEIGHT_BITS: u32 = 32;
 
 /// Divides `slots` so that the smallest `(given + share) x rate` is as large as possible, exactly.
 ///
