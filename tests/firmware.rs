@@ -1,8 +1,8 @@
 //! The firmware's programs under QEMU: the station recognises what the host does, and its defmt records can be read.
 
-use sdp3::conformance::compare::OwnedBuffers;
 use sdp3::conformance::qemu::{Firmware, QemuError, machines, run};
 use sdp3::conformance::suite::{ScheduleCase, Suite, stimuli};
+use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};

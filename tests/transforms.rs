@@ -1,7 +1,7 @@
 //! Do recognitions in integers and in floats agree? What `tests/transforms` runs.
 
 use rayon::prelude::*;
-use sdp3::conformance::compare::OwnedBuffers;
+use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};

@@ -3,7 +3,7 @@
 //! simulate, calibrate, learn, run, prove, trade, schedule, report. Every stage is also a command of its own and uses the
 //! functions here.
 
-use crate::conformance::compare::{OwnedBuffers, verify_host};
+use crate::conformance::compare::verify_host;
 use crate::conformance::digests::not_run;
 use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
@@ -17,6 +17,7 @@ use crate::predictor::anytime::calibration::weights;
 use crate::predictor::anytime::{Part, Policy, collect};
 use crate::predictor::learning_curve::bootstrap::replicates;
 use crate::predictor::learning_curve::{best_curve, predict};
+use crate::predictor::receiver::OwnedBuffers;
 use crate::predictor::spectrograms::{GALLERY_RECORDING, images_of, picture};
 use crate::progress::Progress;
 use crate::results::{

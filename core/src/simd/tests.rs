@@ -22,6 +22,19 @@ fn random() -> Xoshiro128PlusPlus {
     Xoshiro128PlusPlus::seed_from_u64(7)
 }
 
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn the_processor_has_what_the_standard_library_finds() {
+    extern crate std;
+    let avx2 = std::is_x86_feature_detected!("avx2");
+    assert_eq!(Isa::Avx2.available(), avx2);
+    assert_eq!(Isa::AvxVnni.available(), avx2 && std::is_x86_feature_detected!("avxvnni"));
+    let avx512 = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512bw");
+    assert_eq!(Isa::Avx512Vnni.available(), avx2 && avx512 && std::is_x86_feature_detected!("avx512vnni"));
+    let fastest = Isa::ALL.into_iter().filter(|isa| isa.available()).last();
+    assert_eq!(Some(Isa::best()), fastest);
+}
+
 /// Multipliers and accumulators at which rounding turns, then random ones.
 fn multipliers(random: &mut impl Rng) -> [i32; 16] {
     let edges = [0, 1 << 30, (1 << 30) + 1, i32::MAX, i32::MAX - 1, 3 << 29];

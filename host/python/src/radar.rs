@@ -3,7 +3,7 @@
 use crate::refused;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use sdp3::conformance::compare::OwnedBuffers;
+use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3_core::dsn::Model as Parsed;
 use sdp3_core::frame::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
 use sdp3_core::probe::Probe;

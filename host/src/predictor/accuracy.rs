@@ -3,7 +3,7 @@
 //! Every test recording is generated once and given to the receiver of every model.
 
 use super::spectrograms::item;
-use crate::conformance::compare::OwnedBuffers;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;

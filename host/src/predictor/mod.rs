@@ -19,6 +19,7 @@ pub mod learning_curve;
 pub mod network;
 pub mod parameters;
 pub mod quantization;
+pub mod receiver;
 #[cfg(feature = "train")]
 pub mod recipe;
 pub mod safetensors;

@@ -4,7 +4,7 @@
 //! `sdp3_core::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
-use crate::conformance::compare::OwnedBuffers;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{Exhibit, Spectrogram};
 use crate::scenario::{Class, Model, Scenario};
 use crate::simulator::calibration::stored_rho;

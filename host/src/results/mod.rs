@@ -91,12 +91,10 @@ pub struct Prediction {
     /// The points fitted.
     pub points: Vec<CurvePoint>,
     /// The `N_s` at which curves and band are stated, ascending.
-    #[serde(default)]
     pub slots: Vec<f64>,
     /// Every model, best first.
     pub models: Vec<FittedCurve>,
     /// The models in the order of each figure of merit.
-    #[serde(default)]
     pub ranking: Ranking,
     /// Confidence band of the best model.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -113,7 +111,6 @@ pub struct Ranking {
     /// By leave-one-out error, those that have one.
     pub loo: Vec<String>,
     /// By Mallows' C_p, which chooses.
-    #[serde(default)]
     pub cp: Vec<String>,
 }
 
@@ -163,7 +160,6 @@ pub struct FittedCurve {
     /// Fitted parameters.
     pub parameters: Parameters,
     /// Its accuracies at [`Prediction::slots`].
-    #[serde(default)]
     pub accuracy: Vec<f64>,
     /// Sum of squared errors.
     pub sse: f64,
@@ -348,10 +344,8 @@ pub struct Figures {
     /// Operating points by weight `w_A` (w_R = 1 - w_A, both objectives normalised), case by case.
     pub weighted: Vec<WeightedPoint>,
     /// Receiver placements: prices, borders of the zones, operating points.
-    #[serde(default)]
     pub cases: Vec<Case>,
     /// The slots of every point of [`Run::region`].
-    #[serde(default)]
     pub plans: Vec<SlotPlan>,
     /// What anytime sensing makes of `spectrograms`; absent if there are more networks than it takes.
     #[serde(default, skip_serializing_if = "Option::is_none")]

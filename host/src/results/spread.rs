@@ -11,7 +11,6 @@ pub struct Spread {
     /// Standard deviation over the seeds, 0 for one.
     pub deviation: f64,
     /// How many seeds.
-    #[serde(default)]
     pub seeds: u32,
 }
 

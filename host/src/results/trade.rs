@@ -12,7 +12,6 @@ pub struct RegionPoint {
     /// `N_s`.
     pub sensing_slots: u32,
     /// `N_c,k` of each receiver.
-    #[serde(default)]
     pub communication_slots: Vec<u32>,
     /// Predicted accuracy, 0..=1.
     pub accuracy: f64,
@@ -25,7 +24,6 @@ pub struct RegionPoint {
     /// Worst receiver's throughput in bits per period.
     pub throughput_bit: f64,
     /// The same by Theorem 1, over real numbers of slots.
-    #[serde(default)]
     pub closed_form_bit: f64,
     /// Which of the paper's three zones it lies in.
     pub zone: Zone,

@@ -2,8 +2,8 @@
 
 pub mod spoiled;
 
-use super::compare::OwnedBuffers;
 use crate::pipeline::Failure;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{FaultRow, FaultTable};
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;

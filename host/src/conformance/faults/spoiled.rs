@@ -4,8 +4,8 @@
 //! Every slot is spoiled with the same probability, by a fault of random strength ([`Spoil::random`]). The guarded station has all
 //! sensing slots of a period for a recording of N_s.
 
-use crate::conformance::compare::OwnedBuffers;
 use crate::pipeline::Failure;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::results::SpoiledRow;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};

@@ -2,7 +2,7 @@
 
 use super::super::accuracy::AccuracyError;
 use super::super::spectrograms::{images_of, images_of_beats, item};
-use crate::conformance::compare::OwnedBuffers;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::scenario::Scenario;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;

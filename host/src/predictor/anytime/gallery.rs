@@ -4,7 +4,7 @@ use super::super::accuracy::AccuracyError;
 use super::super::spectrograms::GALLERY_RECORDING;
 use super::calibration::weights;
 use super::{Part, Policy, collect};
-use crate::conformance::compare::OwnedBuffers;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{AnytimeGallery, AnytimeRecording, AnytimeVerdict};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
