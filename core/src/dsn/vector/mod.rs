@@ -4,8 +4,11 @@
 //! -20..=-1, an accumulator beyond 2^30) runs by the plain loops; training and TFLite's converter make none.
 
 mod convolution;
+mod direct;
+mod layer;
 mod packing;
 mod pointwise;
+mod stem;
 mod winograd;
 
 use super::add::Add;
@@ -15,10 +18,11 @@ use super::kernels::{Kernels, Portable};
 use super::model::{MAX_BLOCKS, Model};
 use crate::frame::ROWS;
 use crate::simd::{Isa, Line, Unit};
-use convolution::{Convolution, Stem};
 use heapless::Vec;
+use layer::Convolution;
 use packing::Packer;
 use pointwise::{Average, PointwiseAdd, PointwiseAffine};
+use stem::Stem;
 
 /// Layers with packed numbers: the stem and four a block.
 const LAYERS: usize = 1 + 4 * MAX_BLOCKS;

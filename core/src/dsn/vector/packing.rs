@@ -2,7 +2,8 @@
 //!
 //! Convolution, per group of sixteen outputs: biases, [`Rescale`], then for each row of the kernel its words. A word
 //! holds the weights of two or four successive inputs of a lane's output. The input's zero point is in the bias; where
-//! inputs are u8 = i8 + 128, so is the 128. Pairs of inputs in sixteens are packed for [`winograd`] instead: words by point. Affine, per phase of sixteen values: biases, weights, [`Rescale`].
+//! inputs are u8 = i8 + 128, so is the 128. Pairs of inputs in sixteens are packed for [`winograd`] instead:
+//! words by point. Affine, per phase of sixteen values: biases, weights, [`Rescale`].
 
 use super::winograd;
 use crate::dsn::add::Add;

@@ -10,7 +10,7 @@
 //! Convolutional Neural Networks, CVPR 2016 (points 0, 1, -1, 2, -2). Cost per 16 outputs of 16 pixels: 36 inputs / 2
 //! vector products instead of 144 inputs / 2, and 11 one-dimensional transforms.
 
-use super::convolution::{Convolution, Group, finish, put};
+use super::layer::{Convolution, Group, finish, put};
 use crate::simd::{LANES, Lanes};
 
 /// Outputs of a tile along an axis.
