@@ -61,9 +61,9 @@ fn compare<P: Pairs + Default>(
         let answer = Network::new(model.clone(), &mut scratch).expect("scratch").infer(&image, &mut expected);
         let (mut eights, mut words) = memory(&model, places);
         let memory = TiledMemory { eights: &mut eights, words: &mut words };
-        let kernels = Tiled::with_pairs(&model, P::default(), memory).expect("memory");
+        let mut kernels = Tiled::with_pairs(&model, P::default(), memory).expect("memory");
         let (mut scratch, mut found) = (vec![99; scratch_size], Layers::default());
-        let network = Network::with_kernels(model.clone(), &mut scratch, kernels);
+        let network = Network::with_kernels(model.clone(), &mut scratch, &mut kernels); // borrowed, as exits borrow theirs
         let found_answer = network.expect("scratch").infer(&image, &mut found);
         assert_eq!(found.0.len(), expected.0.len());
         for (layer, (found, expected)) in found.0.iter().zip(&expected.0).enumerate() {
