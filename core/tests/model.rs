@@ -181,6 +181,10 @@ fn the_header_is_what_the_model_says_of_itself() {
     let model = Model::parse(&file).expect("a model");
     assert_eq!((model.carrier_khz(), model.interval_us(), model.revision()), (24_125_000, 1000, 7));
     assert_eq!((model.channels(), model.blocks(), model.classes()), (CHANNELS, 1, 3));
+    let signed = Model::parse(SIGNED).expect("a model");
+    assert_eq!((signed.channels(), signed.blocks(), signed.classes()), (8, 5, 5));
+    let other = altered(&file, HEAD + SCALES + 4, &0.25_f32.to_le_bytes());
+    assert_eq!((model.logit_scale(), Model::parse(&other).expect("a model").logit_scale()), (1.0, 0.25));
     assert!(!model.is_signed() && Model::parse(SIGNED).expect("a model").is_signed());
     let shape = Shape { sensing_slots: 200, frames: 10, channels: CHANNELS, stem_stride: 2 };
     assert_eq!((Shape::of(&file), model.shape()), (Some(shape), shape));

@@ -18,7 +18,8 @@ use std::vec::Vec as List;
 struct Layers(List<List<i8>>);
 
 impl Probe for Layers {
-    fn layer(&mut self, _index: usize, activations: &[i8]) {
+    fn layer(&mut self, index: usize, activations: &[i8]) {
+        assert_eq!(index, self.0.len(), "layers come in their order");
         self.0.push(activations.to_vec());
     }
 }
