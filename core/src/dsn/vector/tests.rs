@@ -105,3 +105,34 @@ fn too_little_memory_is_refused() {
     let short = VectorMemory { lines: &mut lines, words: &mut words[1..] };
     assert!(Vector::new(&model, Isa::Arrays, short).is_none());
 }
+
+#[test]
+fn memory_is_as_worked_out_by_hand() {
+    // two blocks; words are the stem's rows, or the map with its border and six rows
+    for (channels, stride, frames, lines, words) in [
+        (8, 1, 30, 12 + 2 * (2 * (6 + 9 * 4) + 7 + 17), 66 * 32 * 2),
+        (12, 1, 30, 12 + 2 * (2 * (6 + 9 * 6) + 21 + 17), 40 * 18 * 6),
+        (16, 2, 110, 12 + 2 * (2 * (6 + 36 * 8) + 7 + 17), 65 * 56 * 2),
+        (32, 1, 67, 24 + 2 * (4 * (6 + 36 * 16) + 14 + 17), 40 * 50 * 16),
+    ] {
+        let file = model(channels, stride, frames, 1, Numbers::Usual);
+        let model = Model::parse(&file).expect("a model");
+        assert_eq!((Vector::lines(&model), Vector::words(&model)), (lines, words), "{channels} channels");
+    }
+}
+
+#[test]
+fn every_layer_runs_on_vectors_where_there_are_any() {
+    let file = model(8, 1, 16, 1, Numbers::Usual);
+    let model = Model::parse(&file).expect("a model");
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let (mut lines, mut words) =
+            (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
+        let memory = VectorMemory { lines: &mut lines, words: &mut words };
+        let vector = Vector::new(&model, isa, memory).expect("enough memory");
+        let layers = 1 + 4 * model.blocks();
+        let packed = (0..layers + 1).filter(|&at| vector.packed(at).is_some()).count();
+        assert_eq!(packed, if isa == Isa::Scalar { 0 } else { layers }, "{isa:?}");
+        assert_eq!((vector.isa(), vector.plain_layers()), (isa, 0));
+    }
+}
