@@ -158,6 +158,11 @@ impl<'b, P: Pairs> Tiled<'b, P> {
     }
 }
 
+/// Number of the convolution that is layer `at`: the second and third of every four behind the stem.
+const fn convolution_number(at: usize) -> usize {
+    2 * (at.wrapping_sub(1) / 4) + at.wrapping_sub(2) % 4
+}
+
 impl<P: Pairs> Kernels for Tiled<'_, P> {
     fn stem(
         &mut self,
@@ -187,9 +192,7 @@ impl<P: Pairs> Kernels for Tiled<'_, P> {
         rows: &mut [i8],
         output: &mut [i8],
     ) {
-        // layers 2 and 3 of every four
-        let number = 2 * (at.wrapping_sub(1) / 4) + at.wrapping_sub(2) % 4;
-        if self.convolve(number, layer, input, size.1, rows, output).is_none() {
+        if self.convolve(convolution_number(at), layer, input, size.1, rows, output).is_none() {
             layer.forward(input, size.0, size.1, output);
         }
     }

@@ -117,3 +117,43 @@ fn too_little_memory_is_refused() {
         assert_eq!(Tiled::new(&model, memory).is_some(), short == 2);
     }
 }
+
+#[test]
+fn memory_is_as_worked_out_by_hand() {
+    // a place's eights; a place's words and the largest of a strip, the stem's weights and two tables
+    for (frames, channels, stride, places, eights, words, bytes) in [
+        (110, 16, 2, 1, 512, 64 + 30 * 4 * 8, 12_288),
+        (10, 8, 1, 3, 384, 3 * 32 + 512, 8_576),
+        (4, 32, 1, 1, 2048, 128 + 32 * 20, 35_840),
+        (10, 12, 1, 1, 0, 512, 2_048),
+    ] {
+        let sizes = TiledSizes::new(frames, channels, stride, places);
+        assert_eq!((sizes, sizes.total()), (TiledSizes { eights, words }, bytes), "{channels} channels");
+    }
+}
+
+#[test]
+fn convolutions_run_in_tiles_where_there_is_memory_for_one() {
+    assert_eq!([2, 3, 6, 7, 10, 11].map(convolution_number), [0, 1, 2, 3, 4, 5]);
+    for channels in [8, 16, 32] {
+        let size = Size { channels, stride: 2, blocks: 2, slots: 8 + 4 * 19, window: 8, hop: 4 };
+        let mut bytes = vec![0; 1 << 17];
+        let length = write(size, 1, Numbers::Usual, crc32, &mut bytes);
+        let model = Model::parse(&bytes[..length]).expect("a model");
+        // four convolutions: packed ahead, but for those that share the last place
+        for (places, ahead) in [(1, 0), (2, 1), (3, 2), (4, 4), (5, 4)] {
+            let (mut eights, mut words) = memory(&model, places);
+            let memory = TiledMemory { eights: &mut eights, words: &mut words };
+            let mut tiled = Tiled::with_pairs(&model, Plain::<false>, memory).expect("memory");
+            assert_eq!((tiled.ahead, tiled.plain), (ahead, 0), "{places} places");
+            let (height, width) = (16, 5);
+            let (input, mut output) =
+                (vec![1; height * width * channels], vec![0; height * width * channels]);
+            let mut border = vec![0; 2 * 10 * channels];
+            for (number, conv) in model.blocks.iter().flat_map(|block| &block.conv).enumerate() {
+                let ran = tiled.convolve(number, conv, &input, width, &mut border, &mut output);
+                assert_eq!(ran, Some(()), "{channels} channels, {places} places");
+            }
+        }
+    }
+}
