@@ -42,13 +42,6 @@ const fn picoseconds(text: &str) -> u64 {
     }
 }
 
-/// A processor fault ends the run with exit code 102.
-#[unsafe(no_mangle)]
-pub(crate) extern "C" fn firmware_fault() -> ! {
-    super::semihosting::print("fault: the processor raised an exception\n");
-    super::semihosting::exit(102)
-}
-
 /// Semihosting call; the result of the emulator.
 pub(crate) fn call(operation: usize, block: &[usize; 4]) -> isize {
     // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the buffers whose
@@ -169,11 +162,4 @@ impl<T> Default for Owned<T> {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// A panic prints its message and ends the run with exit code 101.
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo) -> ! {
-    super::semihosting::println(format_args!("{info}"));
-    super::semihosting::exit(101)
 }

@@ -120,10 +120,15 @@ const MTIMECMP: *mut u32 = 0x0200_4000 as *mut u32;
 
 static PERIOD: AtomicU32 = AtomicU32::new(0);
 
+unsafe extern "C" {
+    /// What every exception but an interrupt ends in (`fault`).
+    safe fn firmware_fault() -> !;
+}
+
 #[unsafe(no_mangle)]
 extern "C" fn firmware_trap(cause: usize) {
     if cause != TIMER {
-        super::firmware_fault();
+        firmware_fault();
     }
     set_alarm();
     super::tick();

@@ -133,15 +133,15 @@ fn memory_is_as_worked_out_by_hand() {
 }
 
 #[test]
-fn convolutions_run_in_tiles_where_there_is_memory_for_one() {
+fn every_layer_runs_in_tiles_where_there_is_memory_for_one() {
     assert_eq!([2, 3, 6, 7, 10, 11].map(convolution_number), [0, 1, 2, 3, 4, 5]);
     for channels in [8, 16, 32] {
-        let size = Size { channels, stride: 2, blocks: 2, slots: 8 + 4 * 19, window: 8, hop: 4 };
+        let size = Size { channels, stride: 2, blocks: 3, slots: 8 + 4 * 19, window: 8, hop: 4 };
         let mut bytes = vec![0; 1 << 17];
         let length = write(size, 1, Numbers::Usual, crc32, &mut bytes);
         let model = Model::parse(&bytes[..length]).expect("a model");
-        // four convolutions: packed ahead, but for those that share the last place
-        for (places, ahead) in [(1, 0), (2, 1), (3, 2), (4, 4), (5, 4)] {
+        // six convolutions: packed ahead, but for those that share the last place
+        for (places, ahead) in [(1, 0), (2, 1), (5, 4), (6, 6), (7, 6)] {
             let (mut eights, mut words) = memory(&model, places);
             let memory = TiledMemory { eights: &mut eights, words: &mut words };
             let mut tiled = Tiled::with_pairs(&model, Plain::<false>, memory).expect("memory");
@@ -153,6 +153,12 @@ fn convolutions_run_in_tiles_where_there_is_memory_for_one() {
             for (number, conv) in model.blocks.iter().flat_map(|block| &block.conv).enumerate() {
                 let ran = tiled.convolve(number, conv, &input, width, &mut border, &mut output);
                 assert_eq!(ran, Some(()), "{channels} channels, {places} places");
+            }
+            let image = vec![3; ROWS * model.frames()];
+            assert!(stem::pooled(&model.stem, tiled.spare, &image, (ROWS, model.frames()), &mut output));
+            for block in &model.blocks {
+                assert!(pointwise::affine(&block.affine, tiled.spare, &input, &mut output));
+                assert!(pointwise::add(&block.add, tiled.spare, &mut output, &input));
             }
         }
     }
