@@ -2,8 +2,10 @@
 
 extern crate std;
 
+use super::rescale::{MAX_ACCUMULATOR, Rescale};
 use super::*;
 use crate::dsn::Network;
+use crate::dsn::channelwise::Channelwise;
 use crate::dsn::model::crc32;
 use crate::dsn::network::scratch_bytes;
 use crate::dsn::random_model::{Numbers, Size, write};
@@ -162,4 +164,27 @@ fn every_layer_runs_in_tiles_where_there_is_memory_for_one() {
             }
         }
     }
+}
+
+#[test]
+fn accumulators_have_the_bound_that_is_stated() {
+    let fits = |bias: i64| {
+        let biases = (bias as i32).to_le_bytes();
+        let (multipliers, shifts) = ((1_i32 << 30).to_le_bytes(), [(-1_i8) as u8]);
+        let layer = Channelwise {
+            in_zp: -128,
+            out_zp: 0,
+            act_min: -128,
+            act_max: 127,
+            channels: 1,
+            multipliers: &multipliers,
+            biases: &biases,
+            shifts: &shifts,
+            weights: &[],
+        };
+        Rescale::of(&layer, 0, 0, 9).is_some()
+    };
+    let most = MAX_ACCUMULATOR - 9 * 255 * 128;
+    assert!(fits(0) && fits(most - 1) && fits(1 - most));
+    assert!(!fits(most) && !fits(-most));
 }
