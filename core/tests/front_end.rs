@@ -4,35 +4,9 @@ mod support;
 
 use sdp3_core::clutter::{GRAM_SLOTS, Kept};
 use sdp3_core::frame::{BEATS, Beat, Complex, ROWS, ZERO_BEAT};
-use sdp3_core::front_end::{FrontEnd, FrontEndBuffers, Preprocessing};
+use sdp3_core::front_end::{FrontEnd, Preprocessing};
 use sdp3_core::stft::{FixedStft, ShortTime, Stft};
-
-struct Buffers {
-    beats: Vec<Beat>,
-    slow_time: Vec<Complex<i32>>,
-    levels: Vec<i16>,
-    image: Vec<i8>,
-}
-
-impl Buffers {
-    fn new(slots: usize, cells: usize) -> Self {
-        Buffers {
-            beats: vec![ZERO_BEAT; slots],
-            slow_time: vec![Complex::new(0, 0); slots],
-            levels: vec![0; cells],
-            image: vec![0; cells],
-        }
-    }
-
-    fn view(&mut self) -> FrontEndBuffers<'_> {
-        FrontEndBuffers {
-            beats: &mut self.beats,
-            slow_time: &mut self.slow_time,
-            levels: &mut self.levels,
-            image: &mut self.image,
-        }
-    }
-}
+use support::{Memory, noise_slots};
 
 /// An echo whose phase turns by `bin` 256ths a slot, the same in all range cells.
 fn tone(n: usize, bin: i32) -> Beat {
@@ -48,7 +22,7 @@ fn settings_have_their_ranges() {
     let with = |change: &dyn Fn(&mut Preprocessing)| {
         let mut settings = legal;
         change(&mut settings);
-        let made = FrontEnd::<Stft>::new(settings, Buffers::new(200, 640).view()).is_some();
+        let made = FrontEnd::<Stft>::new(settings, Memory::of_front_end(200, 10).view().front_end).is_some();
         assert_eq!(made, settings.is_valid());
         made
     };
@@ -85,16 +59,17 @@ fn it_takes_what_the_least_buffer_holds() {
     for (beats, slow_time, wanted) in
         [(200, 300, 200), (300, 150, 150), (GRAM_SLOTS + 1, GRAM_SLOTS + 1, GRAM_SLOTS)]
     {
-        let mut buffers = Buffers::new(beats, ROWS);
-        buffers.slow_time.resize(slow_time, Complex::new(0, 0));
-        let mut front_end = FrontEnd::<Stft>::new(Preprocessing::default(), buffers.view()).expect("legal");
+        let mut memory = Memory::of_front_end(beats, 1);
+        memory.slow_time.resize(slow_time, Complex::new(0, 0));
+        let mut front_end =
+            FrontEnd::<Stft>::new(Preprocessing::default(), memory.view().front_end).expect("legal");
         assert_eq!(front_end.capacity(), wanted);
         for n in 0..wanted {
             assert_eq!(front_end.taken(), n);
             assert!(front_end.push_beat(tone(n, 3), &mut ()));
         }
         assert!(!front_end.push_beat(ZERO_BEAT, &mut ()));
-        assert!(!front_end.push(&support::noise_slots(1, 1)[0], &mut ()));
+        assert!(!front_end.push(&noise_slots(1, 1)[0], &mut ()));
         assert_eq!(front_end.taken(), wanted);
         front_end.reset();
         assert_eq!(front_end.taken(), 0);
@@ -104,9 +79,9 @@ fn it_takes_what_the_least_buffer_holds() {
 #[test]
 fn an_image_begins_with_one_window_and_ends_with_its_memory() {
     // two frames fit
-    let mut buffers = Buffers::new(200, 2 * ROWS);
+    let mut memory = Memory::of_front_end(200, 2);
     let settings = Preprocessing { kept: EVERYTHING, ..Preprocessing::default() };
-    let mut front_end = FrontEnd::<Stft>::new(settings, buffers.view()).expect("legal");
+    let mut front_end = FrontEnd::<Stft>::new(settings, memory.view().front_end).expect("legal");
     for n in 0..160 {
         let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
         let wanted = match n {
@@ -123,8 +98,8 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
 
 /// The brightest row of every frame.
 fn rows<T: ShortTime>(settings: Preprocessing, bin: i32) -> Vec<usize> {
-    let mut buffers = Buffers::new(144, 3 * ROWS);
-    let mut front_end = FrontEnd::<T>::new(settings, buffers.view()).expect("legal");
+    let mut memory = Memory::of_front_end(144, 3);
+    let mut front_end = FrontEnd::<T>::new(settings, memory.view().front_end).expect("legal");
     (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
     let image = front_end.image(&mut ()).expect("three frames");
     let bright = |frame: usize| (0..ROWS).max_by_key(|row| image[row * 3 + frame]);

@@ -61,16 +61,25 @@ pub struct Memory {
 impl Memory {
     /// Exactly what a model's receiver borrows.
     pub fn of(model: &Model<'_>) -> Self {
-        let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
         let tiles = TiledSizes::of(model);
         Memory {
-            beats: vec![ZERO_BEAT; slots],
-            slow_time: vec![Complex::new(0, 0); slots],
-            levels: vec![0; cells],
-            image: vec![0; cells],
             scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
             eights: vec![Eight::ZERO; tiles.eights],
             words: vec![0; tiles.words],
+            ..Self::of_front_end(model.sensing_slots(), model.frames())
+        }
+    }
+
+    /// What the street up to an image of so many frames borrows.
+    pub fn of_front_end(slots: usize, frames: usize) -> Self {
+        Memory {
+            beats: vec![ZERO_BEAT; slots],
+            slow_time: vec![Complex::new(0, 0); slots],
+            levels: vec![0; ROWS * frames],
+            image: vec![0; ROWS * frames],
+            scratch: Vec::new(),
+            eights: Vec::new(),
+            words: Vec::new(),
         }
     }
 
