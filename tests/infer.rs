@@ -6,9 +6,9 @@
 
 use sdp3::formats::tflite::export;
 use sdp3::predictor::parameters::Architecture;
+use sdp3_core::dims::ROWS;
 use sdp3_core::dsn::vector::VectorMemory;
 use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector, scratch_bytes};
-use sdp3_core::frame::ROWS;
 use sdp3_core::simd::{Isa, Line};
 use sdp3_tests::networks::{images, quantized};
 use std::io::{BufRead, Write};

@@ -2,10 +2,10 @@
 //!
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
-use sdp3_core::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
-use sdp3_core::dechirp::CHIRP;
-use sdp3_core::frame::{Beat, Complex};
-use sdp3_core::stft::{ShortTime, Stft, ZERO_SPECTRUM};
+use sdp3_core::dims::{Beat, Complex};
+use sdp3_core::signal::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
+use sdp3_core::signal::dechirp::CHIRP;
+use sdp3_core::signal::stft::{FloatStft, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
 use sdp3_tests::vectors::{bytes, list, signed};
 use serde_json::Value;
@@ -89,7 +89,7 @@ fn frames_are_scipys() {
     let vectors = front_end();
     for case in list(&vectors["stft"]) {
         let number = |name: &str| case[name].as_f64().expect("a number");
-        let stft = Stft::new(number("window_len") as u16, number("beta") as f32, number("hop") as u16);
+        let stft = FloatStft::new(number("window_len") as u16, number("beta") as f32, number("hop") as u16);
         for (found, expected) in stft.window().iter().zip(list(&case["window"])) {
             assert!((f64::from(*found) - expected.as_f64().expect("a number")).abs() < 2e-6);
         }

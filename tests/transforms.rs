@@ -5,9 +5,9 @@ use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
+use sdp3_core::dims::Slot;
 use sdp3_core::dsn::Model;
-use sdp3_core::frame::Slot;
-use sdp3_core::stft::{FixedStft, ShortTime, Stft};
+use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use std::process::ExitCode;
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
@@ -17,7 +17,7 @@ type Result<T> = std::result::Result<T, Error>;
 const AGREEMENT: f64 = 0.995;
 
 /// The class a model recognises, by the transform `T`.
-fn recognise<T: ShortTime>(model: &Model<'_>, slots: &[Slot]) -> Result<u8> {
+fn recognise<T: Stft>(model: &Model<'_>, slots: &[Slot]) -> Result<u8> {
     let mut buffers = OwnedBuffers::for_model(model);
     let mut receiver = buffers.receiver_by::<T>(model.clone())?;
     for slot in slots {
@@ -40,7 +40,7 @@ fn counts(model: &Model<'_>, scenario: &Scenario, each: u32) -> Result<Counts> {
     let slots = model.sensing_slots() as u32;
     let one = |&(class, index): &(Class, u32)| {
         let slots = recording(scenario, rho, 7, Set::Test, class, index, slots).slots;
-        let [float, fixed] = [recognise::<Stft>(model, &slots)?, recognise::<FixedStft>(model, &slots)?];
+        let [float, fixed] = [recognise::<FloatStft>(model, &slots)?, recognise::<FixedStft>(model, &slots)?];
         let right = |found: u8| model.class_name(usize::from(found)) == class.name();
         Ok((float == fixed, right(float), right(fixed)))
     };

@@ -40,27 +40,22 @@
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
 
-pub mod anytime;
-pub mod clutter;
-pub mod dechirp;
 pub mod digest;
+pub mod dims;
 pub mod dsn;
+pub mod early_exit;
 pub mod fixed;
-pub mod frame;
-pub mod front_end;
-pub mod guard;
-pub mod logarithm;
 pub mod math;
+pub mod pipeline;
 pub mod probe;
 mod ranges;
-pub mod receiver;
-pub mod schedule;
+pub mod scheduler;
 pub mod selftest;
+pub mod signal;
 pub mod simd;
-pub mod spectrogram;
 pub mod state;
 pub mod station;
-pub mod stft;
+pub mod supervision;
 pub mod values;
 
 #[cfg(doctest)]

@@ -2,8 +2,8 @@
 //!
 //! All methods do nothing by default; `()` observes nothing and costs nothing.
 
-use crate::clutter::{Gram, Weights};
-use crate::frame::{Beat, Complex, FixedBins, Spectrum};
+use crate::dims::{Beat, Complex, FixedBins, Spectrum};
+use crate::signal::clutter::{Gram, Weights};
 
 /// Sees the values of every stage as they are made.
 pub trait Probe {
@@ -17,7 +17,7 @@ pub trait Probe {
     fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {}
     /// The spectrum of frame `_k`, `[doppler]`.
     fn frame(&mut self, _k: usize, _spectrum: &Spectrum) {}
-    /// The same in integers, from [`crate::stft::FixedStft`].
+    /// The same in integers, from [`crate::signal::stft::FixedStft`].
     fn fixed_frame(&mut self, _k: usize, _spectrum: &FixedBins) {}
     /// The network's image, `[rows, frames]`.
     fn image(&mut self, _image: &[i8]) {}

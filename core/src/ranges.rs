@@ -4,14 +4,14 @@
 //! bias, as TensorFlow Lite's reference does) the stage says so. The kernels in vectors and tiles have ranges of their own, beside
 //! what packs their weights.
 
-use crate::anytime::{EXITS, MAX_WEIGHT};
-use crate::clutter::{GRAM_SLOTS, SLOW_TIME_BITS, WEIGHT_BITS};
-use crate::dechirp::{BEAT_SHIFT, CHIRP};
+use crate::dims::{BEATS, BLOCK_SAMPLES, SLOT_SAMPLES};
 use crate::dsn::conv::MAX_CHANNELS;
-use crate::frame::{BEATS, BLOCK_SAMPLES, SLOT_SAMPLES};
-use crate::logarithm::LEVELS_PER_OCTAVE;
-use crate::schedule::apportion::WEIGHT_BITS as LEVEL_BITS;
-use crate::schedule::sensing::{LONGEST_PERIOD, RECEIVERS};
+use crate::early_exit::{EXITS, MAX_WEIGHT};
+use crate::scheduler::apportion::WEIGHT_BITS as LEVEL_BITS;
+use crate::scheduler::layout::{LONGEST_PERIOD, RECEIVERS};
+use crate::signal::clutter::{GRAM_SLOTS, SLOW_TIME_BITS, WEIGHT_BITS};
+use crate::signal::dechirp::{BEAT_SHIFT, CHIRP};
+use crate::signal::logarithm::LEVELS_PER_OCTAVE;
 
 /// `|b|^2` of a beat sample is below two to this.
 const BEAT_POWER_BITS: u32 = 51;

@@ -3,9 +3,9 @@
 //! It shows a wrong build, a damaged table or a floating-point unit in flush-to-zero mode before the first slot does.
 
 use crate::digest::{Digest, DigestProbe};
-use crate::frame::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
-use crate::front_end::{FrontEnd, FrontEndBuffers, Preprocessing};
-use crate::stft::Stft;
+use crate::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use crate::signal::front_end::{FrontEnd, FrontEndBuffers, Preprocessing};
+use crate::signal::stft::FloatStft;
 use rand_core::Rng;
 
 /// Slots of the test: two frames.
@@ -37,7 +37,7 @@ pub fn run(rng: &mut impl Rng) -> u64 {
         levels: &mut levels,
         image: &mut image,
     };
-    let Some(mut front_end) = FrontEnd::<Stft>::new(Preprocessing::default(), buffers) else { return 0 };
+    let Some(mut front_end) = FrontEnd::<FloatStft>::new(Preprocessing::default(), buffers) else { return 0 };
     let mut probe = DigestProbe::new();
     let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
     for _ in 0..SLOTS {

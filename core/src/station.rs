@@ -3,20 +3,20 @@
 //! [`Station::begin`] says what the next slot is for; in a sensing slot the samples go to [`Station::sensed`]. As soon as the
 //! receiver is sure, the period's remaining sensing slots go to communication.
 
-use crate::anytime::{Anytime, Verdict};
-use crate::dsn::{Kernels, Tiled};
-use crate::frame::Slot;
-use crate::schedule::{Scheduler, SlotUse};
-use crate::stft::{NativeStft, ShortTime};
+use crate::dims::Slot;
+use crate::dsn::{Kernels, WinogradF2};
+use crate::early_exit::{Anytime, Verdict};
+use crate::scheduler::{Scheduler, SlotUse};
+use crate::signal::stft::{NativeStft, Stft};
 
 /// A base station's slot loop.
 #[derive(Debug)]
-pub struct Station<'m, 'b, K = Tiled<'b>, T = NativeStft> {
+pub struct Station<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
     scheduler: Scheduler,
     receiver: Anytime<'m, 'b, K, T>,
 }
 
-impl<'m, 'b, K: Kernels, T: ShortTime> Station<'m, 'b, K, T> {
+impl<'m, 'b, K: Kernels, T: Stft> Station<'m, 'b, K, T> {
     /// Plays `scheduler`'s plans and recognises with `receiver`; one exit makes a receiver that never stops early.
     pub fn new(scheduler: Scheduler, receiver: Anytime<'m, 'b, K, T>) -> Self {
         Station { scheduler, receiver }

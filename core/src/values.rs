@@ -2,9 +2,9 @@
 //!
 //! Floats go by their bits; a complex number is two values, the real part first.
 
-use crate::clutter::{Gram, Weights};
-use crate::frame::{Beat, Complex, FixedBins, Spectrum};
+use crate::dims::{Beat, Complex, FixedBins, Spectrum};
 use crate::probe::Probe;
+use crate::signal::clutter::{Gram, Weights};
 
 /// A stage of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Stage {
     Weights,
     /// Slow-time signal, i32.
     SlowTime,
-    /// Spectra, f32, or i32 from [`crate::stft::FixedStft`].
+    /// Spectra, f32, or i32 from [`crate::signal::stft::FixedStft`].
     Frame,
     /// Image, i8.
     Image,

@@ -2,10 +2,10 @@
 
 mod support;
 
-use sdp3_core::anytime::{Anytime, EXITS, Evidence, Exit, MAX_WEIGHT, add_evidence, decide};
 use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::receiver::{Receiver, ReceiverError};
-use sdp3_core::stft::NativeStft;
+use sdp3_core::early_exit::{Anytime, EXITS, Evidence, Exit, MAX_WEIGHT, add_evidence, decide};
+use sdp3_core::pipeline::{Receiver, ReceiverError};
+use sdp3_core::signal::stft::NativeStft;
 use support::{CHANNELS, Memory, SHORTER, altered, noise_slots, random_model};
 
 const SLOTS: [u16; 3] = [144, 200, 264];

@@ -5,14 +5,14 @@
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::digest::DigestProbe;
+use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
 use sdp3_core::dsn::vector::VectorMemory;
 use sdp3_core::dsn::{Kernels, Model, Portable, Shape, Vector};
-use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
 use sdp3_core::memory_for;
-use sdp3_core::receiver::Receiver;
+use sdp3_core::pipeline::Receiver;
 use sdp3_core::selftest::noise;
+use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use sdp3_core::simd::{Isa, LANES, Line};
-use sdp3_core::stft::{FixedStft, ShortTime, Stft};
 
 static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
 const SHAPE: Shape = match Shape::of(MODEL) {
@@ -44,7 +44,7 @@ fn slots() -> Vec<Slot> {
 }
 
 /// Stage by stage, and the answer.
-fn digests<K: Kernels, T: ShortTime>(mut receiver: Receiver<K, T>) -> Vec<(&'static str, u64)> {
+fn digests<K: Kernels, T: Stft>(mut receiver: Receiver<K, T>) -> Vec<(&'static str, u64)> {
     let mut probe = DigestProbe::new();
     for (taken, slot) in slots().iter().enumerate() {
         assert_eq!(receiver.push(slot, &mut probe), Ok(199 - taken));
@@ -53,17 +53,17 @@ fn digests<K: Kernels, T: ShortTime>(mut receiver: Receiver<K, T>) -> Vec<(&'sta
     probe.stages().map(|(name, digest)| (name, digest.hash())).collect()
 }
 
-fn tiled<T: ShortTime>() -> Vec<(&'static str, u64)> {
+fn tiled<T: Stft>() -> Vec<(&'static str, u64)> {
     let mut memory = Box::new(Memory::new());
     digests(Receiver::<_, T>::with_transform(model(), memory.view()).expect("enough memory"))
 }
 
-fn with<K: Kernels, T: ShortTime>(kernels: K) -> Vec<(&'static str, u64)> {
+fn with<K: Kernels, T: Stft>(kernels: K) -> Vec<(&'static str, u64)> {
     let mut memory = Box::new(Memory::new());
     digests(Receiver::<K, T>::with_kernels(model(), memory.view(), kernels).expect("enough memory"))
 }
 
-/// Of [`FixedStft`]; [`Stft`], in floats, has another frame and here the same image.
+/// Of [`FixedStft`]; [`FloatStft`], in floats, has another frame and here the same image.
 const KNOWN: [(&str, u64); 10] = [
     ("beat", 0x5361_bd57_df9b_e99a),
     ("gram", 0x9eb2_f9f3_492e_c7d8),
@@ -95,5 +95,5 @@ fn every_kernel_has_the_known_answers() {
 fn the_transform_in_floats_has_the_known_answers() {
     let known =
         KNOWN.map(|(name, digest)| (name, if name == "frame" { 0x1023_0a7d_d749_714d } else { digest }));
-    assert_eq!(tiled::<Stft>(), known);
+    assert_eq!(tiled::<FloatStft>(), known);
 }

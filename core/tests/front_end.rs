@@ -2,10 +2,10 @@
 
 mod support;
 
-use sdp3_core::clutter::{GRAM_SLOTS, Kept};
-use sdp3_core::frame::{BEATS, Beat, Complex, ROWS, ZERO_BEAT};
-use sdp3_core::front_end::{FrontEnd, Preprocessing};
-use sdp3_core::stft::{FixedStft, ShortTime, Stft};
+use sdp3_core::dims::{BEATS, Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::signal::clutter::{GRAM_SLOTS, SvdRange};
+use sdp3_core::signal::front_end::{FrontEnd, Preprocessing};
+use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use support::{Memory, noise_slots};
 
 /// An echo whose phase turns by `bin` 256ths a slot, the same in all range cells.
@@ -14,7 +14,7 @@ fn tone(n: usize, bin: i32) -> Beat {
     [Complex::new((1e6 * angle.cos()) as i32, (1e6 * angle.sin()) as i32); BEATS]
 }
 
-const EVERYTHING: Kept = Kept { first: 1, last: 8 };
+const EVERYTHING: SvdRange = SvdRange { first: 1, last: 8 };
 
 #[test]
 fn settings_have_their_ranges() {
@@ -22,7 +22,8 @@ fn settings_have_their_ranges() {
     let with = |change: &dyn Fn(&mut Preprocessing)| {
         let mut settings = legal;
         change(&mut settings);
-        let made = FrontEnd::<Stft>::new(settings, Memory::of_front_end(200, 10).view().front_end).is_some();
+        let made =
+            FrontEnd::<FloatStft>::new(settings, Memory::of_front_end(200, 10).view().front_end).is_some();
         assert_eq!(made, settings.is_valid());
         made
     };
@@ -30,7 +31,7 @@ fn settings_have_their_ranges() {
     for (first, last, valid) in
         [(1, 1, true), (1, 8, true), (8, 8, true), (0, 8, false), (9, 9, false), (3, 2, false), (2, 9, false)]
     {
-        assert_eq!(with(&|s| s.kept = Kept { first, last }), valid, "{first} {last}");
+        assert_eq!(with(&|s| s.kept = SvdRange { first, last }), valid, "{first} {last}");
     }
     for (window, hop, valid) in [
         (2, 1, true),
@@ -62,7 +63,7 @@ fn it_takes_what_the_least_buffer_holds() {
         let mut memory = Memory::of_front_end(beats, 1);
         memory.slow_time.resize(slow_time, Complex::new(0, 0));
         let mut front_end =
-            FrontEnd::<Stft>::new(Preprocessing::default(), memory.view().front_end).expect("legal");
+            FrontEnd::<FloatStft>::new(Preprocessing::default(), memory.view().front_end).expect("legal");
         assert_eq!(front_end.capacity(), wanted);
         for n in 0..wanted {
             assert_eq!(front_end.taken(), n);
@@ -81,7 +82,7 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
     // two frames fit
     let mut memory = Memory::of_front_end(200, 2);
     let settings = Preprocessing { kept: EVERYTHING, ..Preprocessing::default() };
-    let mut front_end = FrontEnd::<Stft>::new(settings, memory.view().front_end).expect("legal");
+    let mut front_end = FrontEnd::<FloatStft>::new(settings, memory.view().front_end).expect("legal");
     for n in 0..160 {
         let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
         let wanted = match n {
@@ -97,7 +98,7 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
 }
 
 /// The brightest row of every frame.
-fn rows<T: ShortTime>(settings: Preprocessing, bin: i32) -> Vec<usize> {
+fn rows<T: Stft>(settings: Preprocessing, bin: i32) -> Vec<usize> {
     let mut memory = Memory::of_front_end(144, 3);
     let mut front_end = FrontEnd::<T>::new(settings, memory.view().front_end).expect("legal");
     (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
@@ -112,7 +113,7 @@ fn a_tone_lies_in_its_row() {
         let settings = Preprocessing { kept: EVERYTHING, bins_per_row: bins, ..Preprocessing::default() };
         for row in [0, 5, 31, 32, 33, 63] {
             let bin = (row - 32) * i32::from(bins) + i32::from(bins) / 2;
-            assert_eq!(rows::<Stft>(settings, bin), [row as usize; 3], "{bins} bins a row, bin {bin}");
+            assert_eq!(rows::<FloatStft>(settings, bin), [row as usize; 3], "{bins} bins a row, bin {bin}");
             assert_eq!(rows::<FixedStft>(settings, bin), [row as usize; 3], "{bins} bins a row, bin {bin}");
         }
     }

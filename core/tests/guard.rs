@@ -2,15 +2,15 @@
 
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
-use sdp3_core::anytime::{Anytime, Exit};
+use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
 use sdp3_core::dsn::{ModelError, Shape};
-use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
-use sdp3_core::guard::campaign::recording;
-use sdp3_core::guard::station::Trouble;
-use sdp3_core::guard::{Fault, Guarded, Intact, SampleFault, Watch};
+use sdp3_core::early_exit::{Anytime, Exit};
 use sdp3_core::memory_for;
-use sdp3_core::schedule::{Sensing, SlotUse};
+use sdp3_core::scheduler::{Sensing, SlotUse};
 use sdp3_core::selftest::noise;
+use sdp3_core::supervision::campaign::recording;
+use sdp3_core::supervision::station::Trouble;
+use sdp3_core::supervision::{Fault, Guarded, Intact, SampleFault, Watch};
 
 static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
 const SHAPE: Shape = match Shape::of(MODEL) {

@@ -4,8 +4,8 @@ mod support;
 
 use sdp3_core::dsn::{Model, Portable, Shape};
 use sdp3_core::memory_for;
-use sdp3_core::receiver::{Receiver, ReceiverError, STANDARD, StandardMemory};
-use sdp3_core::stft::NativeStft;
+use sdp3_core::pipeline::{Receiver, ReceiverError, STANDARD, StandardMemory};
+use sdp3_core::signal::stft::NativeStft;
 use support::{Memory, SHORTER, noise_slots, random_model};
 
 static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-1000.sdp3");

@@ -2,10 +2,10 @@
 
 mod support;
 
-use sdp3_core::anytime::{Anytime, Exit};
+use sdp3_core::dims::Slot;
 use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::frame::Slot;
-use sdp3_core::schedule::{Scheduler, Sensing, SlotUse};
+use sdp3_core::early_exit::{Anytime, Exit};
+use sdp3_core::scheduler::{Scheduler, Sensing, SlotUse};
 use sdp3_core::station::Station;
 use support::{Memory, noise_slots, random_model};
 

@@ -5,9 +5,9 @@
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
-use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
 
-const SILENCE: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+const ZERO: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
 
 /// Two slots and who may touch each.
 pub struct DoubleBuffer {
@@ -24,7 +24,7 @@ impl DoubleBuffer {
     /// Two empty slots.
     pub const fn new() -> Self {
         DoubleBuffer {
-            slots: [UnsafeCell::new(SILENCE), UnsafeCell::new(SILENCE)],
+            slots: [UnsafeCell::new(ZERO), UnsafeCell::new(ZERO)],
             full: [AtomicBool::new(false), AtomicBool::new(false)],
             split: AtomicBool::new(false),
         }

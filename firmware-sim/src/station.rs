@@ -9,10 +9,10 @@ use crate::log;
 use crate::rt::{Owned, paint_stack, stack_used, start_ticks, wait};
 use crate::semihosting::{File, arguments, exit, print, print_number};
 use core::sync::atomic::{AtomicU32, Ordering};
+use sdp3_core::dims::Iq;
 use sdp3_core::dsn::Model;
-use sdp3_core::frame::Iq;
-use sdp3_core::receiver::{Buffers, Receiver};
-use sdp3_core::schedule::{RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::pipeline::{Buffers, Receiver};
+use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;

@@ -27,9 +27,9 @@ use crate::results::{
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
-use sdp3_core::anytime::{Anytime, Exit};
+use sdp3_core::dims::Slot;
 use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::frame::Slot;
+use sdp3_core::early_exit::{Anytime, Exit};
 use sdp3_core::station::Station;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -215,8 +215,8 @@ impl Job {
         rule: Rule,
     ) -> Result<AnytimeResult, Failure> {
         let s = &self.scenario;
-        if models.len() > sdp3_core::anytime::EXITS {
-            let most = sdp3_core::anytime::EXITS;
+        if models.len() > sdp3_core::early_exit::EXITS {
+            let most = sdp3_core::early_exit::EXITS;
             return Err(format!("frame.sensing_slots: {} exits; legal are 1..={most}", models.len()).into());
         }
         let gather = |part: Part, per_class: u32, what: &str| {
@@ -250,7 +250,7 @@ impl Job {
 
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
-        use sdp3_core::schedule::{RECEIVERS, Scheduler, Sensing, SlotUse};
+        use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
         let model = parsed
             .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)

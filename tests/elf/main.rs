@@ -12,7 +12,7 @@ use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dsn::Shape;
-use sdp3_core::receiver::StandardMemory;
+use sdp3_core::pipeline::StandardMemory;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;

@@ -2,7 +2,7 @@
 //!
 //! TFLite 8-bit specification, CONV_2D: acc = bias + sum (x - z_x) w, y = requantize(acc) + z_y, clamped.
 
-use super::channelwise::Channelwise;
+use super::per_channel::PerChannelQuant;
 use crate::fixed::clamp_i8;
 
 /// Most input channels of a convolution.
@@ -14,7 +14,7 @@ const PATCH: usize = 9 * MAX_CHANNELS;
 /// A 3x3 convolution; weights `[output, 3, 3, input]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Conv<'m> {
-    pub(super) layer: Channelwise<'m>,
+    pub(super) layer: PerChannelQuant<'m>,
     pub(super) inputs: usize,
     pub(super) stride: usize,
 }

@@ -2,7 +2,7 @@
 //!
 //! The layer is a 1x1 convolution of a one-pixel image (TFLite CONV_2D, per-channel); softmax as in the paper.
 
-use super::channelwise::Channelwise;
+use super::per_channel::PerChannelQuant;
 use crate::fixed::clamp_i8;
 use crate::math::fast_expf;
 
@@ -12,7 +12,7 @@ pub const MAX_CLASSES: usize = 16;
 /// The fully connected layer; weights `[classes, channels]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Head<'m> {
-    pub(super) layer: Channelwise<'m>,
+    pub(super) layer: PerChannelQuant<'m>,
     pub(super) inputs: usize,
     pub(super) scale: f32,
 }
@@ -60,7 +60,7 @@ mod tests {
 
     /// Two classes of one weight each, a logit step being one nat.
     fn head() -> Head<'static> {
-        let layer = Channelwise {
+        let layer = PerChannelQuant {
             in_zp: -3,
             out_zp: 5,
             act_min: -100,

@@ -3,7 +3,7 @@
 //! Every implementation gives the same bits; a processor's own need not cover every layer.
 
 use super::add::Add;
-use super::affine::Affine;
+use super::batch_norm::BatchNormRelu;
 use super::conv::Conv;
 use super::pool::{average, max_rows};
 
@@ -32,8 +32,8 @@ pub trait Kernels {
         }
     }
 
-    /// [`Affine::forward`].
-    fn affine(&mut self, _at: usize, layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
+    /// [`BatchNormRelu::forward`].
+    fn affine(&mut self, _at: usize, layer: &BatchNormRelu<'_>, input: &[i8], output: &mut [i8]) {
         layer.forward(input, output);
     }
 
@@ -73,7 +73,7 @@ impl<K: Kernels> Kernels for &mut K {
         (**self).stem(stem, image, size, rows, pooled);
     }
 
-    fn affine(&mut self, at: usize, layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
+    fn affine(&mut self, at: usize, layer: &BatchNormRelu<'_>, input: &[i8], output: &mut [i8]) {
         (**self).affine(at, layer, input, output);
     }
 

@@ -7,24 +7,24 @@
 //! its ReLU it is a depthwise 1x1 layer ([`affine`]). The second folds into the first convolution.
 
 pub mod add;
-pub mod affine;
-pub mod channelwise;
+pub mod batch_norm;
 pub mod conv;
 pub mod format;
 pub mod head;
 pub mod kernels;
 pub mod model;
 pub mod network;
+pub mod per_channel;
 pub mod pool;
 #[cfg(test)]
 mod random_model;
 pub mod shape;
-pub mod tiled;
 pub mod vector;
+pub mod winograd;
 
 pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
 pub use shape::Shape;
-pub use tiled::Tiled;
 pub use vector::Vector;
+pub use winograd::WinogradF2;

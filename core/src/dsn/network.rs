@@ -7,8 +7,8 @@ use super::head::{MAX_CLASSES, arg_max};
 use super::kernels::{Kernels, Portable};
 use super::model::Model;
 use super::shape::Shape;
+use crate::dims::ROWS;
 use crate::dsn::conv::MAX_CHANNELS;
-use crate::frame::ROWS;
 use crate::probe::Probe;
 use heapless::Vec;
 

@@ -8,9 +8,9 @@
 #[allow(unsafe_code)]
 mod arm;
 pub mod arrays;
-pub mod high;
-pub mod mix;
-pub mod pairs;
+pub mod conj_mac;
+pub mod dual_mac;
+pub mod mulh;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod x86;
@@ -71,15 +71,15 @@ pub fn set_lane(lines: &mut Rescale, lane: usize, multiplier: i32, shift: i8, ze
     true
 }
 
-/// The fastest [`pairs::Pairs`] of the target.
+/// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp, not(arm_mve)))]
-pub use arm::Dsp as NativePairs;
-/// The fastest [`pairs::Pairs`] of the target.
+pub use arm::Dsp as NativeDualMac;
+/// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(all(target_arch = "arm", arm_mve))]
-pub use arm::Helium as NativePairs;
-/// The fastest [`pairs::Pairs`] of the target.
+pub use arm::Helium as NativeDualMac;
+/// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
-pub type NativePairs = pairs::Plain;
+pub type NativeDualMac = dual_mac::Plain;
 
 /// What is to be done with the vectors of one instruction set.
 pub trait Job {

@@ -7,15 +7,15 @@ mod random_model;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use random_model::{Numbers, Size};
+use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
 use sdp3_core::dsn::Model;
 use sdp3_core::dsn::model::crc32;
 use sdp3_core::dsn::network::scratch_bytes;
-use sdp3_core::dsn::tiled::{TiledMemory, TiledSizes};
-use sdp3_core::frame::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
-use sdp3_core::front_end::FrontEndBuffers;
-use sdp3_core::receiver::Buffers;
+use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
+use sdp3_core::pipeline::Buffers;
 use sdp3_core::selftest::noise;
-use sdp3_core::simd::pairs::Eight;
+use sdp3_core::signal::front_end::FrontEndBuffers;
+use sdp3_core::simd::dual_mac::I16x8;
 
 /// Channels of [`random_model`].
 pub const CHANNELS: usize = 8;
@@ -54,17 +54,17 @@ pub struct Memory {
     pub levels: Vec<i16>,
     pub image: Vec<i8>,
     pub scratch: Vec<i8>,
-    pub eights: Vec<Eight>,
+    pub eights: Vec<I16x8>,
     pub words: Vec<i32>,
 }
 
 impl Memory {
     /// Exactly what a model's receiver borrows.
     pub fn of(model: &Model<'_>) -> Self {
-        let tiles = TiledSizes::of(model);
+        let tiles = WinogradSizes::of(model);
         Memory {
             scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
-            eights: vec![Eight::ZERO; tiles.eights],
+            eights: vec![I16x8::ZERO; tiles.eights],
             words: vec![0; tiles.words],
             ..Self::of_front_end(model.sensing_slots(), model.frames())
         }
@@ -92,7 +92,7 @@ impl Memory {
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
-            tiles: TiledMemory { eights: &mut self.eights, words: &mut self.words },
+            tiles: WinogradMemory { eights: &mut self.eights, words: &mut self.words },
         }
     }
 }

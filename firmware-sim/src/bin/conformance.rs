@@ -12,16 +12,16 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::{Digest, DigestProbe};
-    use sdp3_core::dsn::tiled::Tiled;
+    use sdp3_core::dims::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::dsn::winograd::WinogradF2;
     use sdp3_core::dsn::{Model, scratch_bytes};
-    use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::pipeline::{Memory, Receiver};
     use sdp3_core::probe::Probe;
-    use sdp3_core::receiver::{Memory, Receiver};
-    use sdp3_core::schedule::{Plan, RECEIVERS, Sequencer, SlotUse};
+    use sdp3_core::scheduler::{Plan, RECEIVERS, Sequencer, SlotUse};
     use sdp3_core::selftest;
-    use sdp3_core::stft::{FixedBins, FixedStft, ShortTime, Spectrum, Stft};
+    use sdp3_core::signal::clutter::{Gram, Weights};
+    use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
     use sdp3_core::values::{Sink, Stage, Values};
     use sdp3_firmware_sim::rt::{Single, instructions, paint_stack, stack_used, start_counter};
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
@@ -173,7 +173,7 @@ mod firmware {
             }
         };
         let (digests, count) = match transform {
-            0 => recording::<Stft>(parsed, file, slots, memory, dump),
+            0 => recording::<FloatStft>(parsed, file, slots, memory, dump),
             1 => recording::<FixedStft>(parsed, file, slots, memory, dump),
             _ => fail("a transform is neither 0 nor 1"),
         };
@@ -184,14 +184,14 @@ mod firmware {
     }
 
     /// Reads a recording and recognises it: every stage's digest, and the instructions of it all.
-    fn recording<T: ShortTime>(
+    fn recording<T: Stft>(
         model: Model<'_>,
         file: &mut File,
         slots: u32,
         memory: &mut Standard,
         dump: Option<&mut Values<Dump>>,
     ) -> (DigestProbe, u64) {
-        let mut receiver = match Receiver::<Tiled<'_>, T>::with_transform(model, memory.view()) {
+        let mut receiver = match Receiver::<WinogradF2<'_>, T>::with_transform(model, memory.view()) {
             Ok(receiver) => receiver,
             Err(error) => {
                 defmt::error!("{}", error);

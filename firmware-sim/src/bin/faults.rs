@@ -13,11 +13,11 @@ fn main() {
 mod firmware {
     use rand_core::SeedableRng;
     use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_core::anytime::{Anytime, Exit};
     use sdp3_core::dsn::Shape;
-    use sdp3_core::guard::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
-    use sdp3_core::guard::{Guarded, Intact};
+    use sdp3_core::early_exit::{Anytime, Exit};
     use sdp3_core::memory_for;
+    use sdp3_core::supervision::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
+    use sdp3_core::supervision::{Guarded, Intact};
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 

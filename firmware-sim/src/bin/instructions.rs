@@ -17,16 +17,16 @@ mod random_model;
 mod firmware {
     use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
-    use sdp3_core::clutter::{Gram, Weights};
     use sdp3_core::digest::DigestProbe;
+    use sdp3_core::dims::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::dsn::model::crc32;
-    use sdp3_core::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
+    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
-    use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
     use sdp3_core::probe::Probe;
-    use sdp3_core::receiver::{Memory, Receiver, ReceiverError};
     use sdp3_core::selftest;
-    use sdp3_core::stft::{FixedBins, FixedStft, NativeStft, ShortTime, Spectrum, Stft};
+    use sdp3_core::signal::clutter::{Gram, Weights};
+    use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -152,24 +152,19 @@ mod firmware {
     }
 
     /// Counts a recognition of noise; all stages' values go to `probe`.
-    fn count<T: ShortTime>(
-        model: &Model<'_>,
-        memory: &mut Largest,
-        by: By,
-        probe: &mut DigestProbe,
-    ) -> Shares {
+    fn count<T: Stft>(model: &Model<'_>, memory: &mut Largest, by: By, probe: &mut DigestProbe) -> Shares {
         let mut buffers = memory.view();
-        let TiledMemory { eights, words } = core::mem::take(&mut buffers.tiles);
+        let WinogradMemory { eights, words } = core::mem::take(&mut buffers.tiles);
         let By::Tiles(places) = by else {
             return recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, Portable), probe);
         };
-        let sizes = TiledSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let tiles = TiledMemory { eights: part(eights, sizes.eights), words: part(words, sizes.words) };
-        let Some(kernels) = Tiled::new(model, tiles) else { fail("packed weights do not fit") };
+        let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let tiles = WinogradMemory { eights: part(eights, sizes.eights), words: part(words, sizes.words) };
+        let Some(kernels) = WinogradF2::new(model, tiles) else { fail("packed weights do not fit") };
         recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, kernels), probe)
     }
 
-    fn recognise<K: Kernels, T: ShortTime>(
+    fn recognise<K: Kernels, T: Stft>(
         receiver: Result<Receiver<'_, '_, K, T>, ReceiverError>,
         probe: &mut DigestProbe,
     ) -> Shares {
@@ -197,7 +192,7 @@ mod firmware {
 
     impl Bench {
         /// Counts a network by tiles and by the plain loops, in this order, and compares their layers.
-        fn both<T: ShortTime>(&mut self, size: Size, by: By) -> [Shares; 2] {
+        fn both<T: Stft>(&mut self, size: Size, by: By) -> [Shares; 2] {
             let length = write(size, 1, Numbers::Trained, crc32, self.model);
             let bytes = self.model.get(..length).unwrap_or(&[]);
             let Ok(model) = Model::parse(bytes) else { fail("a network is refused") };
@@ -245,7 +240,7 @@ mod firmware {
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };
         work("stft-frame", bench.both::<FixedStft>(single, By::Tiles(1))[0].frame);
-        work("stft-frame-f32", bench.both::<Stft>(single, By::Tiles(1))[0].frame);
+        work("stft-frame-f32", bench.both::<FloatStft>(single, By::Tiles(1))[0].frame);
         for (kind, count) in KINDS.iter().zip(shares.counts) {
             println(format_args!("work chain-{kind} {count}"));
         }

@@ -12,12 +12,12 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::clutter::{Gram, Weights};
+    use sdp3_core::dims::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::dsn::Model;
-    use sdp3_core::frame::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::pipeline::{Receiver, StandardMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::receiver::{Receiver, StandardMemory};
     use sdp3_core::selftest::noise;
+    use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
 

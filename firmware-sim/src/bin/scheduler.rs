@@ -11,7 +11,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::schedule::{Plan, Sequencer, SlotUse, selftest};
+    use sdp3_core::scheduler::{Plan, Sequencer, SlotUse, selftest};
     use sdp3_firmware_sim::rt::{instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
 

@@ -13,14 +13,14 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::anytime::{Anytime, Exit};
     use sdp3_core::digest::Digest;
+    use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::dsn::Shape;
-    use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
-    use sdp3_core::guard::{Guarded, Intact, Watch};
+    use sdp3_core::early_exit::{Anytime, Exit};
     use sdp3_core::memory_for;
-    use sdp3_core::schedule::{Sensing, SlotUse};
+    use sdp3_core::scheduler::{Sensing, SlotUse};
     use sdp3_core::selftest::noise;
+    use sdp3_core::supervision::{Guarded, Intact, Watch};
     use sdp3_firmware_sim::rt::{Single, paint_stack, stack_used};
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 

@@ -9,7 +9,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use sdp3_core::dsn::Model;
-    use sdp3_core::receiver::StandardMemory;
+    use sdp3_core::pipeline::StandardMemory;
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::exit;
     use sdp3_firmware_sim::station::run;

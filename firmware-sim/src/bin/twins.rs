@@ -10,11 +10,11 @@ fn main() {
 mod firmware {
     use rand_core::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_core::dechirp::CHIRP;
-    use sdp3_core::frame::{Iq, Slot};
-    use sdp3_core::simd::NativePairs;
-    use sdp3_core::simd::pairs::{Eight, POINTS, Pairs, Plain, Points, plain_products, unpack};
-    use sdp3_core::simd::{high, mix};
+    use sdp3_core::dims::{Iq, Slot};
+    use sdp3_core::signal::dechirp::CHIRP;
+    use sdp3_core::simd::NativeDualMac;
+    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Points, plain_products, unpack};
+    use sdp3_core::simd::{conj_mac, mulh};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
     /// Inputs of each kernel.
@@ -48,23 +48,23 @@ mod firmware {
     fn products<const QUADS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
             let mut draw = |points: &mut Points<QUADS>| {
-                points.as_flattened_mut().iter_mut().for_each(|Eight(values)| {
+                points.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
             };
-            let (mut inputs, mut weights) = ([[Eight::ZERO; QUADS]; POINTS], [[Eight::ZERO; QUADS]; POINTS]);
+            let (mut inputs, mut weights) = ([[I16x8::ZERO; QUADS]; POINTS], [[I16x8::ZERO; QUADS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
             let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
-            NativePairs::default().products(&inputs, &weights, &mut found);
-            plain_products::<NativePairs, QUADS>(&inputs, &weights, &mut expected);
+            NativeDualMac::default().products(&inputs, &weights, &mut found);
+            plain_products::<NativeDualMac, QUADS>(&inputs, &weights, &mut expected);
             same("products", round, found, expected);
         }
     }
 
     /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
     fn sums(random: &mut impl Rng) {
-        fn chain<P: Pairs>(pairs: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
+        fn chain<P: DualMac>(pairs: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
             let mut sum = 0;
             for (k, value) in values.into_iter().enumerate() {
                 sum = if signs >> k & 1 == 0 { pairs.add(sum, value) } else { pairs.sub(sum, value) };
@@ -75,24 +75,24 @@ mod firmware {
             let values =
                 [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
             let signs = round as u32;
-            let found = chain(NativePairs::default(), signs, values);
+            let found = chain(NativeDualMac::default(), signs, values);
             same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
         }
     }
 
-    fn mixing(random: &mut impl Rng) {
+    fn dechirping(random: &mut impl Rng) {
         for round in 0..ROUNDS {
             let slot: Slot = core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
-            same("mixing", round, mix::mix(&slot, &CHIRP), mix::plain(&slot, &CHIRP));
+            same("dechirp", round, conj_mac::conj_mac(&slot, &CHIRP), conj_mac::plain(&slot, &CHIRP));
         }
     }
 
     fn upper_words(random: &mut impl Rng) {
         for round in 0..16 * ROUNDS {
             let [a, b, sum] = [0; 3].map(|_: i32| draw(random, round / 16));
-            same("upper word", round, high::high(a, b), high::plain(a, b));
-            let expected = sum.wrapping_add(high::plain(a, b));
-            same("sum of upper words", round, high::add_high(sum, a, b), expected);
+            same("upper word", round, mulh::mulh(a, b), mulh::plain(a, b));
+            let expected = sum.wrapping_add(mulh::plain(a, b));
+            same("sum of upper words", round, mulh::mla_h(sum, a, b), expected);
         }
     }
 
@@ -104,7 +104,7 @@ mod firmware {
         products::<4>(&mut random);
         products::<8>(&mut random);
         sums(&mut random);
-        mixing(&mut random);
+        dechirping(&mut random);
         upper_words(&mut random);
         println(format_args!("twins agree"));
         exit(0)

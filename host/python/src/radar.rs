@@ -5,9 +5,9 @@ use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUn
 use pyo3::prelude::*;
 use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3_core::dsn::Model as Parsed;
-use sdp3_core::frame::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
+use sdp3_core::dims::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
 use sdp3_core::probe::Probe;
-use sdp3_core::schedule::{RECEIVERS, Sensing, SlotUse};
+use sdp3_core::scheduler::{RECEIVERS, Sensing, SlotUse};
 
 /// Raw slots of an array [slow time, 1000, 2].
 fn slots(array: &PyReadonlyArray3<'_, i16>) -> PyResult<Vec<Slot>> {
@@ -26,13 +26,13 @@ pub fn dechirp<'py>(
     slots: PyReadonlyArray3<'py, i16>,
 ) -> PyResult<Bound<'py, numpy::PyArray3<i32>>> {
     let slots = self::slots(&slots)?;
-    let beats = slots.iter().flat_map(|slot| sdp3_core::dechirp::dechirp(slot).map(|z| [z.re, z.im]));
+    let beats = slots.iter().flat_map(|slot| sdp3_core::signal::dechirp::dechirp(slot).map(|z| [z.re, z.im]));
     PyArray1::from_vec(py, beats.flatten().collect()).reshape([slots.len(), BEATS, 2])
 }
 
 /// The scheduler.
 #[pyclass]
-pub struct Scheduler(sdp3_core::schedule::Scheduler);
+pub struct Scheduler(sdp3_core::scheduler::Scheduler);
 
 fn number(slot: SlotUse) -> i8 {
     match slot {
@@ -53,7 +53,7 @@ impl Scheduler {
         }
         let mut all = [0; RECEIVERS];
         all.iter_mut().zip(rates).for_each(|(to, rate)| *to = rate);
-        Ok(Scheduler(sdp3_core::schedule::Scheduler::new(sensing, all)))
+        Ok(Scheduler(sdp3_core::scheduler::Scheduler::new(sensing, all)))
     }
 
     fn next(&mut self) -> i8 {
@@ -122,7 +122,7 @@ impl Model {
     }
 
     /// Slots through the receiver.
-    fn recognise(&self, slots: &[Slot], probe: &mut impl Probe) -> PyResult<sdp3_core::receiver::Recognition> {
+    fn recognise(&self, slots: &[Slot], probe: &mut impl Probe) -> PyResult<sdp3_core::pipeline::Recognition> {
         let model = self.parsed()?;
         if slots.len() != model.sensing_slots() {
             let (have, need) = (slots.len(), model.sensing_slots());

@@ -53,16 +53,16 @@ pub fn simulate<'py>(
     let (count, slots) = (work.recordings() as usize, work.slots() as usize);
     let all: Vec<part::One> =
         py.detach(|| (0..count as u32).into_par_iter().map(|index| part::one(&work, index)).collect());
-    let frames = all.first().map_or(0, |one| one.image.len() / sdp3_core::frame::ROWS);
+    let frames = all.first().map_or(0, |one| one.image.len() / sdp3_core::dims::ROWS);
     let arrays = PyDict::new(py);
     let beat: Vec<i32> = all.iter().flat_map(|one| one.beat.iter().copied()).collect();
-    arrays.set_item("beat", PyArray1::from_vec(py, beat).reshape([count, slots, sdp3_core::frame::BEATS, 2])?)?;
+    arrays.set_item("beat", PyArray1::from_vec(py, beat).reshape([count, slots, sdp3_core::dims::BEATS, 2])?)?;
     let image: Vec<i8> = all.iter().flat_map(|one| one.image.iter().copied()).collect();
-    arrays.set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::frame::ROWS, frames])?)?;
+    arrays.set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::dims::ROWS, frames])?)?;
     arrays.set_item("label", PyArray1::from_vec(py, all.iter().map(|one| one.label).collect()))?;
     if raw {
         let samples = all.iter().flat_map(|one| one.slots.iter().flatten().flat_map(|iq| [iq.i, iq.q]));
-        let shape = [count, slots, sdp3_core::frame::SLOT_SAMPLES, 2];
+        let shape = [count, slots, sdp3_core::dims::SLOT_SAMPLES, 2];
         arrays.set_item("raw", PyArray1::from_vec(py, samples.collect()).reshape(shape)?)?;
     }
     Ok(arrays)

@@ -19,7 +19,7 @@ use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
 use sdp3::studies::Workshop;
 use sdp3::sweep::plan::Sweep;
-use sdp3_core::anytime::EXITS;
+use sdp3_core::early_exit::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, proof } = args;

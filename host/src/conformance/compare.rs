@@ -6,7 +6,7 @@
 //!   [`signal::backward_error`]. The f32 Jacobi sweeps perturb the matrix (trace 1) by a few dozen eps at most.
 //! - frames: `2^-18` of the sum of the windowed magnitudes: the f32 window is off by at most 2e-6 of its value, the
 //!   radix-2 transform adds eight roundings.
-//! - frames in integers: 57 LSB beyond that, 40 in each part: see [`sdp3_core::stft::FixedStft`].
+//! - frames in integers: 57 LSB beyond that, 40 in each part: see [`sdp3_core::signal::stft::FixedStft`].
 //! - confidence: 0.6 %, twice the error of the core's fast exponential.
 
 use super::reference::{network, schedule, signal};
@@ -14,12 +14,12 @@ use super::suite::{Case, Suite, Transform};
 use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
-use sdp3_core::clutter::{Gram, Weights};
+use sdp3_core::dims::{Beat, Complex};
 use sdp3_core::dsn::Model;
-use sdp3_core::frame::{Beat, Complex};
 use sdp3_core::probe::Probe;
-use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
-use sdp3_core::stft::{FixedBins, FixedStft, ShortTime, Spectrum, Stft};
+use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
+use sdp3_core::signal::clutter::{Gram, Weights};
+use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
 
 /// Bound of the weights' backward error: see the module.
 const WEIGHT_BOUND: f64 = 64.0 / 8_388_608.0;
@@ -47,12 +47,12 @@ pub struct CaseError {
 /// [`CaseError`] if the model is refused or the number of slots is not the model's.
 pub fn run_core(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
     match case.transform {
-        Transform::Float => run_by::<Stft>(case, probe),
+        Transform::Float => run_by::<FloatStft>(case, probe),
         Transform::Fixed => run_by::<FixedStft>(case, probe),
     }
 }
 
-fn run_by<T: ShortTime>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
+fn run_by<T: Stft>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError { case: case.name.clone(), reason };
     let model = Model::parse(&case.model).map_err(|e| fail(e.to_string()))?;
     let mut buffers = OwnedBuffers::for_model(&model);

@@ -4,7 +4,7 @@
 
 use super::compare::{CaseError, run_core};
 use super::suite::Case;
-use sdp3_core::frame::{BEATS, FFT_LEN};
+use sdp3_core::dims::{BEATS, FFT_LEN};
 use sdp3_core::values::{Sink, Stage, Values};
 
 /// Keeps one stage's values.

@@ -6,14 +6,14 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
 
 /// The arithmetic of a spectrogram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transform {
-    /// [`sdp3_core::stft::Stft`].
+    /// [`sdp3_core::signal::stft::FloatStft`].
     Float,
-    /// [`sdp3_core::stft::FixedStft`].
+    /// [`sdp3_core::signal::stft::FixedStft`].
     Fixed,
 }
 

@@ -25,7 +25,7 @@ use crate::results::{Case, Curve, OperatingPoint, RegionPoint, Spacing, Weighted
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
 use region::Point;
-use sdp3_core::schedule::PlanError;
+use sdp3_core::scheduler::PlanError;
 use theorem::Theorem;
 use zones::Zones;
 

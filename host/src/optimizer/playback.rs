@@ -2,7 +2,7 @@
 
 use super::OptimizerError;
 use crate::results::{OperatingPoint, RegionPoint, Schedule, SlotPlan};
-use sdp3_core::schedule::{Plan, Sequencer, SlotUse};
+use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
 
 /// Slots and columns of a [`SlotPlan`].
 const FIRST: usize = 80;

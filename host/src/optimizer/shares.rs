@@ -2,7 +2,7 @@
 //!
 //! The core divides by rates of 31 bits; receivers whose products differ by less than that may still trade a slot.
 
-use sdp3_core::schedule::{RECEIVERS, apportion};
+use sdp3_core::scheduler::{RECEIVERS, apportion};
 
 /// Rates in units that fill 31 bits: ratios to 1e-9.
 pub fn integer_rates(slot_bits: &[f64]) -> Vec<u32> {

@@ -8,7 +8,7 @@ use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;
 use sdp3_core::dsn::{Model, ModelError};
-use sdp3_core::receiver::ReceiverError;
+use sdp3_core::pipeline::ReceiverError;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why the core would not take a model.
@@ -67,7 +67,7 @@ pub fn through_core(
 }
 
 /// Class of one recording; slots beyond the model's are not used.
-fn classify(bytes: &[u8], slots: &[sdp3_core::frame::Slot]) -> Result<u8, AccuracyError> {
+fn classify(bytes: &[u8], slots: &[sdp3_core::dims::Slot]) -> Result<u8, AccuracyError> {
     let model = Model::parse(bytes).map_err(|source| AccuracyError::Model { sensing_slots: 0, source })?;
     let need = model.sensing_slots();
     let mut buffers = OwnedBuffers::for_model(&model);

@@ -1,13 +1,13 @@
 //! The core's receiver on this machine: memory of its own and the processor's fastest kernels.
 
-use sdp3_core::dsn::tiled::TiledMemory;
+use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::dsn::vector::{Vector, VectorMemory};
+use sdp3_core::dsn::winograd::WinogradMemory;
 use sdp3_core::dsn::{Model, Network, scratch_bytes};
-use sdp3_core::frame::{Beat, Complex, ROWS, ZERO_BEAT};
-use sdp3_core::front_end::FrontEndBuffers;
-use sdp3_core::receiver::{Buffers, Receiver, ReceiverError};
+use sdp3_core::pipeline::{Buffers, Receiver, ReceiverError};
+use sdp3_core::signal::front_end::FrontEndBuffers;
+use sdp3_core::signal::stft::{NativeStft, Stft};
 use sdp3_core::simd::{Isa, Line};
-use sdp3_core::stft::{NativeStft, ShortTime};
 
 /// A receiver that computes by this processor's vectors.
 pub type HostReceiver<'m, 'b, T = NativeStft> = Receiver<'m, 'b, Vector<'b>, T>;
@@ -57,7 +57,7 @@ impl OwnedBuffers {
     /// # Errors
     ///
     /// As [`OwnedBuffers::receiver`].
-    pub fn receiver_by<'m, T: ShortTime>(
+    pub fn receiver_by<'m, T: Stft>(
         &mut self,
         model: Model<'m>,
     ) -> Result<HostReceiver<'m, '_, T>, ReceiverError> {
@@ -100,7 +100,7 @@ impl OwnedBuffers {
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
-            tiles: TiledMemory::default(),
+            tiles: WinogradMemory::default(),
         };
         (&mut self.lines, &mut self.words, buffers)
     }

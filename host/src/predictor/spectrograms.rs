@@ -1,7 +1,7 @@
 //! From recordings to the network's images, through the core's own front end.
 //!
 //! Networks are trained on what the radar module will show them: beats, or raw 16-bit slots, go through
-//! `sdp3_core::front_end`, and an image is taken at every N_s on the way.
+//! `sdp3_core::signal::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
 use crate::predictor::receiver::OwnedBuffers;
@@ -10,8 +10,8 @@ use crate::scenario::{Class, Model, Scenario};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
-use sdp3_core::frame::{Beat, FFT_LEN, ROWS, Slot};
-use sdp3_core::front_end::FrontEnd;
+use sdp3_core::dims::{Beat, FFT_LEN, ROWS, Slot};
+use sdp3_core::signal::front_end::FrontEnd;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Labelled images of one set, one [`Images`] per number of sensing slots in the scenario, and their truth.

@@ -3,9 +3,9 @@
 use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
 use super::{Scenario, SpectrogramSettings};
-use sdp3_core::clutter::Kept;
-use sdp3_core::frame::FFT_LEN;
-use sdp3_core::front_end::Preprocessing;
+use sdp3_core::dims::FFT_LEN;
+use sdp3_core::signal::clutter::Kept;
+use sdp3_core::signal::front_end::Preprocessing;
 use std::path::PathBuf;
 
 /// Why a scenario cannot be used.

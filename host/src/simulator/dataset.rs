@@ -13,7 +13,7 @@ use super::channel::{Blocks, ChannelModel, Path, Scene, Sweep, accumulate, model
 use super::radar::{Converter, Impairments, slot};
 use super::random::Random;
 use crate::scenario::{Class, Scenario};
-use sdp3_core::frame::{Beat, Slot};
+use sdp3_core::dims::{Beat, Slot};
 
 /// What a recording is for; recordings of different sets share nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -269,7 +269,7 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
 mod tests {
     use super::*;
     use crate::scenario::Model;
-    use sdp3_core::dechirp::dechirp;
+    use sdp3_core::signal::dechirp::dechirp;
 
     #[test]
     fn a_recording_depends_on_its_coordinates_alone() {

@@ -7,8 +7,8 @@ use super::channel::room::mean_power;
 use super::channel::{BLOCKS, Blocks, Complex64, NODES, SWEEP_S, Sweep, phasor};
 use super::random::Random;
 use crate::scenario::{Radar, Scenario};
-use sdp3_core::dechirp::BEAT_SHIFT;
-use sdp3_core::frame::{BLOCK_SAMPLES, Beat, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use sdp3_core::dims::{BLOCK_SAMPLES, Beat, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use sdp3_core::signal::dechirp::BEAT_SHIFT;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 

@@ -108,8 +108,7 @@ fn counts(s: &Scenario, rho: f64, seed: u64, set: Set) -> Counts {
         let (class, index) = (Class::ALL[n as usize % Class::ALL.len()], n / Class::ALL.len() as u32);
         let slots = SETTLE_SLOTS + s.largest_sensing_slots();
         let (beats, _) = beats(s, rho, seed, set, class, index, slots);
-        let complex =
-            |z: &sdp3_core::frame::Beat| z.map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)));
+        let complex = |z: &sdp3_core::dims::Beat| z.map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)));
         let beats: Vec<_> = beats[SETTLE_SLOTS as usize..].iter().map(complex).collect();
         histogram(&grey.decibels(&clutter_free(&beats), false))
     };

@@ -25,7 +25,7 @@ use crate::simulator::channel::Complex64;
 use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
 use schemars::JsonSchema;
-use sdp3_core::frame::ROWS;
+use sdp3_core::dims::ROWS;
 use serde::{Deserialize, Serialize};
 
 /// Simulated seconds of each motion: to learn from, and to test on.

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::guard::watch::{Fault, WORDS, Watch};
-use sdp3_core::schedule::{RECEIVERS, Sensing};
+use sdp3_core::supervision::watch::{Fault, WORDS, Watch};
+use sdp3_core::scheduler::{RECEIVERS, Sensing};
 use sdp3_core::state::State;
 use sdp3_fuzz::Bytes;
 

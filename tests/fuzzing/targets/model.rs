@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::dsn::{Model, Network, Shape};
-use sdp3_core::frame::ROWS;
+use sdp3_core::dims::ROWS;
 use sdp3_fuzz::seal;
 
 fn judge(file: &[u8], image: &[u8]) {

@@ -4,12 +4,12 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::conformance::reference::network::infer;
-use sdp3_core::dsn::tiled::{Tiled, TiledMemory, TiledSizes};
+use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::vector::VectorMemory;
 use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector};
-use sdp3_core::frame::ROWS;
+use sdp3_core::dims::ROWS;
 use sdp3_core::probe::Probe;
-use sdp3_core::simd::pairs::Eight;
+use sdp3_core::simd::dual_mac::Eight;
 use sdp3_core::simd::{Isa, Line};
 use sdp3_fuzz::{Bytes, Sizes, model};
 
@@ -51,10 +51,10 @@ fuzz_target!(|data: &[u8]| {
     let model = Model::parse(&file).expect("a sound model");
     assert_eq!(layers(model.clone(), &image, Portable), expected);
     for places in [1, 2 * model.blocks()] {
-        let sizes = TiledSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
         let (mut eights, mut words) = (vec![Eight::ZERO; sizes.eights], vec![0; sizes.words]);
-        let memory = TiledMemory { eights: &mut eights, words: &mut words };
-        let kernels = Tiled::new(&model, memory).expect("enough memory");
+        let memory = WinogradMemory { eights: &mut eights, words: &mut words };
+        let kernels = WinogradF2::new(&model, memory).expect("enough memory");
         assert_eq!(layers(model.clone(), &image, kernels), expected, "tiles, {places} places");
     }
     for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {

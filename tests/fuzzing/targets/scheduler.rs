@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::schedule::sensing::LONGEST_PERIOD;
-use sdp3_core::schedule::{Plan, RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::layout::LONGEST_PERIOD;
+use sdp3_core::scheduler::{Plan, RECEIVERS, Scheduler, Sensing, SlotUse};
 use sdp3_fuzz::Bytes;
 
 /// Sensing of a period of at most 256 slots.

@@ -3,9 +3,9 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::dsn::{Model, Shape};
-use sdp3_core::frame::{Iq, Slot};
+use sdp3_core::dims::{Iq, Slot};
 use sdp3_core::memory_for;
-use sdp3_core::receiver::{Receiver, ReceiverError};
+use sdp3_core::pipeline::{Receiver, ReceiverError};
 use sdp3_fuzz::{Bytes, Sizes, model};
 
 /// Memory for every model made here: at most 9 frames, 24 slots.

@@ -8,16 +8,16 @@ mod reader;
 mod signature;
 
 use super::add::Add;
-use super::affine::Affine;
+use super::batch_norm::BatchNormRelu;
 use super::conv::{Conv, MAX_CHANNELS};
 pub use super::format::{
     HEADER_LEN, KEY_LEN, MAGIC, MAX_BLOCKS, NAME_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN, VERSION,
 };
 use super::head::{Head, MAX_CLASSES};
 use super::shape::Shape;
-use crate::clutter::Kept;
-use crate::frame::ROWS;
-use crate::front_end::Preprocessing;
+use crate::dims::ROWS;
+use crate::signal::clutter::SvdRange;
+use crate::signal::front_end::Preprocessing;
 pub use error::ModelError;
 use heapless::Vec;
 use reader::{Reader, check};
@@ -25,7 +25,7 @@ use reader::{Reader, check};
 /// One residual block.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'m> {
-    pub(in crate::dsn) affine: Affine<'m>,
+    pub(in crate::dsn) affine: BatchNormRelu<'m>,
     pub(in crate::dsn) conv: [Conv<'m>; 2],
     pub(in crate::dsn) add: Add,
 }
@@ -128,7 +128,7 @@ impl<'m> Model<'m> {
         let mut r = Reader { bytes: content, total: content.len() };
         r.take(12)?;
         let sensing_slots = r.u16()?;
-        let kept = Kept { first: r.u8()?, last: r.u8()? };
+        let kept = SvdRange { first: r.u8()?, last: r.u8()? };
         let (window, hop, rows) = (r.u16()?, r.u16()?, r.u16()?);
         let (bins_per_row, stem_stride) = (r.u8()?, r.u8()?);
         let (range, frames) = (r.u16()?, r.u16()?);
@@ -173,7 +173,7 @@ impl<'m> Model<'m> {
             let (first, _) = r.channelwise(1, c, 9 * c)?;
             let (second, _) = r.channelwise(1, c, 9 * c)?;
             let block = Block {
-                affine: Affine { layer: affine },
+                affine: BatchNormRelu { layer: affine },
                 conv: [first, second].map(|layer| Conv { layer, inputs: c, stride: 1 }),
                 add: r.add()?,
             };

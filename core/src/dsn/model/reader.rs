@@ -2,7 +2,7 @@
 
 use super::ModelError;
 use crate::dsn::add::Add;
-use crate::dsn::channelwise::{Channelwise, read_i32};
+use crate::dsn::per_channel::{PerChannelQuant, read_i32};
 
 /// Reads fields one after the other; running out is an error, never a panic.
 pub(super) struct Reader<'m> {
@@ -72,7 +72,7 @@ impl<'m> Reader<'m> {
         kind: u8,
         channels: usize,
         taps: usize,
-    ) -> Result<(Channelwise<'m>, f32), ModelError> {
+    ) -> Result<(PerChannelQuant<'m>, f32), ModelError> {
         let [in_zp, out_zp, act_min, act_max, _] = self.layer(kind)?;
         self.scale("layer.in_scale")?;
         let scale = self.scale("layer.out_scale")?;
@@ -87,8 +87,17 @@ impl<'m> Reader<'m> {
         for &s in shifts {
             shift("layer.shift", s as i8)?;
         }
-        let layer =
-            Channelwise { in_zp, out_zp, act_min, act_max, channels, multipliers, biases, shifts, weights };
+        let layer = PerChannelQuant {
+            in_zp,
+            out_zp,
+            act_min,
+            act_max,
+            channels,
+            multipliers,
+            biases,
+            shifts,
+            weights,
+        };
         Ok((layer, scale))
     }
 

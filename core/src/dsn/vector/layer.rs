@@ -1,7 +1,7 @@
 //! What every convolution on vectors is made of: views of its memory, groups of sixteen outputs, and the way back to int8.
 
-use crate::dsn::channelwise::Channelwise;
 use crate::dsn::conv::Conv;
+use crate::dsn::per_channel::PerChannelQuant;
 use crate::simd::{LANES, Lanes, Line, Rescale};
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
@@ -64,7 +64,7 @@ impl<'a> Group<'a> {
 #[inline(always)]
 pub fn finish<L: Lanes>(
     lanes: L,
-    layer: &Channelwise<'_>,
+    layer: &PerChannelQuant<'_>,
     rescale: &Rescale,
     sums: [L::V; 4],
 ) -> [i8; 4 * LANES] {

@@ -12,11 +12,11 @@ mod stem;
 mod winograd;
 
 use super::add::Add;
-use super::affine::Affine;
+use super::batch_norm::BatchNormRelu;
 use super::conv::{Conv, same};
 use super::kernels::{Kernels, Portable};
 use super::model::{MAX_BLOCKS, Model};
-use crate::frame::ROWS;
+use crate::dims::ROWS;
 use crate::simd::{Isa, Line, Unit};
 use heapless::Vec;
 use layer::Convolution;
@@ -125,7 +125,7 @@ impl Kernels for Vector<'_> {
         unit.run(Stem { layer: stem, lines, words: self.words, image, size, pooled });
     }
 
-    fn affine(&mut self, at: usize, layer: &Affine<'_>, input: &[i8], output: &mut [i8]) {
+    fn affine(&mut self, at: usize, layer: &BatchNormRelu<'_>, input: &[i8], output: &mut [i8]) {
         let Some((unit, lines)) = self.packed(at) else { return layer.forward(input, output) };
         unit.run(PointwiseAffine { layer, lines, input, output });
     }

@@ -2,14 +2,14 @@
 //!
 //! Convolution, per group of sixteen outputs: biases, [`Rescale`], then for each row of the kernel its words. A word
 //! holds the weights of two or four successive inputs of a lane's output. The input's zero point is in the bias; where
-//! inputs are u8 = i8 + 128, so is the 128. Pairs of inputs in sixteens are packed for [`winograd`] instead:
-//! words by point. Affine, per phase of sixteen values: biases, weights, [`Rescale`].
+//! inputs are u8 = i8 + 128, so is the 128. DualMac of inputs in sixteens are packed for [`winograd`] instead:
+//! words by point. BatchNormRelu, per phase of sixteen values: biases, weights, [`Rescale`].
 
 use super::winograd;
 use crate::dsn::add::Add;
-use crate::dsn::affine::Affine;
-use crate::dsn::channelwise::Channelwise;
+use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::conv::Conv;
+use crate::dsn::per_channel::PerChannelQuant;
 use crate::simd::{LANES, Line, MAX_ACCUMULATOR, Rescale, set_lane};
 
 /// Lines of an addition: two offsets and three [`Rescale`]s.
@@ -131,7 +131,7 @@ impl<'a> Packer<'a> {
     }
 
     /// An affine layer's lines; `None` if vectors cannot compute it.
-    pub fn affine(&mut self, affine: &Affine<'_>) -> Option<usize> {
+    pub fn affine(&mut self, affine: &BatchNormRelu<'_>) -> Option<usize> {
         let layer = &affine.layer;
         self.layer(|packer| {
             for phase in 0..phases(layer.channels) {
@@ -178,7 +178,7 @@ impl<'a> Packer<'a> {
 
 /// What the sum of a channel starts with: its bias less `offset` times its weights; `None` if the sum could leave
 /// +-[`MAX_ACCUMULATOR`].
-fn start(layer: &Channelwise<'_>, channel: usize, weights: &[u8], offset: i32) -> Option<i32> {
+fn start(layer: &PerChannelQuant<'_>, channel: usize, weights: &[u8], offset: i32) -> Option<i32> {
     let bias = layer.bias(channel);
     let (mut sum, mut largest) = (0_i64, i64::from(bias).abs());
     for &w in weights {

@@ -2,7 +2,7 @@
 
 use super::packing::{is_half, phases};
 use crate::dsn::add::Add;
-use crate::dsn::affine::Affine;
+use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::pool::mean;
 use crate::simd::{Job, LANES, Lanes, Line, Rescale};
 
@@ -56,7 +56,7 @@ fn widen<L: Lanes>(lanes: L, values: &[i8; STEP]) -> [L::V; 4] {
 
 /// An affine layer with its ReLU.
 pub struct PointwiseAffine<'a> {
-    pub layer: &'a Affine<'a>,
+    pub layer: &'a BatchNormRelu<'a>,
     pub lines: &'a [Line],
     pub input: &'a [i8],
     pub output: &'a mut [i8],

@@ -1,7 +1,7 @@
 //! Helium, the vector extension of Armv8.1-M: eight 16-bit products and their sum an instruction.
 
 use super::Dsp;
-use crate::simd::pairs::{Eight, Pairs, Points, Sums, plain_products};
+use crate::simd::dual_mac::{DualMac, I16x8, Points, Sums, plain_products};
 use core::arch::global_asm;
 
 /// Helium, and with it the DSP extension.
@@ -77,12 +77,12 @@ global_asm!(
 );
 
 unsafe extern "C" {
-    fn sdp3_wide_products_1(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
-    fn sdp3_wide_products_2(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
-    fn sdp3_wide_products_4(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
+    fn sdp3_wide_products_1(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    fn sdp3_wide_products_2(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    fn sdp3_wide_products_4(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
 }
 
-impl Pairs for Helium {
+impl DualMac for Helium {
     const WIDE: bool = true;
 
     #[inline(always)]

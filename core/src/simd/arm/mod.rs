@@ -1,5 +1,5 @@
 //! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
-//! [`Pairs`].
+//! [`DualMac`].
 //!
 //! The module is compiled only where the target promises the extension; that is what every `unsafe` below stands on.
 
@@ -8,8 +8,8 @@ mod helium;
 #[cfg(arm_mve)]
 pub use helium::Helium;
 
-use crate::frame::{BEATS, Iq, Slot};
-use crate::simd::pairs::{Eight, Pairs, Points, Sums, plain_products};
+use crate::dims::{BEATS, Iq, Slot};
+use crate::simd::dual_mac::{DualMac, I16x8, Points, Sums, plain_products};
 use core::arch::{asm, global_asm};
 
 /// The DSP extension.
@@ -94,12 +94,12 @@ global_asm!(
 );
 
 unsafe extern "C" {
-    fn sdp3_products_2(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
-    fn sdp3_products_4(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
-    fn sdp3_products_8(inputs: *const Eight, weights: *const Eight, sums: *mut Sums);
+    fn sdp3_products_2(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    fn sdp3_products_4(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    fn sdp3_products_8(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
 }
 
-impl Pairs for Dsp {
+impl DualMac for Dsp {
     #[inline(always)]
     fn add(self, a: i32, b: i32) -> i32 {
         let sum;
@@ -139,7 +139,7 @@ impl Pairs for Dsp {
     }
 }
 
-// Eight blocks of 125 samples, four at a time and the last alone. r0: samples, r1: reference, on the stack: where sums go,
+// I16x8 blocks of 125 samples, four at a time and the last alone. r0: samples, r1: reference, on the stack: where sums go,
 // and their end. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
@@ -187,9 +187,9 @@ unsafe extern "C" {
     fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut [[i64; 2]; BEATS]);
 }
 
-/// [`crate::simd::mix::plain`] by dual multiply-accumulates with 64-bit sums.
+/// [`crate::simd::conj_mac::plain`] by dual multiply-accumulates with 64-bit sums.
 #[inline]
-pub fn mix(samples: &Slot, reference: &Slot) -> [[i64; 2]; BEATS] {
+pub fn conj_mac(samples: &Slot, reference: &Slot) -> [[i64; 2]; BEATS] {
     let mut sums = [[0; 2]; BEATS];
     // SAFETY: it reads 1000 samples, words of in-phase and quadrature, of each and writes 128 bytes, which is what the sums
     // are; all are aligned to words.
@@ -199,9 +199,9 @@ pub fn mix(samples: &Slot, reference: &Slot) -> [[i64; 2]; BEATS] {
 
 // not `pure`: kept in the order of the source, they need fewer registers at a time
 
-/// [`crate::simd::high::high`].
+/// [`crate::simd::mulh::mulh`].
 #[inline(always)]
-pub fn high(a: i32, b: i32) -> i32 {
+pub fn mulh(a: i32, b: i32) -> i32 {
     let product;
     // SAFETY: registers only; the target has the instruction.
     unsafe {
@@ -210,9 +210,9 @@ pub fn high(a: i32, b: i32) -> i32 {
     product
 }
 
-/// [`crate::simd::high::add_high`].
+/// [`crate::simd::mulh::mla_h`].
 #[inline(always)]
-pub fn add_high(sum: i32, a: i32, b: i32) -> i32 {
+pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
     let total;
     // SAFETY: registers only; the target has the instruction.
     unsafe {

@@ -73,7 +73,7 @@ fn features() -> [bool; 3] {
     [avx2, avx2 && bit(more, 4), avx2 && avx512]
 }
 
-/// Words of four: the values with their sign bits turned over.
+/// Words of four: the values with their sign bits rotate_j over.
 #[inline(always)]
 fn flipped(values: &[i8], words: &mut [i32]) {
     let (fours, _) = values.as_chunks::<4>();

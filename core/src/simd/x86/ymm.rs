@@ -27,7 +27,7 @@ fn enter_avx_vnni<L: Lanes>(lanes: L, job: impl Job) {
     job.run(lanes);
 }
 
-/// Eight lanes of [`Lanes::rescale`]: 64-bit products of the even and the odd lanes, then one shift each.
+/// I16x8 lanes of [`Lanes::rescale`]: 64-bit products of the even and the odd lanes, then one shift each.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn rescale_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [__m256i; 5]) -> __m256i {
@@ -39,7 +39,7 @@ fn rescale_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [
     _mm256_srav_epi32(x, shift)
 }
 
-/// Eight lanes of [`Lanes::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
+/// I16x8 lanes of [`Lanes::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn multiply_ymm(a: __m256i, b: __m256i) -> __m256i {

@@ -8,10 +8,10 @@ use crate::results::{FaultRow, FaultTable};
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rayon::prelude::*;
-use sdp3_core::anytime::{Anytime, Exit};
 use sdp3_core::dsn::Portable;
-use sdp3_core::guard::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
-use sdp3_core::guard::{Guarded, Intact};
+use sdp3_core::early_exit::{Anytime, Exit};
+use sdp3_core::supervision::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
+use sdp3_core::supervision::{Guarded, Intact};
 
 /// Faults of a part: each has a seed of its own, so that the counts depend on no number of threads.
 pub const PART: u64 = 100_000;

@@ -13,13 +13,13 @@ use crate::simulator::random::Random;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rayon::prelude::*;
-use sdp3_core::anytime::{Anytime, Exit};
+use sdp3_core::dims::Slot;
 use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::frame::Slot;
-use sdp3_core::guard::campaign::samples::Spoil;
-use sdp3_core::guard::station::Trouble;
-use sdp3_core::guard::{Guarded, Intact, Watch};
-use sdp3_core::schedule::{Sensing, SlotUse};
+use sdp3_core::early_exit::{Anytime, Exit};
+use sdp3_core::scheduler::{Sensing, SlotUse};
+use sdp3_core::supervision::campaign::samples::Spoil;
+use sdp3_core::supervision::station::Trouble;
+use sdp3_core::supervision::{Guarded, Intact, Watch};
 
 /// Stream number of which slots are spoiled.
 const STREAM: u64 = 207;

@@ -8,7 +8,7 @@ use crate::PROGRAM;
 use crate::output::{Output, OutputError, to_json};
 use crate::simulator::body::motion::Truth;
 use crate::simulator::radar::SAMPLE_RATE;
-use sdp3_core::frame::SLOT_SAMPLES;
+use sdp3_core::dims::SLOT_SAMPLES;
 use serde::Serialize;
 use sha2::{Digest, Sha512};
 

@@ -9,7 +9,7 @@ use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
 use npyz::npz::NpzArchive;
-use sdp3_core::frame::{BEATS, Beat, Complex};
+use sdp3_core::dims::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::io::{self, Cursor};

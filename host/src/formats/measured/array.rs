@@ -11,7 +11,7 @@
 
 use super::{Contents, MOST, MeasuredError, Samples, Source};
 use rustfft::num_complex::Complex64;
-use sdp3_core::frame::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
 
 /// Legal shapes, for errors.
 const SHAPES: &str =

@@ -11,7 +11,7 @@ mod sigmf;
 mod wav;
 
 use rustfft::num_complex::Complex64;
-use sdp3_core::frame::Slot;
+use sdp3_core::dims::Slot;
 use std::path::{Path, PathBuf};
 
 /// Most numbers read from a file.

@@ -8,7 +8,7 @@ use super::array::slots;
 use super::{Contents, MOST, MeasuredError, Samples, Source};
 use crate::bounded;
 use rustfft::num_complex::Complex64;
-use sdp3_core::frame::SLOT_SAMPLES;
+use sdp3_core::dims::SLOT_SAMPLES;
 use serde::Deserialize;
 use std::path::Path;
 

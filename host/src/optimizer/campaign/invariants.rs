@@ -3,7 +3,7 @@
 //! Slots add up; sensing slots lie where the plan says, up to where sensing was ended; without an end every receiver has exactly its
 //! share; nobody there goes without a slot; no wait is longer than its bound, which where plans meet is both plans' together.
 
-use sdp3_core::schedule::{Plan, RECEIVERS};
+use sdp3_core::scheduler::{Plan, RECEIVERS};
 
 /// Failures named in full; more are only counted by their number.
 const NAMED: usize = 20;

@@ -16,7 +16,7 @@ use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
 use invariants::Invariants;
 use radar::Radar;
-use sdp3_core::schedule::{PlanError, RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{PlanError, RECEIVERS, Scheduler, Sensing, SlotUse};
 use trace::Trace;
 use world::World;
 
@@ -209,7 +209,7 @@ pub fn play(
     found
 }
 
-fn count(replans: &mut Replans, boundary: sdp3_core::schedule::Boundary) {
+fn count(replans: &mut Replans, boundary: sdp3_core::scheduler::Boundary) {
     let c = boundary.changes;
     replans.boundaries += 1;
     replans.replanned += u64::from(boundary.replanned);

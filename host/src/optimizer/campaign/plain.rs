@@ -1,6 +1,6 @@
 //! The same job by the plainest loop, to measure the core's beside it: every slot asks the definition and every receiver's lag.
 
-use sdp3_core::schedule::{Plan, SlotUse};
+use sdp3_core::scheduler::{Plan, SlotUse};
 
 /// Plays `periods` of a plan; `each` sees every slot.
 ///

@@ -4,9 +4,9 @@ use crate::results::Recognitions;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::random::Random;
-use sdp3_core::anytime::Verdict;
+use sdp3_core::dims::Slot;
 use sdp3_core::dsn::Portable;
-use sdp3_core::frame::Slot;
+use sdp3_core::early_exit::Verdict;
 use sdp3_core::station::Station;
 
 /// Stream number of who moves when.

@@ -5,7 +5,7 @@
 //! a few megabytes of memory.
 
 use crate::scenario::Frame;
-use sdp3_core::schedule::{Boundary, Plan, RECEIVERS, SlotUse};
+use sdp3_core::scheduler::{Boundary, Plan, RECEIVERS, SlotUse};
 use std::fmt::Write;
 
 /// A trace being written.

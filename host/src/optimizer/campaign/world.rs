@@ -6,7 +6,7 @@ use crate::results::CampaignReceiver;
 use crate::scenario::Scenario;
 use crate::simulator::channel::link::response;
 use crate::simulator::random::Random;
-use sdp3_core::schedule::RECEIVERS;
+use sdp3_core::scheduler::RECEIVERS;
 
 /// Stream number of everything random here.
 const STREAM: u64 = 203;

@@ -4,7 +4,7 @@
 //! method coordinate by coordinate. One exit alone is temperature scaling (Guo, Pleiss, Sun and Weinberger, 2017).
 
 use super::answers::Answers;
-use sdp3_core::anytime::{EVIDENCE_BITS, MAX_WEIGHT};
+use sdp3_core::early_exit::{EVIDENCE_BITS, MAX_WEIGHT};
 
 /// Sweeps over the coordinates.
 const SWEEPS: u32 = 60;

@@ -8,8 +8,8 @@ use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{AnytimeGallery, AnytimeRecording, AnytimeVerdict};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
-use sdp3_core::anytime::{Anytime, EVIDENCE_BITS, EXITS, Exit, Verdict, add_evidence};
 use sdp3_core::dsn::{Model, Portable};
+use sdp3_core::early_exit::{Anytime, EVIDENCE_BITS, EXITS, Exit, Verdict, add_evidence};
 
 /// Weights and threshold from `per_class` recordings of every class behind those trained on, the threshold that reaches `accuracy`
 /// there with the fewest slots; then one recording of every class through the core's own receiver. `None` if there are more

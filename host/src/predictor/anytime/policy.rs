@@ -2,7 +2,7 @@
 
 use super::answers::Answers;
 use crate::results::{AnytimeExit, AnytimePoint};
-use sdp3_core::anytime::{add_evidence, decide};
+use sdp3_core::early_exit::{add_evidence, decide};
 
 /// Exits and their weights of evidence.
 #[derive(Debug, Clone, PartialEq)]

@@ -21,7 +21,7 @@ use divergence::{Counts, EVALUATIONS, divergence, search, shares};
 use grey::{Grey, LEVELS, RANGE_DB, histogram};
 use rayon::prelude::*;
 use resample::resample;
-use sdp3_core::frame::Slot;
+use sdp3_core::dims::Slot;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Highest rate a measured signal is compared at, in Hz; faster ones are resampled to it.
@@ -154,7 +154,7 @@ fn slow_time(signal: &Signal) -> (Vec<Complex64>, f64, bool) {
 /// The slow time of raw slots: dechirped, without what stands still.
 pub fn slots_without_clutter(slots: &[Slot]) -> Vec<Complex64> {
     let complex = |slot: &Slot| {
-        sdp3_core::dechirp::dechirp(slot).map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
+        sdp3_core::signal::dechirp::dechirp(slot).map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
     };
     clutter_free(&slots.iter().map(complex).collect::<Vec<_>>())
 }

@@ -130,7 +130,7 @@ pub const NODES: usize = 16;
 pub type Sweep = [Complex64; NODES];
 
 /// Beats of a slot after decimation.
-pub const BLOCKS: usize = sdp3_core::frame::BEATS;
+pub const BLOCKS: usize = sdp3_core::dims::BEATS;
 
 /// A slot's beat averaged over each of the core's blocks, in sqrt W per sqrt W.
 pub type Blocks = [Complex64; BLOCKS];

@@ -1,0 +1,174 @@
+//! The input convolution and its 2x2 maximum in one: the square of outputs that is pooled is computed together.
+//!
+//! Requantising never falls as the accumulator grows, so the largest of the four sums is requantised and no row of the
+//! convolution is kept. With a stride of 1 the square is a tile of Winograd's F(2x2, 3x3): 16 products and 32 sums a
+//! pooled value. With a stride of 2 it takes 36 products of a patch of 5x5.
+
+use super::packing::at_points;
+use super::rescale::{self, Rescale, clamp_all};
+use crate::dsn::conv::{Conv, pad_before};
+use crate::simd::dual_mac::POINTS;
+
+/// Words of a channel: its weights, `[column][row]` at the points or as they are, then its [`Rescale`].
+pub const WORDS: usize = POINTS + rescale::WORDS;
+
+/// Packs the weights; `None` if tiles cannot compute it.
+fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
+    let (taps, _) = stem.layer.weights.as_chunks::<9>();
+    let (channels, _) = words.as_chunks_mut::<WORDS>();
+    for (o, (words, taps)) in channels.iter_mut().zip(taps).enumerate() {
+        let (weights, constants) = words.split_first_chunk_mut::<POINTS>()?;
+        let taps = taps.map(|w| i32::from(w as i8));
+        if stem.stride == 1 {
+            *weights.as_chunks_mut().0.first_chunk_mut()? = at_points(|tap| taps[tap % 9]);
+        } else {
+            *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
+        }
+        *constants.first_chunk_mut()? = Rescale::of(&stem.layer, o, taps.iter().sum(), 9)?.to_words();
+    }
+    Some(())
+}
+
+/// `[height, width]` to the pooled `[height, width, channels]`; false, and nothing is done, if tiles cannot compute it.
+pub fn pooled(
+    stem: &Conv<'_>,
+    words: &mut [i32],
+    image: &[i8],
+    size: (usize, usize),
+    output: &mut [i8],
+) -> bool {
+    let layer = &stem.layer;
+    let Some(words) = words.get_mut(..layer.channels * WORDS) else { return false };
+    if stem.inputs != 1 || pack(stem, words).is_none() {
+        return false;
+    }
+    let (channels, _) = words.as_chunks::<WORDS>();
+    match stem.stride {
+        1 => tiles(stem, channels, image, size, output),
+        2 => patches(stem, channels, image, size, output),
+        _ => return false,
+    }
+    clamp_all(output, (layer.act_min, layer.act_max));
+    true
+}
+
+/// What lies outside the image, as u8.
+fn border(stem: &Conv<'_>) -> i32 {
+    i32::from(stem.layer.in_zp) + 128
+}
+
+/// Line `y` of the image, empty outside.
+fn line(image: &[i8], width: usize, y: usize) -> &[i8] {
+    y.checked_mul(width).and_then(|start| image.get(start..)?.get(..width)).unwrap_or(&[])
+}
+
+/// A pixel as u8; the border outside the line.
+#[inline(always)]
+fn pixel(line: &[i8], x: usize, border: i32) -> i32 {
+    line.get(x).map_or(border, |&v| i32::from(v as u8 ^ 0x80))
+}
+
+/// B^T on four values.
+#[inline(always)]
+fn forward([a, b, c, d]: [i32; 4]) -> [i32; 4] {
+    [a.wrapping_sub(c), b.wrapping_add(c), c.wrapping_sub(b), b.wrapping_sub(d)]
+}
+
+/// A stride of 1.
+fn tiles(
+    stem: &Conv<'_>,
+    channels: &[[i32; WORDS]],
+    image: &[i8],
+    (_, width): (usize, usize),
+    output: &mut [i8],
+) {
+    let border = border(stem);
+    let row = width / 2 * stem.layer.channels;
+    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
+        let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
+        let column = |x: usize| forward(rows.map(|row| pixel(row, x, border)));
+        let mut columns = [[0; 4], [0; 4], forward([border; 4]), column(0)];
+        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
+            let [_, _, a, b] = columns;
+            columns = [a, b, column(2 * x + 1), column(2 * x + 2)];
+            let mut points = [[0; 4]; 4];
+            for row in 0..4 {
+                let along = forward(columns.map(|column| column[row]));
+                for k in 0..4 {
+                    points[k][row] = along[k];
+                }
+            }
+            for (out, words) in pooled.iter_mut().zip(channels) {
+                *out = rescale(largest_of_tile(&points, words), words);
+            }
+        }
+    }
+}
+
+/// The largest of a tile's four sums.
+#[inline(always)]
+fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
+    let (mut upper, mut lower) = ([0_i32; 4], [0_i32; 4]);
+    for (k, [d0, d1, d2, d3]) in points.iter().enumerate() {
+        let w = &words[4 * k..4 * k + 4];
+        let (a, b) = (w[1].wrapping_mul(*d1), w[2].wrapping_mul(*d2));
+        upper[k] = a.wrapping_add(b).wrapping_add(w[0].wrapping_mul(*d0));
+        lower[k] = a.wrapping_sub(b).wrapping_sub(w[3].wrapping_mul(*d3));
+    }
+    let most = |m: [i32; 4]| {
+        let left = m[0].wrapping_add(m[1]).wrapping_add(m[2]);
+        left.max(m[1].wrapping_sub(m[2]).wrapping_sub(m[3]))
+    };
+    most(upper).max(most(lower))
+}
+
+/// Five rows of five pixels.
+type Patch = [[i32; 5]; 5];
+
+/// A stride of 2.
+fn patches(
+    stem: &Conv<'_>,
+    channels: &[[i32; WORDS]],
+    image: &[i8],
+    (height, width): (usize, usize),
+    output: &mut [i8],
+) {
+    let border = border(stem);
+    let (above, before) = (pad_before(height, 2), pad_before(width, 2));
+    let row = width.div_ceil(2) / 2 * stem.layer.channels;
+    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
+        let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
+        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
+            let first = (4 * x).wrapping_sub(before);
+            let patch: Patch =
+                rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
+            for (out, words) in pooled.iter_mut().zip(channels) {
+                *out = rescale(largest_of_patch(&patch, words), words);
+            }
+        }
+    }
+}
+
+/// The largest of a patch's four sums.
+#[inline(always)]
+fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
+    let mut sums = [0_i32; 4];
+    for row in 0..3 {
+        for column in 0..3 {
+            let w = words[3 * row + column];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum = sum.wrapping_add(w.wrapping_mul(patch[row + k / 2 * 2][column + k % 2 * 2]));
+            }
+        }
+    }
+    let [a, b, c, d] = sums;
+    a.max(b).max(c.max(d))
+}
+
+/// The output for four times a sum without its start.
+#[inline(always)]
+fn rescale(most: i32, words: &[i32; WORDS]) -> i8 {
+    let [.., start, multiplier, offset, shift] = *words;
+    let rescale = Rescale::from_words([start, multiplier, offset, shift]);
+    rescale.apply(most.wrapping_add(start))
+}

@@ -1,0 +1,133 @@
+//! How many slots of a period each use gets, checked once.
+//!
+//! N_s + sum N_c,k = N, beside what [`sensing`](super::layout) asks for; problem P of the paper in integers.
+
+use super::apportion::apportion;
+use super::layout::{PlanError, RECEIVERS, Sensing};
+use crate::state::State;
+use heapless::Vec;
+
+/// A checked division of a period.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Plan {
+    sensing: Sensing,
+    shares: Vec<u32, RECEIVERS>,
+}
+
+impl Plan {
+    /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
+    /// for the receivers.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] names what does not fit.
+    pub fn new(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Result<Self, PlanError> {
+        let sensing = Sensing::new(period, spacing, sensing)?;
+        let receivers = shares.len();
+        let shares_kept = Vec::from_slice(shares).ok().filter(|_| receivers > 0);
+        let Some(shares_kept) = shares_kept else { return Err(PlanError::Receivers { receivers }) };
+        let slots = u64::from(sensing.slots());
+        let sum = shares.iter().map(|&share| u64::from(share)).fold(slots, u64::saturating_add);
+        if sum != u64::from(period) {
+            return Err(PlanError::Sum { sum, period });
+        }
+        Ok(Plan { sensing, shares: shares_kept })
+    }
+
+    /// The optimal plan: what sensing leaves is [`apportion`]ed. With no receiver present those slots stay idle.
+    pub fn optimal(sensing: Sensing, rates: &[u32; RECEIVERS], given: &[i32; RECEIVERS]) -> Self {
+        let mut shares = Vec::from_array([0; RECEIVERS]);
+        apportion(rates, given, sensing.others(), &mut shares);
+        Plan { sensing, shares }
+    }
+
+    /// Where the sensing slots lie.
+    pub fn layout(&self) -> Sensing {
+        self.sensing
+    }
+
+    /// N.
+    pub fn period(&self) -> u32 {
+        self.sensing.period()
+    }
+
+    /// N_m.
+    pub fn spacing(&self) -> u32 {
+        self.sensing.spacing()
+    }
+
+    /// N_s.
+    pub fn sensing(&self) -> u32 {
+        self.sensing.slots()
+    }
+
+    /// N_c,k of every receiver.
+    pub fn shares(&self) -> &[u32] {
+        &self.shares
+    }
+
+    /// Whether slot `j`, 1..=N, senses.
+    pub fn senses(&self, j: u32) -> bool {
+        let step = u64::from(self.spacing()) + 1;
+        let (j, last) = (u64::from(j), u64::from(self.sensing()) * step);
+        j % step == 1 % step && j <= last
+    }
+
+    /// Most slots that lie between two of receiver k's while this plan is played period after period; `None` without a share.
+    ///
+    /// Two turns of n in C communication slots are at most D = ceil(2 C / n) communication slots apart ([`Turns`]); in D steps
+    /// from one communication slot to the next lie at most ceil(D / N_m) sensing slots, or all N_s of them if N_m = 0.
+    ///
+    /// [`Turns`]: super::slot_order::Turns
+    pub fn longest_wait(&self, k: usize) -> Option<u32> {
+        let share = self.shares.get(k).copied().filter(|&share| share > 0)?;
+        let others: u32 = self.shares.iter().copied().fold(0, u32::saturating_add);
+        let apart = others.saturating_mul(2).div_ceil(share);
+        let sensing = match self.spacing() {
+            0 => self.sensing(),
+            spacing => apart.div_ceil(spacing).min(self.sensing()),
+        };
+        Some(apart.saturating_sub(1).saturating_add(sensing))
+    }
+}
+
+impl State for Plan {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.sensing.words(visit);
+        let mut receivers = self.shares.len() as u32;
+        visit(&mut receivers);
+        let _ = self.shares.resize((receivers as usize).min(RECEIVERS), 0); // it fits
+        for k in 0..RECEIVERS {
+            visit(self.shares.get_mut(k).unwrap_or(&mut 0));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        assert_eq!(Plan::new(0, 3, 0, &[0]), Err(PlanError::Period { period: 0 }));
+        assert_eq!(Plan::new(10, 0, 10, &[]), Err(PlanError::Receivers { receivers: 0 }));
+        assert_eq!(Plan::new(10, 3, 3, &[7]), Err(PlanError::Spacing { need: 12, period: 10 }));
+        assert_eq!(Plan::new(10, 3, 2, &[7]), Err(PlanError::Sum { sum: 9, period: 10 }));
+        assert!(Plan::new(10, 3, 2, &[8]).is_ok());
+    }
+
+    #[test]
+    fn only_who_has_slots_waits() {
+        let plan = Plan::new(40, 3, 5, &[35, 0]).unwrap();
+        assert_eq!([0, 1, 2].map(|k| plan.longest_wait(k)), [Some(2), None, None]);
+    }
+
+    #[test]
+    fn without_receivers_nothing_is_shared() {
+        let sensing = Sensing::new(40, 3, 5).unwrap();
+        assert_eq!(Plan::optimal(sensing, &[0; 8], &[0; 8]).shares(), [0; 8]);
+        let plan = Plan::optimal(sensing, &[0, 2, 0, 1, 0, 0, 0, 0], &[0; 8]);
+        assert_eq!(plan.shares(), [0, 12, 0, 23, 0, 0, 0, 0]);
+    }
+}

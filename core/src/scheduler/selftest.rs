@@ -1,0 +1,135 @@
+//! Self test of the schedule: seeded churn whose decisions have a known digest on every processor.
+//!
+//! Rates change, receivers join and leave, slots are lost, sensing ends early, periods and targets change.
+
+use super::layout::{RECEIVERS, Sensing};
+use super::scheduler::Scheduler;
+use super::sequencer::SlotUse;
+use crate::digest::Digest;
+use rand_core::Rng;
+
+/// Digest of [`run`] over [`PERIODS`] for `rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3)`.
+pub const KNOWN_ANSWER: u64 = 0x2645_ab31_0824_de99;
+
+/// Periods of the test.
+pub const PERIODS: u32 = 200;
+
+/// A schedule under seeded churn.
+#[derive(Debug, Clone)]
+pub struct Churn {
+    /// The schedule.
+    pub scheduler: Scheduler,
+    rates: [u32; RECEIVERS],
+    /// Of 2^16 slots so many are lost in this period.
+    loss: u32,
+    /// Slot after which sensing ends, 0 for never.
+    end: u32,
+}
+
+/// N_s, N_m and N of which every kind occurs: none, all, some.
+fn layout(rng: &mut impl Rng) -> Option<Sensing> {
+    let word = rng.next_u32();
+    let period = 20 + word % 381;
+    let spacing = (word >> 9) % 5;
+    let most = period / (spacing + 1);
+    let slots = match (word >> 12) % 8 {
+        0 => 0,
+        1 => most,
+        _ => (word >> 16) % (most + 1),
+    };
+    Sensing::new(period, spacing, slots).ok()
+}
+
+/// A rate of any magnitude.
+fn rate(rng: &mut impl Rng) -> u32 {
+    1 + (rng.next_u32() >> (4 + rng.next_u32() % 24))
+}
+
+impl Churn {
+    /// A schedule of three receivers with rates from `rng`.
+    pub fn new(rng: &mut impl Rng) -> Self {
+        let mut rates = [0; RECEIVERS];
+        rates.iter_mut().take(3).for_each(|slot| *slot = rate(rng));
+        let first = loop {
+            if let Some(layout) = layout(rng) {
+                break layout;
+            }
+        };
+        Churn { scheduler: Scheduler::new(first, rates), rates, loss: 0, end: 0 }
+    }
+
+    /// Rates as last set.
+    pub fn rates(&self) -> [u32; RECEIVERS] {
+        self.rates
+    }
+
+    /// What changes before the next period.
+    pub fn between(&mut self, rng: &mut impl Rng) {
+        let word = rng.next_u32();
+        for (k, own) in self.rates.iter_mut().enumerate() {
+            match (word >> (2 * k)) % 4 {
+                0 => *own = if *own == 0 { rate(rng) } else { 0 },
+                1 if *own > 0 => *own = rate(rng),
+                _ => continue,
+            }
+            self.scheduler.set_rate(k, *own);
+        }
+        if word >> 30 == 0
+            && let Some(layout) = layout(rng)
+        {
+            self.scheduler.set_sensing(layout);
+        }
+        self.loss = if (word >> 28).is_multiple_of(2) { (word >> 16) % 6554 } else { 0 };
+        self.end = if (word >> 26).is_multiple_of(4) { 1 + rng.next_u32() % 400 } else { 0 };
+    }
+
+    /// What happens after a slot that is not its period's last.
+    pub fn during(&mut self, rng: &mut impl Rng) {
+        if self.loss > 0 && rng.next_u32() >> 16 < self.loss {
+            self.scheduler.lose();
+        }
+        if self.scheduler.position() == self.end {
+            self.scheduler.end_sensing();
+        }
+    }
+}
+
+/// Plays `periods` under churn and digests every slot's use and every boundary's report.
+pub fn run(rng: &mut impl Rng, periods: u32) -> Digest {
+    let mut churn = Churn::new(rng);
+    let mut digest = Digest::new();
+    for _ in 0..periods {
+        churn.between(rng);
+        loop {
+            let slot = churn.scheduler.next();
+            digest.value([match slot {
+                SlotUse::Communication(k) => k,
+                SlotUse::Sensing => 254,
+                SlotUse::Idle => 255,
+            }]);
+            if churn.scheduler.position() == 0 {
+                break;
+            }
+            churn.during(rng);
+        }
+        let boundary = churn.scheduler.boundary();
+        let c = boundary.changes;
+        let flags = [c.joined, c.left, c.rates, u8::from(c.sensing), u8::from(boundary.replanned)];
+        digest.value(flags);
+        [c.lost, c.sensing_lost, c.released].into_iter().for_each(|n| digest.value(n.to_le_bytes()));
+    }
+    digest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::SeedableRng;
+
+    #[test]
+    fn the_answer_is_known() {
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+        let digest = run(&mut rng, PERIODS);
+        assert_eq!(digest.hash(), KNOWN_ANSWER, "{:#018x} of {}", digest.hash(), digest.count());
+    }
+}

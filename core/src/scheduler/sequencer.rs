@@ -1,0 +1,200 @@
+//! The use of the next slot, period after period, in integers and O(K) a slot.
+
+use super::layout::RECEIVERS;
+use super::plan::Plan;
+use super::slot_order::Turns;
+use crate::state::State;
+
+/// What a slot is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SlotUse {
+    /// The radar sweeps.
+    Sensing,
+    /// Downlink to this receiver.
+    Communication(u8),
+    /// Nothing is planned (no receiver has a share).
+    Idle,
+}
+
+impl State for SlotUse {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        let mut word = match *self {
+            SlotUse::Communication(k) => u32::from(k),
+            SlotUse::Sensing => 254,
+            SlotUse::Idle => 255,
+        };
+        visit(&mut word);
+        *self = match word as u8 {
+            254 => SlotUse::Sensing,
+            255 => SlotUse::Idle,
+            k => SlotUse::Communication(k),
+        };
+    }
+}
+
+/// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, [`Turns`] whose the other slots are.
+///
+/// Between two slots of a receiver lie at most [`Plan::longest_wait`] others.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sequencer {
+    plan: Plan,
+    turns: Turns,
+    position: u32,
+    /// Position of the next sensing slot.
+    due: u32,
+    /// Sensing slots left in this period.
+    left: u32,
+    /// Slots the receivers had before their turns were dealt anew in this period.
+    before: [u32; RECEIVERS],
+}
+
+impl Sequencer {
+    /// Begins a period of the plan.
+    pub fn new(plan: &Plan) -> Self {
+        Sequencer {
+            turns: Turns::new(plan.shares()),
+            position: 0,
+            due: 1,
+            left: plan.sensing(),
+            before: [0; RECEIVERS],
+            plan: plan.clone(),
+        }
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Slots of the current period already played, 0..N.
+    pub fn position(&self) -> u32 {
+        self.position
+    }
+
+    /// Sensing slots of the current period still to come.
+    pub fn sensing_left(&self) -> u32 {
+        self.left
+    }
+
+    /// Slots each receiver had in the current period.
+    pub fn served(&self) -> [u32; RECEIVERS] {
+        let mut served = self.turns.served();
+        served.iter_mut().zip(self.before).for_each(|(served, before)| *served += before);
+        served
+    }
+
+    /// Begins a new period at once, with another plan if one is given.
+    pub fn restart(&mut self, plan: Option<&Plan>) {
+        match plan {
+            Some(plan) => *self = Sequencer::new(plan),
+            None => {
+                self.turns = Turns::new(self.plan.shares());
+                (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
+                self.before = [0; RECEIVERS];
+            }
+        }
+    }
+
+    /// No more sensing in this period: the receivers get what is left, by `shares` that sum to N - position.
+    pub(super) fn deal_rest(&mut self, shares: &[u32]) {
+        self.before = self.served();
+        self.turns = Turns::new(shares);
+        self.left = 0;
+    }
+
+    /// Use of the next slot; after the period's last slot the next period begins.
+    ///
+    /// Cost: O(K), no division.
+    #[allow(clippy::should_implement_trait)] // a period never ends: this is no iterator
+    pub fn next(&mut self) -> SlotUse {
+        self.position += 1;
+        let slot = if self.left > 0 && self.position == self.due {
+            self.left -= 1;
+            self.due = self.due.saturating_add(self.plan.spacing()).saturating_add(1);
+            SlotUse::Sensing
+        } else {
+            self.turns.next().map_or(SlotUse::Idle, |k| SlotUse::Communication(k as u8))
+        };
+        if self.position >= self.plan.period() {
+            self.restart(None);
+        }
+        slot
+    }
+}
+
+impl State for Sequencer {
+    fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
+        self.plan.words(visit);
+        self.turns.words(visit);
+        [&mut self.position, &mut self.due, &mut self.left].into_iter().for_each(&mut *visit);
+        self.before.iter_mut().for_each(visit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use rand_core::{Rng, SeedableRng};
+    use std::vec::Vec;
+
+    fn random_plan(rng: &mut impl Rng) -> Plan {
+        let period = 1 + rng.next_u32() % 600;
+        let spacing = rng.next_u32() % 5;
+        let sensing = rng.next_u32() % (period / (spacing + 1) + 1);
+        let receivers = 1 + rng.next_u32() as usize % RECEIVERS;
+        let mut left = period - sensing;
+        let mut shares: Vec<u32> = (1..receivers)
+            .map(|_| {
+                let share = rng.next_u32() % (left + 1);
+                left -= share;
+                share
+            })
+            .collect();
+        shares.push(left);
+        Plan::new(period, spacing, sensing, &shares).unwrap()
+    }
+
+    #[test]
+    fn shares_positions_and_waits_hold_on_random_plans() {
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(11);
+        let mut close = 0;
+        for _ in 0..3000 {
+            let plan = random_plan(&mut rng);
+            let mut sequencer = Sequencer::new(&plan);
+            let total: u32 = plan.shares().iter().sum();
+            let mut counts = [0; RECEIVERS];
+            let mut waits = [None::<u32>; RECEIVERS];
+            for j in 1..=3 * plan.period() {
+                let within = (j - 1) % plan.period() + 1;
+                let slot = sequencer.next();
+                waits.iter_mut().flatten().for_each(|wait| *wait += 1);
+                assert_eq!(slot == SlotUse::Sensing, plan.senses(within));
+                match slot {
+                    SlotUse::Sensing => (),
+                    SlotUse::Communication(k) => {
+                        let k = usize::from(k);
+                        counts[k] += 1;
+                        if let Some(wait) = waits[k] {
+                            let bound = plan.longest_wait(k).unwrap();
+                            assert!(wait - 1 <= bound, "{plan:?}: receiver {k} waited {}", wait - 1);
+                            close += u32::from(wait == bound);
+                        }
+                        waits[k] = Some(0);
+                    }
+                    SlotUse::Idle => assert!(total == 0),
+                }
+                if within == plan.period() {
+                    assert_eq!(&counts[..plan.shares().len()], plan.shares());
+                    assert_eq!(sequencer.position(), 0);
+                    counts = [0; RECEIVERS];
+                } else {
+                    assert_eq!(sequencer.served(), counts);
+                }
+            }
+        }
+        assert!(close > 1000, "the bound is reached but for one slot: {close}");
+    }
+}

@@ -1,0 +1,151 @@
+//! Short-time Fourier transform of the slow-time signal: Kaiser window, zero padding, 256-point FFT.
+//!
+//! Eq. (z) of the paper, with N_fft in the exponent's denominator.
+
+mod fixed;
+
+use crate::dims::{Complex, FFT_LEN};
+pub use crate::dims::{FixedBins, Spectrum};
+use crate::math::{bessel_i0f, sqrtf};
+use crate::probe::Probe;
+use crate::signal::logarithm::level;
+pub use fixed::{FixedSpectrum, FixedStft};
+
+/// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
+pub trait Stft {
+    /// Spectrum of one frame, `[doppler]`.
+    type Spectrum;
+    /// A spectrum of zeros.
+    const ZERO: Self::Spectrum;
+
+    /// A Kaiser window of `length` (2..=256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
+    ///
+    /// Out-of-range arguments are taken to the nearest legal value. The window's error against exact arithmetic is
+    /// below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.
+    fn new(length: u16, beta: f32, hop: u16) -> Self;
+    /// Frames in `slots` slow-time samples: floor((N_s - N_w) / hop) + 1, or 0.
+    fn frames(&self, slots: usize) -> usize;
+    /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `bins_per_row` bins. A frame beyond the
+    /// end of the signal is transformed as if the signal went on with zeros.
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, bins_per_row: u8, spectrum: &mut Self::Spectrum);
+    /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
+    fn level(spectrum: &Self::Spectrum, first: usize, count: usize) -> i16;
+    /// Shows a spectrum to an observer.
+    fn show(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
+}
+
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(not(any(target_arch = "arm", target_arch = "riscv32")))]
+pub type NativeStft = FloatStft;
+/// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+pub type NativeStft = FixedStft;
+
+/// A spectrum of zeros.
+pub const ZERO_SPECTRUM: Spectrum = [Complex::new(0.0, 0.0); FFT_LEN];
+
+/// Window and hop of the transform. In f32: microfft's radix 2.
+#[derive(Debug, Clone)]
+pub struct FloatStft {
+    window: [f32; FFT_LEN],
+    length: usize,
+    hop: usize,
+}
+
+impl FloatStft {
+    /// The window, `[slow_time]`.
+    pub fn window(&self) -> &[f32] {
+        self.window.get(..self.length).unwrap_or(&self.window)
+    }
+}
+
+impl Stft for FloatStft {
+    type Spectrum = Spectrum;
+    const ZERO: Spectrum = ZERO_SPECTRUM;
+
+    fn new(length: u16, beta: f32, hop: u16) -> Self {
+        let length = usize::from(length).clamp(2, FFT_LEN);
+        let mut window = [0.0; FFT_LEN];
+        let centre = (length - 1) as f32 / 2.0;
+        let peak = bessel_i0f(beta);
+        for (n, value) in window.iter_mut().enumerate().take(length) {
+            let x = (n as f32 - centre) / centre;
+            let inside = 1.0 - x * x;
+            *value = bessel_i0f(beta * sqrtf(if inside > 0.0 { inside } else { 0.0 })) / peak;
+        }
+        FloatStft { window, length, hop: usize::from(hop).max(1) }
+    }
+
+    fn frames(&self, slots: usize) -> usize {
+        frames(slots, self.length, self.hop)
+    }
+
+    /// All bins. Error below 2^-20 of the sum of the windowed magnitudes. Cost: one 256-point complex FFT.
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, _bins_per_row: u8, spectrum: &mut Spectrum) {
+        let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
+        *spectrum = ZERO_SPECTRUM;
+        for ((out, y), w) in spectrum.iter_mut().zip(signal).zip(self.window()) {
+            *out = Complex::new(y.re as f32 * w, y.im as f32 * w);
+        }
+        let _: &mut Spectrum = microfft::complex::cfft_256(spectrum); // in place
+    }
+
+    /// Powers are summed in ascending order of the bins.
+    fn level(spectrum: &Spectrum, first: usize, count: usize) -> i16 {
+        let mut power = 0.0_f32;
+        for k in 0..count {
+            let z = spectrum[first.wrapping_add(k) % FFT_LEN];
+            power += z.re * z.re + z.im * z.im;
+        }
+        level(power)
+    }
+
+    fn show(spectrum: &Spectrum, k: usize, probe: &mut impl Probe) {
+        probe.frame(k, spectrum);
+    }
+}
+
+/// floor((slots - window) / hop) + 1, or 0 if no window fits.
+pub const fn frames(slots: usize, window: usize, hop: usize) -> usize {
+    if slots < window || hop == 0 { 0 } else { (slots - window) / hop + 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_counts_are_the_papers() {
+        assert_eq!(frames(200, 128, 8), 10);
+        assert_eq!(frames(1000, 128, 8), 110);
+        assert_eq!(frames(127, 128, 8), 0);
+    }
+
+    #[test]
+    fn a_tone_lands_in_its_bin() {
+        let stft = FloatStft::new(128, 10.0, 8);
+        let tone: [Complex<i32>; 160] = core::array::from_fn(|n| {
+            let phase = 2.0 * core::f64::consts::PI * 20.0 * n as f64 / 256.0;
+            Complex::new((4e6 * libm::cos(phase)) as i32, (4e6 * libm::sin(phase)) as i32)
+        });
+        let mut spectrum = ZERO_SPECTRUM;
+        for k in 0..stft.frames(tone.len()) {
+            stft.frame(&tone, k, 1, &mut spectrum);
+            let loudest = (0..256).max_by(|&a, &b| spectrum[a].norm_sqr().total_cmp(&spectrum[b].norm_sqr()));
+            assert_eq!(loudest, Some(20));
+        }
+    }
+
+    #[test]
+    fn the_window_is_symmetric_and_peaks_in_the_middle() {
+        let stft = FloatStft::new(128, 10.0, 8);
+        let window = stft.window();
+        assert_eq!(window.len(), 128);
+        for n in 0..64 {
+            assert_eq!(window[n], window[127 - n]);
+        }
+        // scipy.signal.windows.kaiser(128, 10, sym=True)
+        assert!((window[0] - 3.551_494e-4).abs() < 1e-8, "{}", window[0]);
+        assert!((window[63] - 0.999_706).abs() < 1e-5, "{}", window[63]);
+    }
+}
