@@ -40,13 +40,12 @@
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod config;
 pub mod digest;
 pub mod dims;
 pub mod dsn;
-pub mod early_exit;
 pub mod fixed;
 pub mod math;
-pub mod pipeline;
 pub mod probe;
 mod ranges;
 pub mod scheduler;
@@ -54,8 +53,6 @@ pub mod selftest;
 pub mod signal;
 pub mod simd;
 pub mod state;
-pub mod station;
-pub mod supervision;
 pub mod values;
 
 #[cfg(doctest)]

@@ -2,7 +2,7 @@
 //!
 //! Rates change, receivers join and leave, slots are lost, sensing ends early, periods and targets change.
 
-use super::layout::{RECEIVERS, Sensing};
+use super::layout::{SensingLayout, USERS};
 use super::scheduler::Scheduler;
 use super::sequencer::SlotUse;
 use crate::digest::Digest;
@@ -19,7 +19,7 @@ pub const PERIODS: u32 = 200;
 pub struct Churn {
     /// The schedule.
     pub scheduler: Scheduler,
-    rates: [u32; RECEIVERS],
+    rates: [u32; USERS],
     /// Of 2^16 slots so many are lost in this period.
     loss: u32,
     /// Slot after which sensing ends, 0 for never.
@@ -27,7 +27,7 @@ pub struct Churn {
 }
 
 /// N_s, N_m and N of which every kind occurs: none, all, some.
-fn layout(rng: &mut impl Rng) -> Option<Sensing> {
+fn layout(rng: &mut impl Rng) -> Option<SensingLayout> {
     let word = rng.next_u32();
     let period = 20 + word % 381;
     let spacing = (word >> 9) % 5;
@@ -37,7 +37,7 @@ fn layout(rng: &mut impl Rng) -> Option<Sensing> {
         1 => most,
         _ => (word >> 16) % (most + 1),
     };
-    Sensing::new(period, spacing, slots).ok()
+    SensingLayout::new(period, spacing, slots).ok()
 }
 
 /// A rate of any magnitude.
@@ -48,7 +48,7 @@ fn rate(rng: &mut impl Rng) -> u32 {
 impl Churn {
     /// A schedule of three receivers with rates from `rng`.
     pub fn new(rng: &mut impl Rng) -> Self {
-        let mut rates = [0; RECEIVERS];
+        let mut rates = [0; USERS];
         rates.iter_mut().take(3).for_each(|slot| *slot = rate(rng));
         let first = loop {
             if let Some(layout) = layout(rng) {
@@ -59,7 +59,7 @@ impl Churn {
     }
 
     /// Rates as last set.
-    pub fn rates(&self) -> [u32; RECEIVERS] {
+    pub fn rates(&self) -> [u32; USERS] {
         self.rates
     }
 
@@ -72,12 +72,12 @@ impl Churn {
                 1 if *own > 0 => *own = rate(rng),
                 _ => continue,
             }
-            self.scheduler.set_rate(k, *own);
+            self.scheduler.planner_mut().set_rate(k, *own);
         }
         if word >> 30 == 0
             && let Some(layout) = layout(rng)
         {
-            self.scheduler.set_sensing(layout);
+            self.scheduler.planner_mut().set_layout(layout);
         }
         self.loss = if (word >> 28).is_multiple_of(2) { (word >> 16) % 6554 } else { 0 };
         self.end = if (word >> 26).is_multiple_of(4) { 1 + rng.next_u32() % 400 } else { 0 };
@@ -86,7 +86,7 @@ impl Churn {
     /// What happens after a slot that is not its period's last.
     pub fn during(&mut self, rng: &mut impl Rng) {
         if self.loss > 0 && rng.next_u32() >> 16 < self.loss {
-            self.scheduler.lose();
+            self.scheduler.on_lost();
         }
         if self.scheduler.position() == self.end {
             self.scheduler.end_sensing();
@@ -101,7 +101,7 @@ pub fn run(rng: &mut impl Rng, periods: u32) -> Digest {
     for _ in 0..periods {
         churn.between(rng);
         loop {
-            let slot = churn.scheduler.next();
+            let slot = churn.scheduler.next_slot();
             digest.value([match slot {
                 SlotUse::Communication(k) => k,
                 SlotUse::Sensing => 254,
@@ -112,7 +112,7 @@ pub fn run(rng: &mut impl Rng, periods: u32) -> Digest {
             }
             churn.during(rng);
         }
-        let boundary = churn.scheduler.boundary();
+        let boundary = churn.scheduler.report();
         let c = boundary.changes;
         let flags = [c.joined, c.left, c.rates, u8::from(c.sensing), u8::from(boundary.replanned)];
         digest.value(flags);
