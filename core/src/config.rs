@@ -14,7 +14,7 @@
 pub enum SampleFormat {
     /// In-phase and quadrature, interleaved, in-phase first.
     Complex,
-    /// One value a sample.
+    /// One value a sample; needs a range gate.
     Real,
 }
 
@@ -24,7 +24,9 @@ pub enum SampleFormat {
 pub enum Dechirp {
     /// In this crate: the converter samples the received chirp at a rate equal to the bandwidth.
     Digital,
-    /// In the sensor: the converter samples the beat signal.
+    /// In the sensor: the converter samples the beat signal, the sent sweep times the conjugate of the received one, so that
+    /// range is a positive frequency. Range samples are conjugated: an approaching target has a positive Doppler frequency as with
+    /// digital dechirp.
     Analog,
 }
 
@@ -103,7 +105,7 @@ impl RadarConfig {
                 bins_per_sample >= 1 && bins_per_sample <= 32 && end <= bins && analog
             }
         };
-        sizes && bits && (complex || analog) && fits
+        sizes && bits && fits && (complex || self.gate.is_some())
     }
 
     /// Values of i16 in a slot: two a complex sample.

@@ -44,16 +44,22 @@ pub mod config;
 pub mod digest;
 pub mod dims;
 pub mod dsn;
+pub mod early_exit;
+mod error;
 pub mod fixed;
 pub mod math;
+pub mod pipeline;
 pub mod probe;
+pub mod radar;
 mod ranges;
 pub mod scheduler;
 pub mod selftest;
 pub mod signal;
 pub mod simd;
-pub mod state;
+pub mod supervision;
 pub mod values;
+
+pub use error::Error;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

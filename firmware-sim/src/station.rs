@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use sdp3_core::dims::Iq;
 use sdp3_core::dsn::Model;
 use sdp3_core::pipeline::{Buffers, Receiver};
-use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{USERS, Scheduler, Sensing, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;
@@ -89,7 +89,7 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     let Ok(sensing) = Sensing::new(PERIOD_SLOTS, 3, model.sensing_slots() as u32) else {
         fail("no plan has so many sensing slots")
     };
-    let mut rates = [0; RECEIVERS];
+    let mut rates = [0; USERS];
     rates.iter_mut().zip(SLOT_BITS).for_each(|(rate, bits)| *rate = bits);
     let scheduler = Scheduler::new(sensing, rates);
     let mut receiver = match Receiver::new(model, buffers) {

@@ -1,6 +1,6 @@
 //! Where a period's sensing slots lie, checked once: N_s (N_m + 1) <= N.
 
-use crate::state::State;
+use crate::supervision::retained::State;
 
 /// Most downlink users of a plan.
 pub const USERS: usize = 8;
@@ -68,6 +68,9 @@ pub struct SensingLayout {
 }
 
 impl SensingLayout {
+    /// A period of one slot without sensing.
+    pub const EMPTY: Self = SensingLayout { period: 1, spacing: 0, slots: 0 };
+
     /// `slots` (N_s) sensing slots `spacing` (N_m) apart in a period of `period` (N).
     ///
     /// # Errors

@@ -4,7 +4,7 @@
 
 use super::apportion::apportion;
 use super::layout::{PlanError, SensingLayout, USERS};
-use crate::state::State;
+use crate::supervision::retained::State;
 use heapless::Vec;
 
 /// A checked division of a period.
@@ -16,6 +16,9 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// A plan in which nothing happens.
+    pub const IDLE: Self = Plan { sensing: SensingLayout::EMPTY, shares: Vec::new() };
+
     /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
     /// for the users.
     ///

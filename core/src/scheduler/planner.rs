@@ -4,7 +4,7 @@ use super::apportion::apportion;
 use super::layout::{PlanError, SensingLayout, USERS};
 use super::plan::Plan;
 use super::sequencer::{Release, SlotUse};
-use crate::state::State;
+use crate::supervision::retained::State;
 
 /// What a period lost and gave back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,6 +29,23 @@ impl PeriodCounts {
             SlotUse::Sensing => self.sensing_lost = self.sensing_lost.saturating_add(1),
             SlotUse::Idle => (),
         }
+    }
+}
+
+impl PeriodCounts {
+    /// Adds another period's.
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (lost, more) in self.lost.iter_mut().zip(other.lost) {
+            *lost = lost.saturating_add(more);
+        }
+        self.sensing_lost = self.sensing_lost.saturating_add(other.sensing_lost);
+        self.released = self.released.saturating_add(other.released);
+    }
+
+    /// The same as totals.
+    pub(crate) fn changes(&self) -> Changes {
+        let lost = self.lost.iter().copied().fold(0, u32::saturating_add);
+        Changes { lost, sensing_lost: self.sensing_lost, released: self.released, ..Changes::default() }
     }
 }
 
@@ -146,13 +163,8 @@ impl Planner {
 
     /// The plan after a period with these counts, if it is another than the running one, and why. Cost: O(K^3).
     pub fn next_plan(&mut self, counts: &PeriodCounts) -> (Option<Plan>, Changes) {
-        let lost = counts.lost.iter().copied().fold(0, u32::saturating_add);
-        let changes = Changes {
-            lost,
-            sensing_lost: counts.sensing_lost,
-            released: counts.released,
-            ..core::mem::take(&mut self.changes)
-        };
+        let Changes { lost, sensing_lost, released, .. } = counts.changes();
+        let changes = Changes { lost, sensing_lost, released, ..core::mem::take(&mut self.changes) };
         let users = changes.joined | changes.left | changes.rates;
         if users == 0 && !changes.sensing && lost == 0 && !self.repaying {
             return (None, changes);

@@ -3,7 +3,7 @@
 use super::layout::USERS;
 use super::plan::Plan;
 use super::slot_order::SlotOrder;
-use crate::state::State;
+use crate::supervision::retained::State;
 
 /// What a slot is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

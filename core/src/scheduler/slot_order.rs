@@ -6,7 +6,7 @@
 //! has its exact proportion to less than one slot.
 
 use super::layout::USERS;
-use crate::state::State;
+use crate::supervision::retained::State;
 
 /// The window of a user's next slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

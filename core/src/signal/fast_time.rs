@@ -69,8 +69,9 @@ impl<'b> FastTime<'b> {
         let mut beat = ZERO_BEAT;
         let shift = self.config.shift();
         let round = |sum: i64| (sum.wrapping_add((1_i64 << shift) >> 1) >> shift) as i32;
+        let analog = self.config.dechirp == Dechirp::Analog;
         for (value, [re, im]) in beat.iter_mut().zip(all) {
-            *value = Complex::new(round(re), round(im));
+            *value = Complex::new(round(re), round(if analog { im.wrapping_neg() } else { im }));
         }
         Some(beat)
     }

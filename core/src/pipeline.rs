@@ -1,0 +1,395 @@
+//! The signal chain as one object that works in bounded steps: slots in, classes out at every early exit.
+//!
+//! [`PipelineMemory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
+//! [`pipeline_memory!`](crate::pipeline_memory) takes from a [`Shape`].
+
+use crate::config::RadarConfig;
+use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use crate::dsn::winograd::{WinogradF2, WinogradMemory};
+use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
+use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
+use crate::error::Error;
+use crate::probe::Probe;
+use crate::signal::dechirp::WordAligned;
+use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS};
+use crate::signal::stft::{NativeStft, Stft};
+use crate::simd::dual_mac::I16x8;
+use heapless::Vec;
+
+impl Shape {
+    /// Range samples that a pipeline keeps: a recording's, and the first of the next one.
+    pub const fn beats(&self) -> usize {
+        self.sensing_slots + OVERLAP_SLOTS
+    }
+}
+
+/// All memory of a pipeline: `REFERENCE` samples of the sensor's references, `BEATS` and `SLOTS` of slow time, `FRAMES` frames,
+/// `SCRATCH` bytes for the network, `I16X8S` and `WORDS` for its kernels.
+#[derive(Debug)]
+pub struct PipelineMemory<
+    const REFERENCE: usize,
+    const BEATS: usize,
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const I16X8S: usize,
+    const WORDS: usize,
+> {
+    vectors: [I16x8; I16X8S],
+    words: [i32; WORDS],
+    reference: WordAligned<REFERENCE>,
+    beats: [Beat; BEATS],
+    slow_time: [Complex<i32>; SLOTS],
+    levels: [[i16; FRAMES]; ROWS],
+    image: [[i8; FRAMES]; ROWS],
+    scratch: [i8; SCRATCH],
+}
+
+/// The [`PipelineMemory`] type for a constant [`Shape`](crate::dsn::Shape).
+#[macro_export]
+macro_rules! pipeline_memory {
+    ($shape:expr) => {
+        $crate::pipeline::PipelineMemory<
+            { $shape.radar.reference_len() },
+            { $shape.beats() },
+            { $shape.sensing_slots },
+            { $shape.frames },
+            { $shape.scratch_bytes() },
+            { $shape.winograd_sizes().vectors },
+            { $shape.winograd_sizes().words },
+        >
+    };
+}
+
+impl<
+    const REFERENCE: usize,
+    const BEATS: usize,
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const I16X8S: usize,
+    const WORDS: usize,
+> PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>
+{
+    /// Bytes of this memory.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Memory for a `static`: all zeros.
+    #[allow(clippy::new_without_default)] // a default would be made on the stack
+    pub const fn new() -> Self {
+        PipelineMemory {
+            vectors: [I16x8::ZERO; I16X8S],
+            words: [0; WORDS],
+            reference: WordAligned([[0; 2]; REFERENCE]),
+            beats: [ZERO_BEAT; BEATS],
+            slow_time: [Complex::new(0, 0); SLOTS],
+            levels: [[0; FRAMES]; ROWS],
+            image: [[0; FRAMES]; ROWS],
+            scratch: [0; SCRATCH],
+        }
+    }
+
+    /// The buffers of a pipeline.
+    pub fn view(&mut self) -> PipelineBuffers<'_> {
+        PipelineBuffers {
+            front_end: FrontEndBuffers {
+                reference: &mut self.reference.0,
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: self.levels.as_flattened_mut(),
+                image: self.image.as_flattened_mut(),
+            },
+            scratch: &mut self.scratch,
+            kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
+        }
+    }
+}
+
+/// Borrowed [`PipelineMemory`], or slices of the caller's own making.
+#[derive(Debug)]
+pub struct PipelineBuffers<'b> {
+    /// Up to the image.
+    pub front_end: FrontEndBuffers<'b>,
+    /// The network's.
+    pub scratch: &'b mut [i8],
+    /// Of the kernels of [`Pipeline::new`]; others bring their own.
+    pub kernels: WinogradMemory<'b>,
+}
+
+/// Why a slot is not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Refused {
+    /// A recognition is not yet over: [`Pipeline::step`] first.
+    Busy,
+    /// The recording is complete: [`Pipeline::reset`] begins the next.
+    Full,
+    /// The slot has another number of values than the sensor's configuration says.
+    Length,
+}
+
+impl core::fmt::Display for Refused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Refused::Busy => "a recognition is not yet over",
+            Refused::Full => "the recording is complete",
+            Refused::Length => "the slot has another length than the sensor's",
+        })
+    }
+}
+
+impl core::error::Error for Refused {}
+
+/// A recognition under way.
+#[derive(Debug, Clone, Copy)]
+struct Recognition {
+    exit: usize,
+    period: u32,
+    imaged: bool,
+    /// Whether the recording has been reset since.
+    outdated: bool,
+}
+
+/// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
+/// a microcontroller.
+#[derive(Debug)]
+pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
+    front_end: FrontEnd<'b, T>,
+    scratch: &'b mut [i8],
+    kernels: K,
+    network: Network,
+    exits: Vec<EarlyExit<'m>, EXITS>,
+    threshold: f32,
+    /// The next exit of the recording that is being taken.
+    next_exit: usize,
+    /// Logits of the exits passed.
+    logits: Vec<Logits, EXITS>,
+    recognition: Option<Recognition>,
+    stopped: bool,
+    /// Number of the period that the recording belongs to.
+    period: u32,
+}
+
+impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
+    /// Joins exits, fewest slots first, and memory for the largest; `threshold` is the confidence that stops, above 1 for never
+    /// before the last exit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Exits`], [`Error::Memory`].
+    pub fn new(
+        exits: impl IntoIterator<Item = EarlyExit<'m>>,
+        threshold: f32,
+        mut buffers: PipelineBuffers<'b>,
+    ) -> Result<Self, Error> {
+        let kernels = WinogradF2::shared(core::mem::take(&mut buffers.kernels));
+        let pipeline = Self::with_kernels(exits, threshold, buffers, kernels)?;
+        for exit in &pipeline.exits {
+            let sizes = exit.model.shape().winograd_sizes();
+            let (vectors, words) = pipeline.kernels.capacity();
+            for (buffer, need, have) in [("vectors", sizes.vectors, vectors), ("words", sizes.words, words)] {
+                if have < need {
+                    return Err(Error::Memory { buffer, need, have });
+                }
+            }
+        }
+        Ok(pipeline)
+    }
+}
+
+impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
+    /// [`Pipeline::new`] with other kernels, made for these models.
+    ///
+    /// # Errors
+    ///
+    /// As [`Pipeline::new`].
+    pub fn with_kernels(
+        exits: impl IntoIterator<Item = EarlyExit<'m>>,
+        threshold: f32,
+        buffers: PipelineBuffers<'b>,
+        kernels: K,
+    ) -> Result<Self, Error> {
+        let mut all: Vec<EarlyExit<'m>, EXITS> = Vec::new();
+        for exit in exits {
+            all.push(exit).map_err(|_| Error::Exits)?;
+        }
+        let last = all.last().ok_or(Error::Exits)?.model;
+        let agrees = |exit: &EarlyExit<'_>| {
+            let model = &exit.model;
+            model.preprocessing() == last.preprocessing()
+                && model.classes() == last.classes()
+                && model.radar() == last.radar()
+        };
+        let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
+        let valid = all.iter().enumerate().all(|(number, exit)| exit.is_valid(number) && agrees(exit));
+        if !(ascending && valid) {
+            return Err(Error::Exits);
+        }
+        let scratch = all.iter().map(|exit| exit.model.shape().scratch_bytes()).max().unwrap_or(0);
+        let (slots, cells) = (last.sensing_slots(), ROWS * last.frames());
+        let f = &buffers.front_end;
+        for (buffer, need, have) in [
+            ("reference", last.radar().reference_len(), f.reference.len()),
+            ("beats", slots, f.beats.len()),
+            ("slow_time", slots, f.slow_time.len()),
+            ("levels", cells, f.levels.len()),
+            ("image", cells, f.image.len()),
+            ("scratch", scratch, buffers.scratch.len()),
+        ] {
+            if have < need {
+                return Err(Error::Memory { buffer, need, have });
+            }
+        }
+        // valid: the parser has checked both
+        let front_end = FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
+        Ok(Pipeline {
+            front_end,
+            scratch: buffers.scratch,
+            kernels,
+            network: Network::new(),
+            exits: all,
+            threshold,
+            next_exit: 0,
+            logits: Vec::new(),
+            recognition: None,
+            stopped: false,
+            period: 0,
+        })
+    }
+
+    /// The exits.
+    pub fn exits(&self) -> &[EarlyExit<'m>] {
+        &self.exits
+    }
+
+    /// Sensing slots that the first exit needs.
+    pub fn first_exit_slots(&self) -> usize {
+        self.exits.first().map_or(0, |exit| exit.model.sensing_slots())
+    }
+
+    /// Whether a classification has stopped this recording: further slots are not used.
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Slots of the recording taken so far.
+    pub fn taken(&self) -> usize {
+        self.front_end.taken()
+    }
+
+    /// Whether a recognition is under way or due.
+    pub fn is_busy(&self) -> bool {
+        self.recognition.is_some() || self.exit_due()
+    }
+
+    /// Stops from the next classification on at this confidence.
+    pub fn set_threshold(&mut self, threshold: f32) {
+        self.threshold = threshold;
+    }
+
+    /// The sensor's configuration.
+    pub fn config(&self) -> &RadarConfig {
+        self.front_end.config()
+    }
+
+    /// Period of the recording that is being recognised, or is the next to be.
+    pub(crate) fn recognition_period(&self) -> u32 {
+        self.recognition.map_or(self.period, |recognition| recognition.period)
+    }
+
+    /// Whether [`Pipeline::push`] would not find the pipeline busy.
+    pub(crate) fn has_room(&self) -> bool {
+        !self.exit_due() && self.front_end.has_room()
+    }
+
+    fn exit_due(&self) -> bool {
+        let due = |exit: &EarlyExit<'_>| self.front_end.taken() == exit.model.sensing_slots();
+        !self.stopped && self.exits.get(self.next_exit).is_some_and(due)
+    }
+
+    /// Takes the samples of one slot. Cost: see [`FastTime::beat`](crate::signal::fast_time::FastTime::beat), and 36 complex
+    /// multiply-accumulates of 32 bits.
+    ///
+    /// # Errors
+    ///
+    /// [`Refused`]: nothing has changed.
+    pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> Result<(), Refused> {
+        if self.stopped || self.next_exit >= self.exits.len() {
+            return Err(Refused::Full);
+        }
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        if !self.front_end.push(slot, probe) {
+            return Err(Refused::Length);
+        }
+        self.begin_recognition(probe);
+        Ok(())
+    }
+
+    /// Begins the recognition that is due, if none is under way.
+    fn begin_recognition(&mut self, probe: &mut impl Probe) {
+        if self.recognition.is_none() && self.exit_due() && self.front_end.begin_image(probe) {
+            self.recognition = Some(Recognition { exit: self.next_exit, period: self.period, imaged: false, outdated: false });
+            self.next_exit += 1;
+            self.network = Network::new();
+        }
+    }
+
+    /// One bounded step of a recognition; the classification after the last.
+    pub fn step(&mut self, probe: &mut impl Probe) -> Option<Classification> {
+        self.begin_recognition(probe);
+        let recognition = self.recognition.as_mut()?;
+        let exit = self.exits.get(recognition.exit)?;
+        if !recognition.imaged {
+            recognition.imaged = self.front_end.step(probe).is_some();
+            return None;
+        }
+        let image = self.front_end.last_image(exit.model.frames());
+        let logits = self.network.step(&exit.model, image, self.scratch, &mut self.kernels, probe)?;
+        let Recognition { exit: number, outdated, .. } = *recognition;
+        let mut evidence = Evidence::new();
+        let _ = evidence.resize(logits.len(), 0); // at most MAX_CLASSES: the parser has checked
+        for (logits, &weight) in self.logits.iter().chain([&logits]).zip(&exit.weights) {
+            add_evidence(&mut evidence, logits, weight);
+        }
+        let (class, confidence) = decide(&evidence);
+        let stop = number + 1 >= self.exits.len() || confidence >= self.threshold;
+        self.recognition = None;
+        if outdated {
+            self.logits.clear();
+        } else {
+            let _ = self.logits.push(logits.clone()); // as many as there are exits
+            self.stopped = stop;
+        }
+        Some(Classification { exit: number as u8, class, confidence, stop, logits })
+    }
+
+    /// Finishes the recognition that is under way.
+    pub fn classify(&mut self, probe: &mut impl Probe) -> Option<Classification> {
+        while self.is_busy() {
+            if let Some(classification) = self.step(probe) {
+                return Some(classification);
+            }
+        }
+        None
+    }
+
+    /// Begins a recording.
+    pub fn reset(&mut self) {
+        self.begin_recording(self.period);
+    }
+
+    /// Begins a recording of a period. A recognition under way goes on, with the exits that its own recording has passed.
+    pub(crate) fn begin_recording(&mut self, period: u32) {
+        self.period = period;
+        self.front_end.reset();
+        self.next_exit = 0;
+        self.stopped = false;
+        match &mut self.recognition {
+            Some(recognition) => recognition.outdated = true,
+            None => self.logits.clear(),
+        }
+    }
+}
