@@ -14,7 +14,7 @@ use sdp3_core::selftest::noise;
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use sdp3_core::simd::{Isa, LANES, Line};
 
-static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
 const SHAPE: Shape = match Shape::of(MODEL) {
     Some(shape) => shape,
     None => panic!("dsn-200.sdp3 is no model"),

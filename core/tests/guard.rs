@@ -12,7 +12,7 @@ use sdp3_core::supervision::campaign::recording;
 use sdp3_core::supervision::station::Trouble;
 use sdp3_core::supervision::{Fault, Guarded, Intact, SampleFault, Watch};
 
-static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
 const SHAPE: Shape = match Shape::of(MODEL) {
     Some(shape) => shape,
     None => panic!("dsn-200.sdp3 is no model"),

@@ -21,7 +21,7 @@ mod firmware {
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-200.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
     const SHAPE: Shape = match Shape::of(MODEL) {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),

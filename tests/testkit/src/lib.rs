@@ -1,0 +1,4 @@
+//! What the tests of the core, the tests of the host and the firmware share: models, signals, fault injection.
+#![no_std]
+
+pub mod models;
