@@ -1,12 +1,8 @@
 //! What several of the core's tests need: small networks of random numbers, memory of exactly the size asked for, noise.
 #![allow(dead_code)] // not every test needs everything
 
-#[path = "../../src/dsn/random_model.rs"]
-mod random_model;
-
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
-use random_model::{Numbers, Size};
 use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
 use sdp3_core::dsn::Model;
 use sdp3_core::dsn::model::crc32;
@@ -16,6 +12,7 @@ use sdp3_core::pipeline::Buffers;
 use sdp3_core::selftest::noise;
 use sdp3_core::signal::front_end::FrontEndBuffers;
 use sdp3_core::simd::dual_mac::I16x8;
+use sdp3_testkit::random_model::{self, Numbers, Size};
 
 /// Channels of [`random_model`].
 pub const CHANNELS: usize = 8;

@@ -10,12 +10,7 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-#[path = "../../../core/src/dsn/random_model.rs"]
-mod random_model;
-
-#[cfg(target_os = "none")]
 mod firmware {
-    use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
     use sdp3_core::digest::DigestProbe;
     use sdp3_core::dims::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
@@ -29,6 +24,7 @@ mod firmware {
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::random_model::{Numbers, Size, write};
 
     /// Memory for the largest of the networks below.
     type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8192, 8192>;

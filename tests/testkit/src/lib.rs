@@ -2,3 +2,4 @@
 #![no_std]
 
 pub mod models;
+pub mod random_model;
