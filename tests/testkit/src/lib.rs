@@ -1,5 +1,6 @@
 //! What the tests of the core, the tests of the host and the firmware share: models, signals, fault injection.
 #![no_std]
 
+pub mod churn;
 pub mod models;
 pub mod random_model;
