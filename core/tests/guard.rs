@@ -1,5 +1,7 @@
 //! The guarded station with a real model: every trouble is told once, and a recording with a gap begins anew or ends.
 
+mod support;
+
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
@@ -7,10 +9,11 @@ use sdp3_core::dsn::{ModelError, Shape};
 use sdp3_core::early_exit::{Anytime, Exit};
 use sdp3_core::memory_for;
 use sdp3_core::scheduler::{Sensing, SlotUse};
-use sdp3_core::selftest::noise;
 use sdp3_core::supervision::campaign::recording;
 use sdp3_core::supervision::station::Trouble;
 use sdp3_core::supervision::{Fault, Guarded, Intact, SampleFault, Watch};
+use sdp3_testkit::signals::noise;
+use support::slot;
 
 static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
 const SHAPE: Shape = match Shape::of(MODEL) {
@@ -63,7 +66,7 @@ fn play(at: u32, act: Act) -> Log {
     let watch = Watch::new(sensing, [1500, 2500, 0, 0, 0, 0, 0, 0], FIRST);
     let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(5);
-    let mut samples: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    let mut samples = [0; 2 * SLOT_SAMPLES];
     let mut log = Log::default();
     let mut n = 0;
     while n < 2 * PERIOD {
@@ -84,6 +87,7 @@ fn play(at: u32, act: Act) -> Log {
             let count = &mut log.sensing[(n / PERIOD) as usize];
             *count += 1;
             noise(&mut rng, &mut samples);
+            let samples = slot(&samples);
             let mut give = |number, samples: &Slot| match station.sensed(number, samples) {
                 Ok(Some(verdict)) => {
                     assert!(verdict.stop && verdict.exit == 0);

@@ -19,7 +19,6 @@ mod firmware {
     use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
     use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
     use sdp3_core::probe::Probe;
-    use sdp3_core::selftest;
     use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};

@@ -4,3 +4,4 @@
 pub mod churn;
 pub mod models;
 pub mod random_model;
+pub mod signals;
