@@ -10,7 +10,6 @@ pub mod plan;
 pub mod planner;
 #[allow(clippy::module_inception)]
 pub mod scheduler;
-pub mod selftest;
 pub mod sequencer;
 pub mod slot_order;
 
