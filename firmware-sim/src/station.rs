@@ -39,7 +39,7 @@ impl Converter {
     /// One slot begins.
     fn slot(&mut self) {
         if self.scheduler.position() == 0 {
-            PERIODS.fetch_add(1, Ordering::Relaxed);
+            PERIODS.store(PERIODS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         }
         if self.scheduler.next() != SlotUse::Sensing {
             return;
@@ -53,14 +53,13 @@ impl Converter {
             }
         });
         if !moved {
-            OVERRUNS.fetch_add(1, Ordering::Relaxed);
+            OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         }
     }
 }
 
-#[allow(unsafe_code)] // the symbol that the timer's interrupt calls
-#[unsafe(no_mangle)]
-extern "C" fn firmware_tick() {
+/// What a program's `firmware_tick` calls.
+pub fn slot_interrupt() {
     CONVERTER.with(Converter::slot);
 }
 
