@@ -6,13 +6,11 @@ use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::digest::DigestProbe;
 use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
-use sdp3_core::dsn::vector::VectorMemory;
-use sdp3_core::dsn::{Kernels, Model, Portable, Shape, Vector};
+use sdp3_core::dsn::{Kernels, Model, Portable, Shape};
 use sdp3_core::memory_for;
 use sdp3_core::pipeline::Receiver;
 use sdp3_core::selftest::noise;
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
-use sdp3_core::simd::{Isa, LANES, Line};
 
 static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
 const SHAPE: Shape = match Shape::of(MODEL) {
@@ -81,14 +79,6 @@ const KNOWN: [(&str, u64); 10] = [
 fn every_kernel_has_the_known_answers() {
     assert_eq!(tiled::<FixedStft>(), KNOWN, "tiled");
     assert_eq!(with::<_, FixedStft>(Portable), KNOWN, "plain");
-    let (lines, words) = (Vector::lines(&model()), Vector::words(&model()));
-    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-        let mut lines = vec![Line([0; LANES]); lines];
-        let mut words = vec![0; words];
-        let memory = VectorMemory { lines: &mut lines, words: &mut words };
-        let vector = Vector::new(&model(), isa, memory).expect("enough memory");
-        assert_eq!(with::<_, FixedStft>(vector), KNOWN, "{isa:?}");
-    }
 }
 
 #[test]

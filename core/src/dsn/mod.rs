@@ -19,12 +19,10 @@ pub mod pool;
 #[cfg(test)]
 mod random_model;
 pub mod shape;
-pub mod vector;
 pub mod winograd;
 
 pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
 pub use shape::Shape;
-pub use vector::Vector;
 pub use winograd::WinogradF2;
