@@ -10,14 +10,22 @@ const LEFT_SHIFT: u32 = 20;
 /// Scales and zero points of an addition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Add {
-    pub(super) zero: [i8; 2],
-    pub(super) out_zp: i8,
-    pub(super) act_min: i8,
-    pub(super) act_max: i8,
-    pub(super) multiplier: [i32; 2],
-    pub(super) out_multiplier: i32,
-    pub(super) shift: [i8; 2],
-    pub(super) out_shift: i8,
+    /// Zero points of the left and the right input.
+    pub in_zp: [i8; 2],
+    /// Zero point of the output.
+    pub out_zp: i8,
+    /// Least output: the activation's lower end.
+    pub act_min: i8,
+    /// Largest output; not below `act_min`.
+    pub act_max: i8,
+    /// Multipliers of the inputs, 0 or Q0.31 in 2^30..2^31.
+    pub multiplier: [i32; 2],
+    /// Multiplier of the sum.
+    pub out_multiplier: i32,
+    /// Shifts of the inputs, -31..=7.
+    pub shift: [i8; 2],
+    /// Shift of the sum.
+    pub out_shift: i8,
 }
 
 impl Add {
@@ -33,7 +41,7 @@ impl Add {
     /// One input in the common scale; `k` is 0 for the left one, 1 for the right one.
     pub(super) fn term(&self, k: usize, x: i8) -> i32 {
         let k = k & 1;
-        let value = (i32::from(x) - i32::from(self.zero[k])) << LEFT_SHIFT;
+        let value = (i32::from(x) - i32::from(self.in_zp[k])) << LEFT_SHIFT;
         requantize(value, self.multiplier[k], self.shift[k])
     }
 }

@@ -8,13 +8,14 @@ use crate::fixed::clamp_i8;
 /// A per-channel scale and offset; weights `[channels]`.
 #[derive(Debug, Clone, Copy)]
 pub struct BatchNormRelu<'m> {
-    pub(super) layer: PerChannelQuant<'m>,
+    /// Weights and scales.
+    pub quant: PerChannelQuant<'m>,
 }
 
 impl BatchNormRelu<'_> {
     /// `[pixels, channels]` to the same shape. Cost: one multiply and one requantisation a value.
     pub fn forward(&self, input: &[i8], output: &mut [i8]) {
-        let channels = self.layer.channels.max(1);
+        let channels = self.quant.channels.max(1);
         for (from, to) in input.chunks_exact(channels).zip(output.chunks_exact_mut(channels)) {
             for (c, (&x, y)) in from.iter().zip(to).enumerate() {
                 *y = self.value(c, x);
@@ -24,9 +25,9 @@ impl BatchNormRelu<'_> {
 
     /// One value of channel `c`.
     pub(super) fn value(&self, c: usize, x: i8) -> i8 {
-        let weight = self.layer.weights.get(c).map_or(0, |&w| i32::from(w as i8));
-        let product = (i32::from(x) - i32::from(self.layer.in_zp)) * weight;
-        let value = self.layer.requantize(c, self.layer.bias(c).wrapping_add(product));
-        clamp_i8(value.wrapping_add(i32::from(self.layer.out_zp)), self.layer.act_min, self.layer.act_max)
+        let weight = self.quant.weights.get(c).map_or(0, |&w| i32::from(w as i8));
+        let product = (i32::from(x) - i32::from(self.quant.in_zp)) * weight;
+        let value = self.quant.requantize(c, self.quant.bias(c).wrapping_add(product));
+        clamp_i8(value.wrapping_add(i32::from(self.quant.out_zp)), self.quant.act_min, self.quant.act_max)
     }
 }

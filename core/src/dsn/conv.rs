@@ -14,9 +14,12 @@ const PATCH: usize = 9 * MAX_CHANNELS;
 /// A 3x3 convolution; weights `[output, 3, 3, input]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Conv<'m> {
-    pub(super) layer: PerChannelQuant<'m>,
-    pub(super) inputs: usize,
-    pub(super) stride: usize,
+    /// Weights and scales.
+    pub quant: PerChannelQuant<'m>,
+    /// Input channels.
+    pub inputs: usize,
+    /// Stride of both axes, 1 or 2.
+    pub stride: usize,
 }
 
 /// Length of a convolved or padded axis: ceil(n / stride).
@@ -25,21 +28,21 @@ pub const fn same(n: usize, stride: usize) -> usize {
 }
 
 /// TFLite's SAME padding before the axis: half of what is missing, rounded down.
-pub(super) const fn pad_before(n: usize, stride: usize) -> usize {
+pub const fn pad_before(n: usize, stride: usize) -> usize {
     (same(n, stride).saturating_sub(1) * stride + 3).saturating_sub(n) / 2
 }
 
 impl Conv<'_> {
     /// Output channels.
     pub fn channels(&self) -> usize {
-        self.layer.channels
+        self.quant.channels
     }
 
     /// Convolves row `y` of the output: `[width_out, outputs]` from `[height, width, inputs]`.
     ///
     /// Cost: width_out x outputs x 9 x inputs multiply-accumulates. Padding contributes nothing.
     pub fn row(&self, input: &[i8], height: usize, width: usize, y: usize, output: &mut [i8]) {
-        let outputs = self.layer.channels;
+        let outputs = self.quant.channels;
         let first_row = (y * self.stride).wrapping_sub(pad_before(height, self.stride));
         let before = pad_before(width, self.stride);
         let mut patch = [0_i16; PATCH];
@@ -53,7 +56,7 @@ impl Conv<'_> {
     /// Widens the 3x3 neighbourhood to i16 with the zero point taken off; outside the image it is zero.
     fn gather(&self, input: &[i8], size: (usize, usize), first: (usize, usize), patch: &mut [i16; PATCH]) {
         let (height, width) = size;
-        let zero = i16::from(self.layer.in_zp);
+        let zero = i16::from(self.quant.in_zp);
         let row_length = 3 * self.inputs;
         for (ky, row) in patch.chunks_exact_mut(row_length.max(1)).take(3).enumerate() {
             row.fill(0);
@@ -78,20 +81,20 @@ impl Conv<'_> {
     fn pixel(&self, patch: &[i16; PATCH], pixel: &mut [i8]) {
         let taps = 9 * self.inputs;
         let patch = patch.get(..taps).unwrap_or(&[]);
-        let weights = self.layer.weights.chunks_exact(taps.max(1));
+        let weights = self.quant.weights.chunks_exact(taps.max(1));
         for (o, (out, weights)) in pixel.iter_mut().zip(weights).enumerate() {
-            let mut sum = self.layer.bias(o);
+            let mut sum = self.quant.bias(o);
             for (&x, &w) in patch.iter().zip(weights) {
                 sum = sum.wrapping_add(i32::from(x) * i32::from(w as i8));
             }
-            let y = self.layer.requantize(o, sum).wrapping_add(i32::from(self.layer.out_zp));
-            *out = clamp_i8(y, self.layer.act_min, self.layer.act_max);
+            let y = self.quant.requantize(o, sum).wrapping_add(i32::from(self.quant.out_zp));
+            *out = clamp_i8(y, self.quant.act_min, self.quant.act_max);
         }
     }
 
     /// The whole output, `[same(height), same(width), outputs]`.
     pub fn forward(&self, input: &[i8], height: usize, width: usize, output: &mut [i8]) {
-        let row_length = same(width, self.stride) * self.layer.channels;
+        let row_length = same(width, self.stride) * self.quant.channels;
         for (y, row) in output.chunks_exact_mut(row_length.max(1)).take(same(height, self.stride)).enumerate()
         {
             self.row(input, height, width, y, row);

@@ -12,22 +12,25 @@ pub const MAX_CLASSES: usize = 16;
 /// The fully connected layer; weights `[classes, channels]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Head<'m> {
-    pub(super) layer: PerChannelQuant<'m>,
-    pub(super) inputs: usize,
-    pub(super) scale: f32,
+    /// Weights and scales.
+    pub quant: PerChannelQuant<'m>,
+    /// Input channels.
+    pub inputs: usize,
+    /// What one step of a logit is worth, in nat.
+    pub scale: f32,
 }
 
 impl Head<'_> {
     /// `[channels]` to `[classes]`.
     pub fn forward(&self, features: &[i8], logits: &mut [i8]) {
-        let rows = self.layer.weights.chunks_exact(self.inputs.max(1));
+        let rows = self.quant.weights.chunks_exact(self.inputs.max(1));
         for (o, (out, weights)) in logits.iter_mut().zip(rows).enumerate() {
-            let mut sum = self.layer.bias(o);
+            let mut sum = self.quant.bias(o);
             for (&x, &w) in features.iter().zip(weights) {
-                sum = sum.wrapping_add((i32::from(x) - i32::from(self.layer.in_zp)) * i32::from(w as i8));
+                sum = sum.wrapping_add((i32::from(x) - i32::from(self.quant.in_zp)) * i32::from(w as i8));
             }
-            let y = self.layer.requantize(o, sum).wrapping_add(i32::from(self.layer.out_zp));
-            *out = clamp_i8(y, self.layer.act_min, self.layer.act_max);
+            let y = self.quant.requantize(o, sum).wrapping_add(i32::from(self.quant.out_zp));
+            *out = clamp_i8(y, self.quant.act_min, self.quant.act_max);
         }
     }
 
@@ -71,7 +74,7 @@ mod tests {
             shifts: &[1, 0, 0, 0], // doubled again, and not
             weights: &[2, 253],
         };
-        Head { layer, inputs: 1, scale: 1.0 }
+        Head { quant: layer, inputs: 1, scale: 1.0 }
     }
 
     #[test]

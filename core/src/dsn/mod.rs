@@ -17,12 +17,10 @@ pub mod network;
 pub mod per_channel;
 pub mod pool;
 pub mod shape;
-pub mod vector;
 pub mod winograd;
 
 pub use kernels::{Kernels, Portable};
 pub use model::{Model, ModelError};
 pub use network::{Network, scratch_bytes};
 pub use shape::Shape;
-pub use vector::Vector;
 pub use winograd::WinogradF2;

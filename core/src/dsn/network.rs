@@ -81,8 +81,8 @@ impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
 
         let mut layer = 0;
         for block in &model.blocks {
-            let [first, second] = &block.conv;
-            kernels.affine(layer + 1, &block.affine, x, a);
+            let [first, second] = &block.convs;
+            kernels.affine(layer + 1, &block.batch_norm, x, a);
             probe.layer(layer + 1, a);
             kernels.conv(layer + 2, first, a, (height, width), rows, b);
             probe.layer(layer + 2, b);

@@ -25,9 +25,12 @@ use reader::{Reader, check};
 /// One residual block.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'m> {
-    pub(in crate::dsn) affine: BatchNormRelu<'m>,
-    pub(in crate::dsn) conv: [Conv<'m>; 2],
-    pub(in crate::dsn) add: Add,
+    /// The first normalisation, with its ReLU.
+    pub batch_norm: BatchNormRelu<'m>,
+    /// Both convolutions.
+    pub convs: [Conv<'m>; 2],
+    /// The skip's addition.
+    pub add: Add,
 }
 
 /// A checked model: views into the byte string it was parsed from.
@@ -166,15 +169,15 @@ impl<'m> Model<'m> {
 
         let c = usize::from(channels);
         let (stem, _) = r.channelwise(1, c, 9)?;
-        let stem = Conv { layer: stem, inputs: 1, stride: usize::from(stem_stride) };
+        let stem = Conv { quant: stem, inputs: 1, stride: usize::from(stem_stride) };
         let mut parsed = Vec::new();
         for _ in 0..blocks {
             let (affine, _) = r.channelwise(2, c, 1)?;
             let (first, _) = r.channelwise(1, c, 9 * c)?;
             let (second, _) = r.channelwise(1, c, 9 * c)?;
             let block = Block {
-                affine: BatchNormRelu { layer: affine },
-                conv: [first, second].map(|layer| Conv { layer, inputs: c, stride: 1 }),
+                batch_norm: BatchNormRelu { quant: affine },
+                convs: [first, second].map(|quant| Conv { quant, inputs: c, stride: 1 }),
                 add: r.add()?,
             };
             if parsed.push(block).is_err() {
@@ -182,7 +185,7 @@ impl<'m> Model<'m> {
             }
         }
         let (layer, scale) = r.channelwise(4, usize::from(classes), c)?;
-        let head = Head { layer, inputs: c, scale };
+        let head = Head { quant: layer, inputs: c, scale };
         if !r.bytes.is_empty() {
             return Err(ModelError::Layers { need: content.len() - r.bytes.len(), have: content.len() });
         }
@@ -247,6 +250,21 @@ impl<'m> Model<'m> {
     /// Residual blocks.
     pub fn blocks(&self) -> usize {
         self.blocks.len()
+    }
+
+    /// The input convolution.
+    pub fn stem(&self) -> Conv<'m> {
+        self.stem
+    }
+
+    /// Residual block `index`; `None` behind the last.
+    pub fn block(&self, index: usize) -> Option<Block<'m>> {
+        self.blocks.get(index).copied()
+    }
+
+    /// The fully connected layer.
+    pub fn head(&self) -> Head<'m> {
+        self.head
     }
 
     /// Classes it tells apart.

@@ -108,7 +108,7 @@ impl<'m> Reader<'m> {
         self.scale("add.in2_scale")?;
         self.scale("add.out_scale")?;
         let add = Add {
-            zero: [in_zp, in2_zp],
+            in_zp: [in_zp, in2_zp],
             out_zp,
             act_min,
             act_max,

@@ -83,7 +83,7 @@ impl Convolution<'_> {
                 put(&found[1], lower.next().unwrap_or_default());
             }
         }
-        clamp_all(self.output, (self.layer.layer.act_min, self.layer.layer.act_max));
+        clamp_all(self.output, (self.layer.quant.act_min, self.layer.quant.act_max));
     }
 }
 

@@ -114,7 +114,7 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
         }
         let ahead = if places < all { places - 1 } else { all };
         let mut tiled = WinogradF2 { pairs, channels, ahead, plain: 0, eights, constants, spare };
-        let convolutions = model.blocks.iter().flat_map(|block| &block.conv);
+        let convolutions = model.blocks.iter().flat_map(|block| &block.convs);
         for (number, conv) in convolutions.enumerate().take(ahead) {
             if tiled.pack(number, conv).is_none() {
                 tiled.plain |= 1 << number;
@@ -151,7 +151,7 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
         let weights = self.eights.get(place * eights..)?.get(..eights)?;
         let constants = self.constants.get(place * words..)?.get(..words)?;
         let border = border.get_mut(..width * self.channels)?;
-        border.fill(layer.layer.in_zp);
+        border.fill(layer.quant.in_zp);
         let strip = self.spare.get_mut(..convolution::strip_words(width, self.channels))?;
         let job = convolution::Convolution { layer, weights, constants, input, width, border, strip, output };
         job.run(self.pairs).then_some(())

@@ -44,7 +44,7 @@ fn outputs<P: DualMac, const QUADS: usize>(
     eights: &mut [I16x8],
     constants: &mut [i32],
 ) -> Option<()> {
-    let (taps, _) = conv.layer.weights.as_chunks::<4>();
+    let (taps, _) = conv.quant.weights.as_chunks::<4>();
     let (taps, _) = taps.as_chunks::<QUADS>();
     let (taps, _): (&[Taps<QUADS>], _) = taps.as_chunks::<9>();
     let (eights, _) = eights.as_chunks_mut::<QUADS>();
@@ -55,7 +55,7 @@ fn outputs<P: DualMac, const QUADS: usize>(
     {
         for (part, (taps, words)) in taps.iter().zip(constants).enumerate() {
             let sum = output::<P, QUADS>(taps, part, points);
-            *words = Rescale::of(&conv.layer, 2 * pair + part, sum, 9 * conv.inputs)?.to_words();
+            *words = Rescale::of(&conv.quant, 2 * pair + part, sum, 9 * conv.inputs)?.to_words();
         }
     }
     Some(())

@@ -16,12 +16,12 @@ const AFFINE_WORDS: usize = WORDS + 1;
 
 /// An affine layer, `[pixels, channels]` to the same shape; false, and nothing is done, if tiles cannot compute it.
 pub fn affine(layer: &BatchNormRelu<'_>, words: &mut [i32], input: &[i8], output: &mut [i8]) -> bool {
-    let channels = layer.layer.channels;
+    let channels = layer.quant.channels;
     let (words, _) = words.as_chunks_mut::<AFFINE_WORDS>();
     let Some(words) = words.get_mut(..channels) else { return false };
-    for (c, (words, &weight)) in words.iter_mut().zip(layer.layer.weights).enumerate() {
+    for (c, (words, &weight)) in words.iter_mut().zip(layer.quant.weights).enumerate() {
         let weight = i32::from(weight as i8);
-        let Some(rescale) = Rescale::of(&layer.layer, c, weight, 1) else { return false };
+        let Some(rescale) = Rescale::of(&layer.quant, c, weight, 1) else { return false };
         let [a, b, c, d] = rescale.to_words();
         *words = [a, b, c, d, 4 * weight];
     }
@@ -37,7 +37,7 @@ pub fn affine(layer: &BatchNormRelu<'_>, words: &mut [i32], input: &[i8], output
             }
         }
     }
-    clamp_all(output, (layer.layer.act_min, layer.layer.act_max));
+    clamp_all(output, (layer.quant.act_min, layer.quant.act_max));
     true
 }
 

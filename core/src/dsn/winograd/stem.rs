@@ -14,7 +14,7 @@ pub const WORDS: usize = POINTS + rescale::WORDS;
 
 /// Packs the weights; `None` if tiles cannot compute it.
 fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
-    let (taps, _) = stem.layer.weights.as_chunks::<9>();
+    let (taps, _) = stem.quant.weights.as_chunks::<9>();
     let (channels, _) = words.as_chunks_mut::<WORDS>();
     for (o, (words, taps)) in channels.iter_mut().zip(taps).enumerate() {
         let (weights, constants) = words.split_first_chunk_mut::<POINTS>()?;
@@ -24,7 +24,7 @@ fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
         } else {
             *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
         }
-        *constants.first_chunk_mut()? = Rescale::of(&stem.layer, o, taps.iter().sum(), 9)?.to_words();
+        *constants.first_chunk_mut()? = Rescale::of(&stem.quant, o, taps.iter().sum(), 9)?.to_words();
     }
     Some(())
 }
@@ -37,7 +37,7 @@ pub fn pooled(
     size: (usize, usize),
     output: &mut [i8],
 ) -> bool {
-    let layer = &stem.layer;
+    let layer = &stem.quant;
     let Some(words) = words.get_mut(..layer.channels * WORDS) else { return false };
     if stem.inputs != 1 || pack(stem, words).is_none() {
         return false;
@@ -54,7 +54,7 @@ pub fn pooled(
 
 /// What lies outside the image, as u8.
 fn border(stem: &Conv<'_>) -> i32 {
-    i32::from(stem.layer.in_zp) + 128
+    i32::from(stem.quant.in_zp) + 128
 }
 
 /// Line `y` of the image, empty outside.
@@ -83,12 +83,12 @@ fn tiles(
     output: &mut [i8],
 ) {
     let border = border(stem);
-    let row = width / 2 * stem.layer.channels;
+    let row = width / 2 * stem.quant.channels;
     for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
         let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
         let column = |x: usize| forward(rows.map(|row| pixel(row, x, border)));
         let mut columns = [[0; 4], [0; 4], forward([border; 4]), column(0)];
-        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
+        for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
             let [_, _, a, b] = columns;
             columns = [a, b, column(2 * x + 1), column(2 * x + 2)];
             let mut points = [[0; 4]; 4];
@@ -135,10 +135,10 @@ fn patches(
 ) {
     let border = border(stem);
     let (above, before) = (pad_before(height, 2), pad_before(width, 2));
-    let row = width.div_ceil(2) / 2 * stem.layer.channels;
+    let row = width.div_ceil(2) / 2 * stem.quant.channels;
     for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
         let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
-        for (x, pooled) in output.chunks_exact_mut(stem.layer.channels.max(1)).enumerate() {
+        for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
             let first = (4 * x).wrapping_sub(before);
             let patch: Patch =
                 rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));

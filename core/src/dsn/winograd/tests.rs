@@ -35,7 +35,7 @@ fn memory(model: &Model<'_>, places: usize) -> (List<I16x8>, List<i32>) {
 /// How many convolutions tiles refuse.
 fn refused(model: &Model<'_>) -> usize {
     let (mut eights, mut words) = memory(model, 1);
-    let convolutions = model.blocks.iter().flat_map(|block| &block.conv);
+    let convolutions = model.blocks.iter().flat_map(|block| &block.convs);
     convolutions.filter(|conv| packing::pack::<Plain>(conv, &mut eights, &mut words).is_none()).count()
 }
 
@@ -152,14 +152,14 @@ fn every_layer_runs_in_tiles_where_there_is_memory_for_one() {
             let (input, mut output) =
                 (vec![1; height * width * channels], vec![0; height * width * channels]);
             let mut border = vec![0; 2 * 10 * channels];
-            for (number, conv) in model.blocks.iter().flat_map(|block| &block.conv).enumerate() {
+            for (number, conv) in model.blocks.iter().flat_map(|block| &block.convs).enumerate() {
                 let ran = tiled.convolve(number, conv, &input, width, &mut border, &mut output);
                 assert_eq!(ran, Some(()), "{channels} channels, {places} places");
             }
             let image = vec![3; ROWS * model.frames()];
             assert!(stem::pooled(&model.stem, tiled.spare, &image, (ROWS, model.frames()), &mut output));
             for block in &model.blocks {
-                assert!(pointwise::affine(&block.affine, tiled.spare, &input, &mut output));
+                assert!(pointwise::affine(&block.batch_norm, tiled.spare, &input, &mut output));
                 assert!(pointwise::add(&block.add, tiled.spare, &mut output, &input));
             }
         }
