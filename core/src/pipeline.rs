@@ -183,11 +183,11 @@ impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
         threshold: f32,
         mut buffers: PipelineBuffers<'b>,
     ) -> Result<Self, Error> {
-        let kernels = WinogradF2::shared(core::mem::take(&mut buffers.kernels));
-        let pipeline = Self::with_kernels(exits, threshold, buffers, kernels)?;
+        let memory = core::mem::take(&mut buffers.kernels);
+        let (vectors, words) = (memory.vectors.len(), memory.words.len());
+        let pipeline = Self::with_kernels(exits, threshold, buffers, WinogradF2::shared(memory))?;
         for exit in &pipeline.exits {
             let sizes = exit.model.shape().winograd_sizes();
-            let (vectors, words) = pipeline.kernels.capacity();
             for (buffer, need, have) in [("vectors", sizes.vectors, vectors), ("words", sizes.words, words)] {
                 if have < need {
                     return Err(Error::Memory { buffer, need, have });
@@ -348,22 +348,26 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         }
         let image = self.front_end.last_image(exit.model.frames());
         let logits = self.network.step(&exit.model, image, self.scratch, &mut self.kernels, probe)?;
+        let mut classification = Classification::new(&exit.model, logits, probe);
         let Recognition { exit: number, outdated, .. } = *recognition;
-        let mut evidence = Evidence::new();
-        let _ = evidence.resize(logits.len(), 0); // at most MAX_CLASSES: the parser has checked
-        for (logits, &weight) in self.logits.iter().chain([&logits]).zip(&exit.weights) {
-            add_evidence(&mut evidence, logits, weight);
+        if self.exits.len() > 1 {
+            let mut evidence = Evidence::new();
+            let _ = evidence.resize(classification.logits.len(), 0); // at most MAX_CLASSES: the parser has checked
+            let passed = self.logits.iter().chain([&classification.logits]);
+            passed.zip(&exit.weights).for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
+            (classification.class, classification.confidence) = decide(&evidence);
         }
-        let (class, confidence) = decide(&evidence);
-        let stop = number + 1 >= self.exits.len() || confidence >= self.threshold;
+        classification.exit = number as u8;
+        let stop = number + 1 >= self.exits.len() || classification.confidence >= self.threshold;
+        classification.stop = stop;
         self.recognition = None;
         if outdated {
             self.logits.clear();
         } else {
-            let _ = self.logits.push(logits.clone()); // as many as there are exits
+            let _ = self.logits.push(classification.logits.clone()); // as many as there are exits
             self.stopped = stop;
         }
-        Some(Classification { exit: number as u8, class, confidence, stop, logits })
+        Some(classification)
     }
 
     /// Finishes the recognition that is under way.
