@@ -41,6 +41,7 @@
 #![deny(missing_docs)]
 
 pub mod config;
+pub mod crc32;
 pub mod digest;
 pub mod dims;
 pub mod dsn;

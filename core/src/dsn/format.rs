@@ -13,7 +13,8 @@
 //! | 32..36 | channels, blocks, classes, signature: 0 none, 1 ed25519 |
 //! | 36..44 | carrier in kHz, interval of the sensing slots in us (u32 each; for people) |
 //! | 44..48 | revision (u32), which only grows: what a rollback is known by |
-//! | 48..64 | zeros |
+//! | 48..56 | the sensor, [`RadarConfig::to_bytes`](crate::config::RadarConfig::to_bytes): zeros for the paper's radar |
+//! | 56..64 | zeros |
 
 /// First bytes of a model file.
 pub const MAGIC: [u8; 4] = *b"SDP3";

@@ -1,16 +1,17 @@
 //! The numbers that size a model's memory, readable from its file at compile time.
 //!
 //! ```
-//! use sdp3_core::{dsn::Shape, memory_for};
+//! use sdp3_core::{config::RadarConfig, dsn::Shape, pipeline_memory};
 //!
 //! // of a model in flash: `const SHAPE: Shape = Shape::of(include_bytes!("model.sdp3")).expect("a model");`
-//! const SHAPE: Shape = Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1 };
-//! type Sized = memory_for!(SHAPE);
+//! const SHAPE: Shape =
+//!     Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1, radar: RadarConfig::PAPER };
+//! type Sized = pipeline_memory!(SHAPE);
 //! const _: () = assert!(Sized::BYTES <= 64 * 1024, "the model does not fit this board");
-//! assert_eq!(Sized::BYTES, SHAPE.required_bytes());
 //! ```
 
 use super::format::{HEADER_LEN, MAGIC};
+use crate::config::RadarConfig;
 
 /// Sizes of a model. What follows from them stands where it belongs: its network's scratch, its kernels' memory, a receiver's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct Shape {
     pub channels: usize,
     /// Stride of the input convolution.
     pub stem_stride: usize,
+    /// The sensor.
+    pub radar: RadarConfig,
 }
 
 impl Shape {
@@ -37,7 +40,10 @@ impl Shape {
         if model[0] != m0 || model[1] != m1 || model[2] != m2 || model[3] != m3 {
             return None;
         }
+        let radar = [model[48], model[49], model[50], model[51], model[52], model[53], model[54], model[55]];
+        let Some(radar) = RadarConfig::from_bytes(radar) else { return None };
         Some(Shape {
+            radar,
             sensing_slots: u16::from_le_bytes([model[12], model[13]]) as usize,
             frames: u16::from_le_bytes([model[26], model[27]]) as usize,
             channels: model[32] as usize,
