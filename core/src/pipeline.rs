@@ -11,7 +11,7 @@ use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
 use crate::probe::Probe;
 use crate::signal::dechirp::WordAligned;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS};
+use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS, image_steps};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use heapless::Vec;
@@ -300,7 +300,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
 
     /// Whether [`Pipeline::push`] would not find the pipeline busy.
     pub(crate) fn has_room(&self) -> bool {
-        !self.exit_due() && self.front_end.has_room()
+        self.next_exit >= self.exits.len() || !self.exit_due() && self.front_end.has_room()
     }
 
     fn exit_due(&self) -> bool {
@@ -368,6 +368,18 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             self.stopped = stop;
         }
         Some(classification)
+    }
+
+    /// Steps of a recognition by exit number `exit`, counted by running its network once on the image that lies in memory.
+    pub(crate) fn count_steps(&mut self, exit: usize) -> usize {
+        let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
+        let image = self.front_end.last_image(model.frames());
+        let mut network = Network::new();
+        let mut steps = image_steps(model.sensing_slots(), model.frames()) + 1;
+        while network.step(model, image, self.scratch, &mut self.kernels, &mut ()).is_none() {
+            steps += 1;
+        }
+        steps
     }
 
     /// Finishes the recognition that is under way.

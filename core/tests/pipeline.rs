@@ -7,6 +7,7 @@ use sdp3_core::Error;
 use sdp3_core::dsn::{Classification, Model, Portable};
 use sdp3_core::early_exit::{EXITS, EarlyExit, Evidence, MAX_WEIGHT, add_evidence, decide};
 use sdp3_core::pipeline::{Pipeline, Refused};
+use sdp3_core::signal::stft::FixedStft;
 use support::{CHANNELS, Memory, SHORTER, VALUES, altered, noise_slots, random_model};
 
 const SLOTS: [u16; 3] = [144, 200, 264];
@@ -196,7 +197,9 @@ fn memory_is_asked_for_to_the_element() {
     let files = files();
     let exits = || files.iter().map(|file| exit(parse(file), &[1, 1, 1]));
     let exact = Memory::of(&parse(&files[2]));
-    let made = |memory: &mut Memory| Pipeline::<'_, '_>::new(exits(), 2.0, memory.view()).err();
+    let made = |memory: &mut Memory| {
+        Pipeline::<_, FixedStft>::new(exits(), 2.0, memory.view()).err()
+    };
     assert_eq!(made(&mut exact.clone()), None);
     for (wanted, shorten) in SHORTER {
         let mut memory = exact.clone();

@@ -23,7 +23,6 @@ type Buffers<const VALUES: usize> = Queue<&'static mut SlotBuffer<VALUES>, { SLO
 /// All memory of a radar module; [`radar_memory!`](crate::radar_memory) names the type for a [`Shape`](crate::dsn::Shape).
 ///
 /// `VALUES` of a slot buffer; the others as in [`PipelineMemory`].
-#[derive(Debug)]
 pub struct RadarMemory<
     const VALUES: usize,
     const REFERENCE: usize,
@@ -67,7 +66,6 @@ macro_rules! radar_memory {
 }
 
 /// The slot context's ends of the queues.
-#[derive(Debug)]
 pub(super) struct SlotEnds<const VALUES: usize> {
     pub free: Consumer<'static, &'static mut SlotBuffer<VALUES>>,
     pub filled: Producer<'static, Filled<VALUES>>,
@@ -78,7 +76,6 @@ pub(super) struct SlotEnds<const VALUES: usize> {
 }
 
 /// The processing context's ends of the queues.
-#[derive(Debug)]
 pub(super) struct ProcessingEnds<const VALUES: usize> {
     pub free: Producer<'static, &'static mut SlotBuffer<VALUES>>,
     pub filled: Consumer<'static, Filled<VALUES>>,

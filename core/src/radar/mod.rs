@@ -22,8 +22,10 @@ pub use memory::{RadarMemory, SlotBuffer};
 pub use processing_context::{Event, ProcessingContext, Progress};
 pub use slot_context::{SlotAction, SlotContext};
 
-use crate::dsn::Shape;
-use crate::early_exit::EarlyExit;
+use crate::dsn::{Model, Shape};
+use crate::early_exit::{EXITS, EarlyExit};
+use heapless::Vec;
+use processing_context::CHECK_BYTES;
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
@@ -83,8 +85,7 @@ impl Shape {
 }
 
 /// A radar module, to be split into its two contexts.
-#[derive(Debug)]
-pub struct RadarModule<const VALUES: usize, T = NativeStft> {
+pub struct RadarModule<const VALUES: usize, T: 'static = NativeStft> {
     slots: SlotContext<VALUES>,
     processing: ProcessingContext<VALUES, T>,
 }
@@ -123,6 +124,28 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
         Ok(RadarModule { slots, processing: ProcessingContext::new(pipeline, planner, processing_ends) })
     }
 
+    /// [`RadarModule::new`] with the file of one model, which is asked when all its sensing slots have been taken.
+    ///
+    /// # Errors
+    ///
+    /// As [`RadarModule::new`], and [`Error::Model`].
+    pub fn single<
+        const REFERENCE: usize,
+        const BEATS: usize,
+        const SLOTS: usize,
+        const FRAMES: usize,
+        const SCRATCH: usize,
+        const I16X8S: usize,
+        const WORDS: usize,
+    >(
+        model: &'static [u8],
+        settings: Settings,
+        memory: &'static mut RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>,
+        retained: &'static Retained,
+    ) -> Result<Self, Error> {
+        Self::new(&[EarlyExit::single(Model::parse(model)?)], settings, memory, retained)
+    }
+
     /// The two contexts.
     pub fn split(self) -> (SlotContext<VALUES>, ProcessingContext<VALUES, T>) {
         (self.slots, self.processing)
@@ -134,7 +157,7 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
 /// Between two exits with n sensing slots, and behind the last until the period's end and the next recording's first exit, there
 /// are n (N_m + 1) slots; in each a step of processing can be done, less one for each sensing slot's own.
 fn in_time<T: Stft>(
-    pipeline: &Pipeline<'_, '_, crate::dsn::WinogradF2<'_>, T>,
+    pipeline: &mut Pipeline<'_, '_, crate::dsn::WinogradF2<'_>, T>,
     layout: SensingLayout,
 ) -> Result<(), Error> {
     let first = pipeline.first_exit_slots();
@@ -142,22 +165,20 @@ fn in_time<T: Stft>(
         return Err(Error::SensingSlots { need: first, have: layout.slots() });
     }
     let step = layout.spacing() as usize + 1;
-    let exits = pipeline.exits();
-    let reached = |exit: &&EarlyExit<'_>| exit.model.sensing_slots() <= layout.slots() as usize;
-    for (k, exit) in exits.iter().enumerate().take_while(|(_, exit)| reached(exit)) {
-        let slots = exit.model.sensing_slots();
-        let (between, sensing) = match exits.get(k + 1).filter(reached) {
-            Some(next) => {
-                let sensing = next.model.sensing_slots() - slots;
-                (sensing * step, sensing)
-            }
-            // what is left of the period, and the next period up to its first exit
+    let total = layout.slots() as usize;
+    // exits that a period reaches
+    let slots: Vec<usize, EXITS> = pipeline.exits().iter().map(|exit| exit.model.sensing_slots()).collect();
+    let reached = slots.iter().filter(|&&slots| slots <= total).count();
+    for (k, &taken) in slots.iter().enumerate().take(reached) {
+        let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {
+            Some(next) => ((next - taken) * step, next - taken),
+            // what is left of the period, and the next one up to its first exit
             None => {
-                let rest = (layout.period() as usize).saturating_sub(slots * step) + first * step;
-                (rest, first + (layout.slots() as usize).saturating_sub(slots))
+                ((layout.period() as usize).saturating_sub(taken * step) + first * step, total - taken + first)
             }
         };
-        let need = pipeline.steps(k) + sensing;
+        let check = pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
+        let need = pipeline.count_steps(k) + check + sensing;
         if need > between {
             return Err(Error::Deadline { need: need as u32, have: between as u32 });
         }

@@ -2,7 +2,7 @@
 
 use super::memory::ProcessingEnds;
 use super::{Filled, Report, Totals};
-use crate::crc32::Crc32;
+use crate::crc32::{Crc32, crc32};
 use crate::dsn::{Classification, ModelError, WinogradF2};
 use crate::early_exit::EXITS;
 use crate::pipeline::{Pipeline, Refused};
@@ -53,7 +53,6 @@ struct Check {
 }
 
 /// The task's side of a radar module.
-#[derive(Debug)]
 pub struct ProcessingContext<const VALUES: usize, T: 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
     pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
@@ -77,7 +76,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {
-        let checksums = pipeline.exits().iter().map(|exit| exit.model.checksum()).collect();
+        let checksums = pipeline.exits().iter().map(|exit| crc32(exit.model.bytes())).collect();
         ProcessingContext {
             ends,
             pipeline,
@@ -234,11 +233,10 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
     fn check_model(&mut self) -> Progress {
         let Some(check) = &mut self.check else { return Progress::Idle };
         let exit = usize::from(check.classification.exit);
-        let bytes = self.pipeline.exits().get(exit).map_or(&[][..], |exit| exit.model.bytes());
-        let content = bytes.split_last_chunk::<4>().map_or(&[][..], |(content, _)| content);
+        let content = self.pipeline.exits().get(exit).map_or(&[][..], |exit| exit.model.bytes());
         if let Some(rest) = content.get(check.done..).filter(|rest| !rest.is_empty()) {
             let piece = rest.get(..CHECK_BYTES).unwrap_or(rest);
-            check.crc.update(piece);
+            check.crc = check.crc.update(piece);
             check.done += piece.len();
             return Progress::Busy;
         }

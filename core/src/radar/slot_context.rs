@@ -84,7 +84,6 @@ struct Pending {
 /// The slot interrupt's side of a radar module.
 ///
 /// All calls of one slot together take at most 2500 instructions on a Cortex-M4F.
-#[derive(Debug)]
 pub struct SlotContext<const VALUES: usize> {
     ends: SlotEnds<VALUES>,
     retained: &'static Retained,
@@ -132,7 +131,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The use of the slot that the radio gives this number.
     ///
-    /// Cost: two passes over 100 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
+    /// Cost: two passes over 98 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
     pub fn begin(&mut self, number: u32) -> SlotAction<'_, VALUES> {
         let repaired = self.load();
         if self.expected.is_none() {

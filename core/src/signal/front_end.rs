@@ -4,7 +4,7 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, GRAM_SLOTS, Gram, Projection, SvdRange, UNIT_PROJECTION, largest_part, project,
+    ClutterSolver, GRAM_SLOTS, SWEEPS, Gram, Projection, SvdRange, UNIT_PROJECTION, largest_part, project,
     slow_time_shift,
 };
 use super::dechirp::Iq;
@@ -89,6 +89,11 @@ pub struct FrontEndBuffers<'b> {
 const SLOTS_A_STEP: usize = 128;
 /// Rows of the image of one step.
 const ROWS_A_STEP: usize = 16;
+
+/// Steps of the image of a recording.
+pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
+    SWEEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
+}
 
 /// Where the making of an image stands.
 #[derive(Debug, Clone)]

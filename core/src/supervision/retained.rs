@@ -12,7 +12,7 @@ pub(crate) trait State {
 }
 
 /// Words of a slot context's state.
-pub(crate) const WORDS: usize = 100;
+pub(crate) const WORDS: usize = 98;
 
 /// Sequence number, state, checksum.
 const COPY: usize = WORDS + 2;
