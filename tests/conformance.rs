@@ -23,9 +23,9 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// The paper's two carriers in Hz.
 const CARRIERS: [f64; 2] = [3.5e9, 60e9];
-/// Networks that the main job trained: see `firmware-sim/README.md`.
+/// Networks that the main job trained: see `tests/testkit/README.md`.
 const MODELS: [(&str, u32); 2] =
-    [("firmware-sim/models/dsn-200.sdp3", 200), ("firmware-sim/models/dsn-1000.sdp3", 1000)];
+    [("tests/testkit/models/dsn-200.sdp3", 200), ("tests/testkit/models/dsn-1000.sdp3", 1000)];
 /// One emulator's time.
 const LIMIT: Duration = Duration::from_secs(3000);
 

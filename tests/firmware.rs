@@ -9,8 +9,9 @@ use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dims::Slot;
 use sdp3_core::dsn::Model;
 use sdp3_core::signal::stft::FixedStft;
+use sdp3_testkit::models::DSN_200;
 use sdp3_tests::{call, outcome, program};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(300);
@@ -20,11 +21,6 @@ fn built(name: &str) -> Vec<Firmware> {
     let folder = program().ancestors().nth(2).expect("target").join("firmware");
     let wanted = ["cortex-m4f", "riscv32imac"];
     machines(&folder, name).into_iter().filter(|machine| wanted.contains(&machine.name)).collect()
-}
-
-fn model(name: &str) -> Vec<u8> {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models").join(name);
-    std::fs::read(path).expect("a committed model")
 }
 
 /// Every record of a log in words: level and text.
@@ -50,8 +46,7 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
     let bytes: Vec<u8> = slots.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
     std::fs::write(&file, bytes).expect("a file of slots");
 
-    let bytes = model("dsn-200.sdp3");
-    let parsed = Model::parse(&bytes).expect("a model");
+    let parsed = Model::parse(DSN_200).expect("a model");
     let mut buffers = OwnedBuffers::for_model(&parsed);
     // the arithmetic of microcontrollers
     let mut receiver = buffers.receiver_by::<FixedStft>(parsed.clone()).expect("enough memory");
@@ -86,7 +81,7 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
 #[test]
 fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut bytes = model("dsn-200.sdp3");
+    let mut bytes = DSN_200.to_vec();
     bytes[1000] ^= 4;
     let schedule = ScheduleCase { period: 40, spacing: 3, sensing: 5, shares: vec![35] };
     let suite = Suite { cases: stimuli(&bytes, 2, 1), schedule };

@@ -1,8 +1,8 @@
 //! Model files written by the host and read by the core: damage of every kind is refused, by file name and reason.
 
 use sdp3_core::dsn::{Model, ModelError};
+use sdp3_testkit::models::{DSN_200, DSN_200_SIGNED};
 use sdp3_tests::{call, outcome, program, small_run};
-use std::path::Path;
 
 fn model() -> Vec<u8> {
     let (folder, _, code, stderr) = small_run();
@@ -21,10 +21,8 @@ fn the_core_reads_what_the_host_wrote() {
 
 #[test]
 fn every_truncation_and_every_flipped_bit_is_refused_with_the_right_error() {
-    for name in ["dsn-200.sdp3", "dsn-200-signed.sdp3"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models").join(name);
-        let bytes = std::fs::read(path).expect("a committed model");
-        Model::parse(&bytes).expect("a model");
+    for (name, bytes) in [("unsigned", DSN_200), ("signed", DSN_200_SIGNED)] {
+        Model::parse(bytes).expect("a model");
         for length in 0..bytes.len() {
             let error = Model::parse(&bytes[..length]).expect_err("refused");
             let right = match length {
@@ -33,7 +31,7 @@ fn every_truncation_and_every_flipped_bit_is_refused_with_the_right_error() {
             };
             assert!(right, "{name}, {length} bytes: {error}");
         }
-        let mut damaged = bytes.clone();
+        let mut damaged = bytes.to_vec();
         for at in 0..bytes.len() {
             for bit in 0..8 {
                 damaged[at] ^= 1 << bit;

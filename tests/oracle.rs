@@ -3,7 +3,7 @@
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
 use sdp3_core::dims::{Beat, Complex};
-use sdp3_core::signal::clutter::{Gram, Kept, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
+use sdp3_core::signal::clutter::{Gram, SvdRange, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
 use sdp3_core::signal::dechirp::CHIRP;
 use sdp3_core::signal::stft::{FloatStft, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
@@ -72,7 +72,7 @@ fn slow_time_is_numpys_truncated_svd() {
     let strongest = vectors["clutter"]["singular_values"][0].as_f64().expect("a number");
     for cut in list(&vectors["clutter"]["cuts"]) {
         let bound = |name: &str| cut[name].as_u64().expect("an integer") as u8;
-        let w = weights(&gram, Kept { first: bound("first"), last: bound("last") });
+        let w = weights(&gram, SvdRange { first: bound("first"), last: bound("last") });
         if (bound("first"), bound("last")) == (1, 8) {
             assert_eq!(w, UNIT_WEIGHTS);
         }

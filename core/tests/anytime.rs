@@ -145,7 +145,7 @@ fn exits_that_do_not_go_together_are_refused() {
 
     let other_range = altered(&files[1], 24, &1062_u16.to_le_bytes());
     assert_eq!(made([first.clone(), exit(parse(&other_range), &[1])], &mut memory), refused, "preprocessing");
-    let five = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+    let five = sdp3_testkit::models::DSN_200;
     let five_model = parse(five);
     let as_five = random_model_like(&five_model);
     let three = exit(parse(&as_five), &[1]);

@@ -2,17 +2,19 @@
 //!
 //! The answers are the core's own; that they are the reference's too, `tests/conformance` shows on two hundred other recordings.
 
+mod support;
+
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::digest::DigestProbe;
-use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
+use sdp3_core::dims::{SLOT_SAMPLES, Slot};
 use sdp3_core::dsn::{Kernels, Model, Portable, Shape};
 use sdp3_core::memory_for;
 use sdp3_core::pipeline::Receiver;
-use sdp3_core::selftest::noise;
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
+use sdp3_testkit::signals::noise;
 
-static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
 const SHAPE: Shape = match Shape::of(MODEL) {
     Some(shape) => shape,
     None => panic!("dsn-200.sdp3 is no model"),
@@ -23,20 +25,20 @@ fn model() -> Model<'static> {
     Model::parse(MODEL).expect("a model")
 }
 
-/// A wall that stands, a beat that moves and noise, the same on every processor.
+/// A static and a moving triangle wave in noise, the same on every processor.
 fn slots() -> Vec<Slot> {
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(11);
-    let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    let mut samples = [0; 2 * SLOT_SAMPLES];
     let triangle = |n: i32| 20 * ((n.rem_euclid(400) - 200).abs() - 100);
     let mut one = |k: i32| {
-        noise(&mut rng, &mut slot);
-        for (n, sample) in slot.iter_mut().enumerate() {
+        noise(&mut rng, &mut samples);
+        for (n, pair) in samples.chunks_exact_mut(2).enumerate() {
             let wall = triangle(7 * n as i32);
             let moving = triangle(7 * n as i32 + 13 * k) / 4;
-            *sample =
-                Iq { i: sample.i / 64 + (wall + moving) as i16, q: sample.q / 64 + (wall - moving) as i16 };
+            pair[0] = pair[0] / 64 + (wall + moving) as i16;
+            pair[1] = pair[1] / 64 + (wall - moving) as i16;
         }
-        slot
+        support::slot(&samples)
     };
     (0..200).map(&mut one).collect()
 }

@@ -1,5 +1,7 @@
 //! The guarded station with a real model: every trouble is told once, and a recording with a gap begins anew or ends.
 
+mod support;
+
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
@@ -7,12 +9,13 @@ use sdp3_core::dsn::{ModelError, Shape};
 use sdp3_core::early_exit::{Anytime, Exit};
 use sdp3_core::memory_for;
 use sdp3_core::scheduler::{Sensing, SlotUse};
-use sdp3_core::selftest::noise;
-use sdp3_core::supervision::campaign::recording;
 use sdp3_core::supervision::station::Trouble;
 use sdp3_core::supervision::{Fault, Guarded, Intact, SampleFault, Watch};
+use sdp3_testkit::campaign::{self, CERTAIN, SCHEDULE, holds, recording};
+use sdp3_testkit::signals::noise;
+use support::slot;
 
-static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200.sdp3");
+static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
 const SHAPE: Shape = match Shape::of(MODEL) {
     Some(shape) => shape,
     None => panic!("dsn-200.sdp3 is no model"),
@@ -63,7 +66,7 @@ fn play(at: u32, act: Act) -> Log {
     let watch = Watch::new(sensing, [1500, 2500, 0, 0, 0, 0, 0, 0], FIRST);
     let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
     let mut rng = Xoshiro128PlusPlus::seed_from_u64(5);
-    let mut samples: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    let mut samples = [0; 2 * SLOT_SAMPLES];
     let mut log = Log::default();
     let mut n = 0;
     while n < 2 * PERIOD {
@@ -84,6 +87,7 @@ fn play(at: u32, act: Act) -> Log {
             let count = &mut log.sensing[(n / PERIOD) as usize];
             *count += 1;
             noise(&mut rng, &mut samples);
+            let samples = slot(&samples);
             let mut give = |number, samples: &Slot| match station.sensed(number, samples) {
                 Ok(Some(verdict)) => {
                     assert!(verdict.stop && verdict.exit == 0);
@@ -189,7 +193,18 @@ fn skipped_slots_are_a_gap_only_if_they_were_to_sense() {
 }
 
 #[test]
-fn disturbed_recordings_are_told_and_the_next_verdict_is_the_same() {
+fn faults_of_the_schedule_are_detected_once_and_no_invariant_breaks() {
+    let table = campaign::run(&mut Xoshiro128PlusPlus::seed_from_u64(8), 40_000, &[], &mut []);
+    assert!(holds(&table, CERTAIN), "{table:#?}");
+    assert!(table[..SCHEDULE].iter().all(|o| o.injected > 1800));
+    // corrupted samples are detected as far as they show
+    assert!(table[CERTAIN..].iter().all(|o| o.injected == o.detected + o.silent));
+    let [silent, stuck, _, _, glitch] = table[CERTAIN..] else { panic!("kinds of samples") };
+    assert_eq!((silent.silent, stuck.silent, glitch.detected), (0, 0, 0));
+}
+
+#[test]
+fn faults_during_recordings_are_reported_and_the_next_classification_is_the_same() {
     let mut memory = Box::new(Memory::new());
     let (intact, model) = Intact::accept(MODEL).expect("a model");
     let watch = recording::watch(model.sensing_slots() as u32).expect("legal");
@@ -201,13 +216,7 @@ fn disturbed_recordings_are_told_and_the_next_verdict_is_the_same() {
     let each = 6;
     let events = each * recording::KINDS.len() as u64;
     let table = recording::run::<Xoshiro128PlusPlus, _, _>(&mut station, 9, events);
-    for (kind, o) in recording::KINDS.iter().zip(&table) {
-        assert_eq!(
-            (o.injected, o.detected, o.recovered, o.silent, o.broken),
-            (each, each, each, 0, 0),
-            "{kind}"
-        );
-    }
+    assert!(holds(&table, table.len()) && table.iter().all(|o| o.injected == each), "{table:#?}");
 }
 
 #[test]

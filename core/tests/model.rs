@@ -6,7 +6,7 @@ use sdp3_core::dsn::model::{HEADER_LEN, NAME_LEN, REVISION_AT, SIGNATURE_LEN, cr
 use sdp3_core::dsn::{Model, ModelError, Shape};
 use support::{CHANNELS, altered, random_model};
 
-static SIGNED: &[u8] = include_bytes!("../../firmware-sim/models/dsn-200-signed.sdp3");
+static SIGNED: &[u8] = sdp3_testkit::models::DSN_200_SIGNED;
 
 /// Where the layers begin: behind the header and three names.
 const STEM: usize = HEADER_LEN + 3 * NAME_LEN;
@@ -248,7 +248,7 @@ fn every_defect_has_its_words() {
 #[test]
 fn a_key_takes_its_own_models_that_are_not_too_old() {
     use sdp3_core::dsn::model::KEY_LEN;
-    let key: [u8; KEY_LEN] = *include_bytes!("../../firmware-sim/models/station.pub");
+    let key: [u8; KEY_LEN] = *sdp3_testkit::models::PUBLIC_KEY;
     assert_eq!(Model::parse_signed(SIGNED, &key, 0).map(|model| model.revision()), Ok(0));
     let older = ModelError::Older { revision: 0, oldest: 1 };
     assert_eq!(Model::parse_signed(SIGNED, &key, 1).err(), Some(older));

@@ -8,7 +8,7 @@ use sdp3_core::pipeline::{Receiver, ReceiverError, STANDARD, StandardMemory};
 use sdp3_core::signal::stft::NativeStft;
 use support::{Memory, SHORTER, noise_slots, random_model};
 
-static MODEL: &[u8] = include_bytes!("../../firmware-sim/models/dsn-1000.sdp3");
+static MODEL: &[u8] = sdp3_testkit::models::DSN_1000;
 const SHAPE: Shape = match Shape::of(MODEL) {
     Some(shape) => shape,
     None => panic!("dsn-1000.sdp3 is no model"),

@@ -7,8 +7,8 @@ use crate::formats::dataset::Written;
 use crate::formats::model_file::{Summary, Verdict};
 use crate::predictor::interchange::Exchanged;
 use crate::results::{
-    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Faults, Files, Listed, Merged, Optimum,
-    Prediction, Run, Schedule, Submitted, SweepRow, Swept, Training, Verify,
+    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Files, Listed, Merged, Optimum, Prediction,
+    Run, Schedule, Submitted, SweepRow, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -72,14 +72,13 @@ enum Optimized {
     Sweep(Vec<SweepRow>),
 }
 
-/// One period, with `--periods` many, or with `--faults` faults on purpose.
+/// One period, or with `--periods` many.
 #[derive(JsonSchema)]
 #[serde(untagged)]
 #[allow(dead_code)]
 enum Scheduled {
     Period(Schedule),
     Campaign(Box<Campaign>),
-    Faults(Faults),
 }
 
 /// The study's result; which one its name says.

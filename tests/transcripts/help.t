@@ -833,8 +833,6 @@ Help: the tool and every command, with examples.
         --retarget <P>               Probability that N_s becomes another of the scenario's in a period [default: 0.02]
         --recognise-every <PERIODS>  Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never [default: 0]
         --threshold <CONFIDENCE>     Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out
-        --faults <EVENTS>            Instead: so many faults on purpose against the core's guards, and recordings with spoiled samples before the smallest model of --out. Exit code 1 if a fault of the schedule or the model was silent or a promise broke
-        --spoiled-per-class <N>      Recordings of each class with spoiled samples [default: 40]
         --traced <PERIODS>           Periods drawn slot by slot in trace.json, which Perfetto opens [default: 3]
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
@@ -850,7 +848,6 @@ Help: the tool and every command, with examples.
     sdp3 schedule
     sdp3 schedule --periods 1000 --sensing-slots 300 --load 0.8
     sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9
-    sdp3 schedule --faults 100000
 
   $ sdp3 report --help
   Write the report page of --out's run again, and its figures as SVG and PNG

@@ -8,7 +8,6 @@ pub mod apportion;
 pub mod layout;
 pub mod plan;
 pub mod scheduler;
-pub mod selftest;
 pub mod sequencer;
 pub mod slot_order;
 

@@ -231,9 +231,7 @@ impl State for Scheduler {
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::super::selftest::Churn;
     use super::*;
-    use rand_core::SeedableRng;
     use std::vec::Vec;
 
     /// One period as it was played.
@@ -251,65 +249,6 @@ mod tests {
 
     fn count(slots: &[SlotUse], k: u8) -> u32 {
         slots.iter().filter(|&&slot| slot == SlotUse::Communication(k)).count() as u32
-    }
-
-    #[test]
-    fn under_churn_every_period_keeps_its_plan() {
-        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(4);
-        let mut churn = Churn::new(&mut rng);
-        let mut ended = 0;
-        for index in 0..3000 {
-            churn.between(&mut rng);
-            let (mut slots, mut plan, mut end) = (Vec::new(), None, None);
-            loop {
-                let slot = churn.scheduler.next();
-                slots.push(slot);
-                plan.get_or_insert_with(|| churn.scheduler.plan().clone());
-                if churn.scheduler.position() == 0 {
-                    break;
-                }
-                let left = churn.scheduler.sensing_left();
-                churn.during(&mut rng);
-                if churn.scheduler.sensing_left() < left {
-                    end = Some(slots.len());
-                }
-            }
-            let plan = plan.unwrap();
-            assert_eq!(churn.scheduler.boundary().period, index);
-            assert_eq!(slots.len(), plan.period() as usize);
-            // sensing is where the plan says, up to where it was ended
-            for (j, slot) in (1..).zip(&slots) {
-                let planned = plan.senses(j) && end.is_none_or(|end| j as usize <= end);
-                assert_eq!(*slot == SlotUse::Sensing, planned, "slot {j} of {plan:?}");
-            }
-            let present = plan.shares().iter().filter(|&&share| share > 0).count();
-            let idle = slots.contains(&SlotUse::Idle);
-            assert!(!idle || present == 0);
-            match end {
-                // every receiver has exactly its share
-                None => (0..8).for_each(|k| assert_eq!(count(&slots, k), plan.shares()[usize::from(k)])),
-                // nobody has less than without the end
-                Some(_) => {
-                    ended += 1;
-                    let rates = churn.scheduler.planned;
-                    let worst = |totals: [u32; 8]| {
-                        let bits = totals.iter().zip(rates).filter(|(_, r)| *r > 0);
-                        bits.map(|(&n, r)| u64::from(n) * u64::from(r)).min().unwrap_or(0)
-                    };
-                    let had = core::array::from_fn(|k| count(&slots, k as u8));
-                    let planned = core::array::from_fn(|k| plan.shares()[k]);
-                    assert!(worst(had) >= worst(planned), "{plan:?}");
-                }
-            }
-            // no starvation
-            let k = churn.rates().iter().filter(|&&rate| rate > 0).count() as u32;
-            if plan.layout().others() >= 2 * k {
-                for (share, rate) in plan.shares().iter().zip(churn.scheduler.planned) {
-                    assert_eq!(*share > 0, rate > 0, "{plan:?}");
-                }
-            }
-        }
-        assert!(ended > 150, "{ended}");
     }
 
     #[test]

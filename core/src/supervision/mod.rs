@@ -8,8 +8,7 @@
 //! | a converter that saturates, sticks, is silent or off its zero | [`health`] | the slot counts as lost |
 //! | a bit of a model flips | [`intact`]: the checksum taken when it was accepted | it is not run |
 //!
-//! Every fault is told once; the next whole period is as if it had not been. [`station::Guarded`] is the slot loop with all of it,
-//! [`campaign`] breaks it on purpose, with a known number of outcomes on every processor.
+//! Every fault is told once; the next whole period is as if it had not been. [`station::Guarded`] is the slot loop with all of it.
 //!
 //! ```
 //! use sdp3_core::early_exit::{Anytime, Exit};
@@ -61,7 +60,6 @@
 //! assert_eq!(station(b"not a model", &mut memory, &mut [0; WORDS], &mut Radio), Err("no model"));
 //! ```
 
-pub mod campaign;
 pub mod sample_health;
 pub mod station;
 pub mod verified_image;

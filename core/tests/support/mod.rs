@@ -1,21 +1,18 @@
 //! What several of the core's tests need: small networks of random numbers, memory of exactly the size asked for, noise.
 #![allow(dead_code)] // not every test needs everything
 
-#[path = "../../src/dsn/random_model.rs"]
-mod random_model;
-
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
-use random_model::{Numbers, Size};
 use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
 use sdp3_core::dsn::Model;
 use sdp3_core::dsn::model::crc32;
 use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::Buffers;
-use sdp3_core::selftest::noise;
 use sdp3_core::signal::front_end::FrontEndBuffers;
 use sdp3_core::simd::dual_mac::I16x8;
+use sdp3_testkit::random_model::{self, Numbers, Size};
+use sdp3_testkit::signals::noise;
 
 /// Channels of [`random_model`].
 pub const CHANNELS: usize = 8;
@@ -42,8 +39,13 @@ pub fn altered(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
 /// Slots of seeded noise.
 pub fn noise_slots(count: usize, seed: u64) -> Vec<Slot> {
     let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
-    (0..count).map(|_| (noise(&mut random, &mut slot), slot).1).collect()
+    let mut samples = [0; 2 * SLOT_SAMPLES];
+    (0..count).map(|_| (noise(&mut random, &mut samples), slot(&samples)).1).collect()
+}
+
+/// Interleaved samples as the core takes them.
+pub fn slot(samples: &[i16]) -> Slot {
+    core::array::from_fn(|n| Iq { i: samples[2 * n], q: samples[2 * n + 1] })
 }
 
 /// A receiver's memory, element by element.

@@ -1,7 +1,7 @@
-//! Breaks the guards on purpose and prints what became of every fault, and the digest of all counts.
+//! Injects faults and prints the counts of their outcomes and the digest of all counts.
 //!
-//! Arguments: `seed=N`; `events=N`, faults of each guard by itself; `recordings=N`, disturbed recordings through the whole chain, dechirp
-//! to network. Exit code 0 if no fault of schedule, model or recording was silent and no promise broke, 1 if one was.
+//! Arguments: `seed=N`; `events=N`, faults of schedule, model and samples; `recordings=N`, faults during recordings, from dechirp to
+//! network. Exit code 0 if no fault of schedule, model or recording was silent and no invariant broke, 1 if one did.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -16,12 +16,12 @@ mod firmware {
     use sdp3_core::dsn::Shape;
     use sdp3_core::early_exit::{Anytime, Exit};
     use sdp3_core::memory_for;
-    use sdp3_core::supervision::campaign::{CERTAIN, KINDS, Outcome, digest, recording, run};
     use sdp3_core::supervision::{Guarded, Intact};
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
+    use sdp3_testkit::campaign::{CERTAIN, KINDS, Outcome, digest, holds, recording, run};
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-200.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
     const SHAPE: Shape = match Shape::of(MODEL) {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),
@@ -30,20 +30,12 @@ mod firmware {
     static MEMORY: Single<Small> = Single::new(Small::new());
     static COPY: Single<[u8; 1 << 14]> = Single::new([0; 1 << 14]);
 
-    /// Prints it; whether all held, with nothing silent in the first `certain` kinds.
-    fn told(what: &str, kinds: &[&str], certain: usize, table: &[Outcome], events: u64) -> bool {
-        let mut held = true;
-        for (kind, (name, o)) in kinds.iter().zip(table).enumerate() {
-            println(format_args!(
-                "{name:<30}{:>10}{:>10}{:>10}{:>10}{:>10}",
-                o.injected, o.detected, o.recovered, o.silent, o.broken
-            ));
-            held &= o.broken == 0 && (o.injected > 0 || events < kinds.len() as u64);
-            held &=
-                kind >= certain || (o.detected == o.injected && o.recovered == o.injected && o.silent == 0);
-        }
+    /// Prints the outcomes and their digest. Returns whether every kind occurred and no invariant broke, with nothing silent in the
+    /// first `certain` kinds.
+    fn print(what: &str, kinds: &[&str], certain: usize, table: &[Outcome], events: u64) -> bool {
+        kinds.iter().zip(table).for_each(|(kind, o)| println(format_args!("{kind:<32}{o}")));
         println(format_args!("{what} {:016x} of {events}", digest(table)));
-        held
+        holds(table, certain) && (events < kinds.len() as u64 || table.iter().all(|o| o.injected > 0))
     }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
@@ -65,7 +57,7 @@ mod firmware {
         let (Some(copy), Some(memory)) = (COPY.take(), MEMORY.take()) else { exit(2) };
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let table = run(&mut rng, events, MODEL, copy);
-        let mut held = told("digest", &KINDS, CERTAIN, &table, events);
+        let mut held = print("digest", &KINDS, CERTAIN, &table, events);
         let Ok((intact, model)) = Intact::accept(MODEL) else { exit(2) };
         let Ok(watch) = recording::watch(model.sensing_slots() as u32) else { exit(2) };
         let mut buffers = memory.view();
@@ -73,7 +65,7 @@ mod firmware {
         let Ok(receiver) = Anytime::new([Exit::alone(model, kernels)], 2.0, buffers) else { exit(2) };
         let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
         let table = recording::run::<Xoshiro128PlusPlus, _, _>(&mut station, seed, recordings);
-        held &= told("recordings", &recording::KINDS, recording::KINDS.len(), &table, recordings);
+        held &= print("recordings", &recording::KINDS, recording::KINDS.len(), &table, recordings);
         exit(usize::from(!held))
     }
 }

@@ -10,25 +10,22 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-#[path = "../../../core/src/dsn/random_model.rs"]
-mod random_model;
-
-#[cfg(target_os = "none")]
 mod firmware {
-    use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex, Iq, SLOT_SAMPLES, Slot};
+    use sdp3_core::dims::{Beat, Complex};
     use sdp3_core::dsn::model::crc32;
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
     use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
     use sdp3_core::probe::Probe;
-    use sdp3_core::selftest;
     use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::campaign::{SAMPLES, slot};
+    use sdp3_testkit::random_model::{Numbers, Size, write};
+    use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
     type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8192, 8192>;
@@ -171,9 +168,10 @@ mod firmware {
         let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
         let mut shares = Shares::new();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+        let mut samples = [0; SAMPLES];
         while receiver.missing() > 0 {
-            selftest::noise(&mut rng, &mut slot);
+            noise(&mut rng, &mut samples);
+            let slot = slot(&samples);
             shares.start();
             let _ = receiver.push(&slot, &mut shares);
             shares.add(1);

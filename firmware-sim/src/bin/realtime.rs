@@ -21,7 +21,7 @@ mod firmware {
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-1000.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_1000;
     static MEMORY: Single<StandardMemory> = Single::new(StandardMemory::new());
 
     const STAGES: [&str; 6] = ["dechirp", "gram", "weights", "projection", "spectrogram", "network"];

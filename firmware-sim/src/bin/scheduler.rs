@@ -1,4 +1,4 @@
-//! Plays the schedule's self test and prints the digest of its decisions and the instructions they take.
+//! Runs the scheduler under churn and prints the digest of its decisions and the instructions they take.
 //!
 //! Exit code 0 if the digest is the known one, 1 if not.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -11,9 +11,10 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use rand_core::SeedableRng;
-    use sdp3_core::scheduler::{Plan, Sequencer, SlotUse, selftest};
+    use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
     use sdp3_firmware_sim::rt::{instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::churn;
 
     /// Instructions of one decision: a period of the paper's with `shares`, from its first slot to its last.
     fn instructions_per_decision(sensing: u32, shares: &[u32]) -> u64 {
@@ -30,12 +31,12 @@ mod firmware {
         instructions().wrapping_sub(before).checked_div(plan.period().into()).unwrap_or(0)
     }
 
-    /// Most instructions of a period's first decision, which may plan anew, and of an end of sensing, under the self test's churn.
+    /// Most instructions of a period's first decision, which may make a new plan, and of an end of sensing, under churn.
     fn most_instructions() -> [u64; 2] {
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(4);
-        let mut churn = selftest::Churn::new(&mut rng);
+        let mut churn = churn::Churn::new(&mut rng);
         let mut most = [0; 2];
-        for _ in 0..selftest::PERIODS {
+        for _ in 0..churn::PERIODS {
             churn.between(&mut rng);
             let before = instructions();
             let first = churn.scheduler.next();
@@ -58,14 +59,14 @@ mod firmware {
     extern "C" fn firmware_main() -> ! {
         start_counter();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let digest = selftest::run(&mut rng, selftest::PERIODS);
+        let digest = churn::run(&mut rng, churn::PERIODS);
         println(format_args!("digest {:016x} of {}", digest.hash(), digest.count()));
         let three = instructions_per_decision(309, &[1297, 1197, 1197]);
         let eight = instructions_per_decision(400, &[450; 8]);
         println(format_args!("instructions a decision: {three} with 3 receivers, {eight} with 8"));
         let [plan, end] = most_instructions();
         println(format_args!("instructions of a new plan: at most {plan}, of an end of sensing {end}"));
-        let known = digest.hash() == selftest::KNOWN_ANSWER;
+        let known = digest.hash() == churn::KNOWN_ANSWER;
         println(format_args!("{}", if known { "known" } else { "UNKNOWN" }));
         exit(usize::from(!known))
     }

@@ -2,7 +2,7 @@
 //! checksum.
 //!
 //! Arguments: the model file; `oldest=N`, the oldest revision that is taken; `flips=N`, how many of each. The key is
-//! `models/station.pub`. Exit code 0 if no altered model was taken, 1 if one was.
+//! `sdp3_testkit::models::PUBLIC_KEY`. Exit code 0 if no altered model was taken, 1 if one was.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -18,7 +18,7 @@ mod firmware {
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
 
-    static KEY: &[u8; KEY_LEN] = include_bytes!("../../models/station.pub");
+    static KEY: &[u8; KEY_LEN] = sdp3_testkit::models::PUBLIC_KEY;
     static MODEL: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
 
     fn fail(text: &str) -> ! {

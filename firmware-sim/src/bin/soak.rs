@@ -14,17 +14,17 @@ fn main() {
 mod firmware {
     use rand_core::SeedableRng;
     use sdp3_core::digest::Digest;
-    use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
     use sdp3_core::dsn::Shape;
     use sdp3_core::early_exit::{Anytime, Exit};
     use sdp3_core::memory_for;
     use sdp3_core::scheduler::{Sensing, SlotUse};
-    use sdp3_core::selftest::noise;
     use sdp3_core::supervision::{Guarded, Intact, Watch};
     use sdp3_firmware_sim::rt::{Single, paint_stack, stack_used};
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
+    use sdp3_testkit::campaign::{SAMPLES, slot};
+    use sdp3_testkit::signals::noise;
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-200.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
     const SHAPE: Shape = match Shape::of(MODEL) {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),
@@ -53,7 +53,7 @@ mod firmware {
         let watch = Watch::new(sensing, [1500, 2500, 3000, 0, 0, 0, 0, 0], first);
         let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+        let mut samples = [0; SAMPLES];
         let (mut digest, mut early) = (Digest::new(), 0);
         let (mut verdicts, mut sensed, mut elsewhere, mut told) = (0_u32, 0_u32, 0_u32, 0_u32);
         for n in 0..slots {
@@ -68,8 +68,8 @@ mod firmware {
             if begun.slot == SlotUse::Sensing {
                 sensed += 1;
                 elsewhere += u32::from((n % PERIOD) % 4 != 0);
-                noise(&mut rng, &mut slot);
-                match station.sensed(number, &slot) {
+                noise(&mut rng, &mut samples);
+                match station.sensed(number, &slot(&samples)) {
                     Ok(Some(verdict)) => {
                         verdicts += 1;
                         verdict.answer.logits.iter().for_each(|logit| digest.value(logit.to_le_bytes()));

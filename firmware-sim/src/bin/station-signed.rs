@@ -1,4 +1,4 @@
-//! The station that takes signed models only: `models/station.pub` is the key it was built with.
+//! The station that takes signed models only: `sdp3_testkit::models::PUBLIC_KEY` is the key it was built with.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -14,8 +14,8 @@ mod firmware {
     use sdp3_firmware_sim::semihosting::exit;
     use sdp3_firmware_sim::station::run;
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-200-signed.sdp3");
-    static KEY: &[u8; KEY_LEN] = include_bytes!("../../models/station.pub");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_200_SIGNED;
+    static KEY: &[u8; KEY_LEN] = sdp3_testkit::models::PUBLIC_KEY;
     /// Oldest revision that runs: a station in the field keeps it where no update can lower it.
     const OLDEST: u32 = 0;
     const SHAPE: Shape = match Shape::of(MODEL) {

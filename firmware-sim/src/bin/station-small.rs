@@ -14,7 +14,7 @@ mod firmware {
     use sdp3_firmware_sim::semihosting::exit;
     use sdp3_firmware_sim::station::run;
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-200.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
     const SHAPE: Shape = match Shape::of(MODEL) {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),

@@ -14,7 +14,7 @@ mod firmware {
     use sdp3_firmware_sim::semihosting::exit;
     use sdp3_firmware_sim::station::run;
 
-    static MODEL: &[u8] = include_bytes!("../../models/dsn-1000.sdp3");
+    static MODEL: &[u8] = sdp3_testkit::models::DSN_1000;
     static MEMORY: Single<StandardMemory> = Single::new(StandardMemory::new());
 
     // 48 KiB are left for the stack and everything else

@@ -51,7 +51,7 @@ def test_recordings_are_those_of_the_dataset(folder, raw):
 
 
 def test_the_model_says_what_the_command_line_says(folder):
-    file = ROOT / "firmware-sim/models/dsn-200.sdp3"
+    file = ROOT / "tests/testkit/models/dsn-200.sdp3"
     model = sdp3.Model(file.read_bytes())
     summary = json.loads(run("model", "show", file, "--json", cwd=folder))
     assert (model.revision, model.signed) == (summary["revision"], summary["signed"])

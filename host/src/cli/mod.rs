@@ -154,8 +154,7 @@ pub enum Command {
     #[command(after_help = "Examples:
   sdp3 schedule
   sdp3 schedule --periods 1000 --sensing-slots 300 --load 0.8
-  sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9
-  sdp3 schedule --faults 100000")]
+  sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9")]
     Schedule(trader::WorldArgs),
     /// Write the report page of --out's run again, and its figures as SVG and PNG.
     #[command(after_help = "Examples:

@@ -3,13 +3,11 @@
 //! The rooms fill these in; nothing here computes. Every file holding them is a function of the
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
-mod faults;
 mod files;
 mod spread;
 mod sweep;
 mod trade;
 
-pub use faults::*;
 pub use files::*;
 pub use spread::*;
 pub use sweep::*;

@@ -4,7 +4,7 @@ use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
 use super::{Scenario, SpectrogramSettings};
 use sdp3_core::dims::FFT_LEN;
-use sdp3_core::signal::clutter::Kept;
+use sdp3_core::signal::clutter::SvdRange;
 use sdp3_core::signal::front_end::Preprocessing;
 use std::path::PathBuf;
 
@@ -269,7 +269,7 @@ impl SpectrogramSettings {
         // 50 dB are 16.61 octaves of power, 1063 level units of 1/64 octave
         let octaves = self.range_db / (10.0 * std::f64::consts::LOG10_2);
         Preprocessing {
-            kept: Kept { first: self.first_kept, last: self.last_kept },
+            kept: SvdRange { first: self.first_kept, last: self.last_kept },
             window: self.window,
             beta: self.beta,
             hop: self.hop,

@@ -8,11 +8,11 @@ use crate::dsn::Network;
 use crate::dsn::model::crc32;
 use crate::dsn::network::scratch_bytes;
 use crate::dsn::per_channel::PerChannelQuant;
-use crate::dsn::random_model::{Numbers, Size, write};
 use crate::probe::Probe;
 use crate::simd::dual_mac::Plain;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_testkit::random_model::{Numbers, Size, write};
 use std::vec;
 use std::vec::Vec as List;
 

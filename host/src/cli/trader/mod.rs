@@ -1,6 +1,5 @@
 //! Commands that trade: `predict`, `optimize`, `anytime`, `schedule`.
 
-mod faults;
 mod schedule;
 
 use super::context::{Context, model_name};

@@ -1,6 +1,5 @@
 //! The command `schedule`: one period of the run's operating point, or many in a world that changes.
 
-use super::faults::faults;
 use super::models;
 use crate::cli::context::Context;
 use crate::cli::job::stored;
@@ -50,13 +49,6 @@ pub struct WorldArgs {
     /// Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out.
     #[arg(long, value_name = "CONFIDENCE", requires = "recognise_every")]
     pub threshold: Option<f64>,
-    /// Instead: so many faults on purpose against the core's guards, and recordings with spoiled samples before the smallest
-    /// model of --out. Exit code 1 if a fault of the schedule or the model was silent or a promise broke.
-    #[arg(long, value_name = "EVENTS", conflicts_with = "periods", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
-    pub faults: Option<u64>,
-    /// Recordings of each class with spoiled samples.
-    #[arg(long, value_name = "N", default_value_t = 40, requires = "faults", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub spoiled_per_class: u32,
     /// Periods drawn slot by slot in trace.json, which Perfetto opens.
     #[arg(long, value_name = "PERIODS", default_value_t = 3, requires = "periods")]
     pub traced: u32,
@@ -87,9 +79,6 @@ fn settings(world: &WorldArgs, scenario: &Scenario, sensing_slots: u32) -> Resul
 
 pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
     let mut job = context.job()?;
-    if let Some(events) = args.faults {
-        return faults(context, job, events, args.spoiled_per_class);
-    }
     if args.periods.is_none() {
         let schedule = playback::play(&stored(&job)?.operating_point)?;
         job.output.write_json("schedule.json", &schedule)?;

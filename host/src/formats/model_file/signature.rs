@@ -117,6 +117,7 @@ fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
 mod tests {
     use super::super::tests::network;
     use super::*;
+    use sdp3_testkit::models::{DSN_200, DSN_200_SIGNED, PUBLIC_KEY};
 
     #[test]
     fn a_signed_model_is_taken_with_its_key_and_no_other() {
@@ -152,11 +153,8 @@ mod tests {
         let public = hex("d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a");
         assert_eq!(public_key(secret.try_into().unwrap()).to_vec(), public);
         // a model that OpenSSL signed
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware-sim/models");
-        let signed = std::fs::read(folder.join("dsn-200-signed.sdp3")).unwrap();
-        let plain = std::fs::read(folder.join("dsn-200.sdp3")).unwrap();
-        assert!(Model::parse_signed(&signed, &read_key(&folder.join("station.pub")).unwrap(), 0).is_ok());
-        assert_eq!(sign(&plain, [3; 32], 0).unwrap(), signed);
+        assert!(Model::parse_signed(DSN_200_SIGNED, PUBLIC_KEY, 0).is_ok());
+        assert_eq!(sign(DSN_200, [3; 32], 0).unwrap(), DSN_200_SIGNED);
     }
 
     #[test]

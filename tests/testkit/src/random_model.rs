@@ -1,17 +1,18 @@
-//! Model files with random numbers, for tests and for measuring firmware: no memory but the caller's.
+//! Model files with random weights, in the caller's memory.
+//!
+//! Layout: `sdp3_core::dsn::format`. This module uses no type of the core, so that the core's unit tests can call it.
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
 
-/// How a network's numbers are drawn.
-#[allow(dead_code)] // the firmware draws one kind
+/// How the parameters of a network are drawn.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Numbers {
-    /// Scales and zero points that keep values in range, as training leaves them.
+    /// Scales and zero points that keep activations in range, as training leaves them.
     Trained,
-    /// As trained, but zero points and ranges anywhere.
+    /// As trained, but any zero point and activation range.
     Usual,
-    /// All weights and zero points at an end of their range.
+    /// Every weight and zero point is -128 or 127.
     Extreme,
     /// Any legal multiplier, shift and bias.
     Any,
@@ -28,9 +29,9 @@ pub struct Size {
     pub blocks: u8,
     /// Sensing slots of a recording.
     pub slots: u16,
-    /// Window and hop of its spectrogram.
+    /// Window of its spectrogram in sensing slots.
     pub window: u16,
-    /// Slots between two frames.
+    /// Sensing slots between two frames.
     pub hop: u16,
 }
 
@@ -69,8 +70,8 @@ impl Writer<'_> {
         (0..count).for_each(|_| self.put(&[0]));
     }
 
-    /// Zero points and range; some with a ReLU. As trained: `rectified` layers from -128, others around 0.
-    fn begin(&mut self, kind: u8, rectified: bool) {
+    /// Kind, zero points and activation range. [`Numbers::Trained`]: a `rectified` layer has the zero point -128.
+    fn layer_header(&mut self, kind: u8, rectified: bool) {
         let (input, output, second) = (self.byte(), self.byte(), self.byte());
         let low = [-128, output, self.byte()][self.below(3) as usize];
         let high = if self.below(2) == 0 { 127 } else { self.byte().max(low) };
@@ -96,8 +97,8 @@ impl Writer<'_> {
         scales
     }
 
-    fn channelwise(&mut self, kind: u8, channels: usize, taps: usize, rectified: bool) {
-        self.begin(kind, rectified);
+    fn per_channel(&mut self, kind: u8, channels: usize, taps: usize, rectified: bool) {
+        self.layer_header(kind, rectified);
         (0..2).for_each(|_| self.put(&1_f32.to_le_bytes()));
         let gain = if taps == 1 { 6 } else { 8 + taps.ilog2() as i8 / 2 };
         let scales = self.scales(channels, gain);
@@ -118,7 +119,7 @@ impl Writer<'_> {
     }
 
     fn add(&mut self) {
-        self.begin(3, false);
+        self.layer_header(3, false);
         (0..3).for_each(|_| self.put(&1_f32.to_le_bytes()));
         let half = (1 << 30, 0);
         let scales = match self.below(3) {
@@ -132,7 +133,11 @@ impl Writer<'_> {
     }
 }
 
-/// Writes a model file into the beginning of `bytes` and returns its length; `crc32` is the model format's.
+/// Writes a model file to the start of `bytes` and returns its length; `crc32` is the checksum of the model format.
+///
+/// # Panics
+///
+/// If `bytes` is too short.
 pub fn write(size: Size, seed: u64, numbers: Numbers, crc32: fn(&[u8]) -> u32, bytes: &mut [u8]) -> usize {
     let random = Xoshiro128PlusPlus::seed_from_u64(seed);
     let channels = size.channels;
@@ -153,14 +158,14 @@ pub fn write(size: Size, seed: u64, numbers: Numbers, crc32: fn(&[u8]) -> u32, b
         w.put(name);
         w.zeros(23);
     }
-    w.channelwise(1, channels, 9, false);
+    w.per_channel(1, channels, 9, false);
     for _ in 0..size.blocks {
-        w.channelwise(2, channels, 1, true);
-        w.channelwise(1, channels, 9 * channels, true);
-        w.channelwise(1, channels, 9 * channels, false);
+        w.per_channel(2, channels, 1, true);
+        w.per_channel(1, channels, 9 * channels, true);
+        w.per_channel(1, channels, 9 * channels, false);
         w.add();
     }
-    w.channelwise(4, 3, channels, false);
+    w.per_channel(4, 3, channels, false);
     let (at, length) = (w.at, w.at as u32 + 4);
     bytes[8..12].copy_from_slice(&length.to_le_bytes());
     let checksum = crc32(&bytes[..at]);

@@ -1,32 +1,32 @@
-//! Bits that flip in a model's memory.
+//! Bits that flip in the memory of a model.
 
 use super::Outcome;
-use crate::supervision::verified_image::Intact;
 use rand_core::Rng;
+use sdp3_core::supervision::verified_image::Intact;
 
-/// An accepted model and a copy of it to damage.
+/// An accepted model and a copy of it that is damaged.
 #[derive(Debug)]
 pub struct Damage<'m, 'c> {
-    whole: Intact<'m>,
+    accepted: Intact<'m>,
     copy: &'c mut [u8],
 }
 
 impl<'m, 'c> Damage<'m, 'c> {
     /// Copies the model; `None` if it is no model or the memory is too small.
     pub fn new(model: &'m [u8], copy: &'c mut [u8]) -> Option<Self> {
-        let (whole, _) = Intact::accept(model).ok()?;
+        let (accepted, _) = Intact::accept(model).ok()?;
         let copy = copy.get_mut(..model.len())?;
         copy.iter_mut().zip(model).for_each(|(to, from)| *to = *from);
-        Some(Damage { whole, copy })
+        Some(Damage { accepted, copy })
     }
 
-    /// Flips one bit, looks, and flips it back.
-    pub(super) fn flip(&mut self, rng: &mut impl Rng, outcome: &mut Outcome) {
+    /// Flips one bit, checks the copy, and flips the bit back.
+    pub(super) fn inject(&mut self, rng: &mut impl Rng, outcome: &mut Outcome) {
         let bits = self.copy.len() as u64 * 8;
         let at = (u64::from(rng.next_u32()).wrapping_mul(bits)) >> 32;
         self.toggle(at);
         outcome.injected += 1;
-        match self.whole.against(self.copy) {
+        match self.accepted.against(self.copy) {
             Err(_) => {
                 outcome.detected += 1;
                 outcome.recovered += 1;
@@ -34,7 +34,7 @@ impl<'m, 'c> Damage<'m, 'c> {
             Ok(()) => outcome.silent += 1,
         }
         self.toggle(at);
-        outcome.broken += u64::from(self.whole.against(self.copy).is_err());
+        outcome.violations += u64::from(self.accepted.against(self.copy).is_err());
     }
 
     /// Flips a bit of the copy.

@@ -1,25 +1,24 @@
-//! Recordings that are disturbed on their way through the whole chain, samples to logits.
+//! Faults during a recording, through the whole signal chain from samples to logits.
 //!
-//! An event is two periods of a [`Guarded`] station. In the first one thing goes wrong while a recording is under way; the second is
-//! undisturbed. An observer counts slots on his own: which may sense, which troubles are to be told, and whether enough sensing slots
-//! are left for a recording that begins anew. The n-th samples of every recording are the same seeded noise, so that every verdict,
-//! of either period, must have the logits of the first.
+//! An event is two periods of a [`Guarded`] station. A fault is injected into a recording of the first; the second has none. An
+//! observer counts by itself which slots may sense, which faults must be reported, and whether enough sensing slots are left for a
+//! new recording. The n-th samples of every recording are the same seeded noise, so that the logits of every classification must be
+//! those of the first.
 
-use super::Outcome;
-use super::samples::Spoil;
-use crate::dims::{Iq, SLOT_SAMPLES, Slot};
-use crate::dsn::Kernels;
-use crate::dsn::head::MAX_CLASSES;
-use crate::scheduler::{PlanError, Sensing, SlotUse};
-use crate::selftest::noise;
-use crate::signal::stft::Stft;
-use crate::supervision::sample_health::check;
-use crate::supervision::station::{Guarded, Trouble};
-use crate::supervision::watch::{CATCH_UP, Fault, WORDS, Watch};
+use super::samples::Corruption;
+use super::{Outcome, SAMPLES, slot};
+use crate::signals::noise;
 use heapless::Vec;
 use rand_core::{Rng, SeedableRng};
+use sdp3_core::dsn::Kernels;
+use sdp3_core::dsn::head::MAX_CLASSES;
+use sdp3_core::scheduler::{PlanError, Sensing, SlotUse};
+use sdp3_core::signal::stft::Stft;
+use sdp3_core::supervision::sample_health::check;
+use sdp3_core::supervision::station::{Guarded, Trouble};
+use sdp3_core::supervision::watch::{CATCH_UP, Fault, WORDS, Watch};
 
-/// What goes wrong.
+/// Kinds of faults, in the order of [`Table`].
 pub const KINDS: [&str; 12] = [
     "slots skipped",
     "slots skipped at the boundary",
@@ -41,14 +40,14 @@ pub type Table = [Outcome; KINDS.len()];
 /// N_m.
 const SPACING: u32 = 3;
 
-/// Number of the radio's first slot: it wraps in the first periods.
+/// Number of the first slot: it wraps in the first periods.
 const FIRST: u32 = u32::MAX - 2000;
 
-/// The schedule a station must begin with for recordings of `slots` sensing slots: half as many again in a period.
+/// The schedule a station must start with for recordings of `slots` sensing slots: each period has half as many again.
 ///
 /// # Errors
 ///
-/// [`PlanError`]: a recording too long for a period.
+/// [`PlanError`]: the recording is too long for a period.
 pub fn watch(slots: u32) -> Result<Watch, PlanError> {
     let most = slots.saturating_add(slots / 2);
     let sensing = Sensing::new(most.saturating_mul(SPACING + 1), SPACING, most)?;
@@ -62,14 +61,14 @@ enum Samples {
     Missing,
     Late,
     Twice,
-    Spoiled(Spoil),
+    Corrupted(Corruption),
 }
 
-/// The radio, and the observer's books.
+/// The radio and the counts of the observer.
 struct Radio<'s, 'm, 'b, K, T> {
     station: &'s mut Guarded<'m, 'b, K, T>,
     seed: u64,
-    /// Sensing slots of a recording, and at most of a period.
+    /// Sensing slots of a recording, and the most of a period.
     need: u32,
     most: u32,
     /// Number of the next slot.
@@ -77,19 +76,19 @@ struct Radio<'s, 'm, 'b, K, T> {
     /// Slots and sensing slots of the period that have passed.
     position: u32,
     used: u32,
-    /// Slots of the recording.
-    heard: u32,
-    /// Whether the period senses no more.
-    over: bool,
-    /// Whether that was found as the next slot, planned for sensing or not, began.
-    vain: bool,
-    /// Of this event.
-    told: Vec<Trouble, 16>,
+    /// Slots taken of the recording.
+    taken: u32,
+    /// Whether sensing of this period has ended.
+    ended: bool,
+    /// Whether the end takes effect in the next slot, which is then idle if it was planned for sensing.
+    ends_next: bool,
+    /// Faults of this event.
+    reported: Vec<Trouble, 16>,
     expected: Vec<Trouble, 16>,
     verdicts: u32,
-    /// What every verdict must be.
+    /// Logits that every classification must have.
     logits: Option<Vec<i8, MAX_CLASSES>>,
-    broken: u64,
+    violations: u64,
 }
 
 fn below(rng: &mut impl Rng, limit: u32) -> u32 {
@@ -97,12 +96,12 @@ fn below(rng: &mut impl Rng, limit: u32) -> u32 {
 }
 
 impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
-    fn promise(&mut self, kept: bool) {
-        self.broken += u64::from(!kept);
+    fn invariant(&mut self, holds: bool) {
+        self.violations += u64::from(!holds);
     }
 
-    fn tell(&mut self, trouble: Trouble) {
-        let _ = self.told.push(trouble); // sixteen are too many anyway
+    fn report(&mut self, trouble: Trouble) {
+        let _ = self.reported.push(trouble); // more than sixteen are wrong in any case
     }
 
     fn expect(&mut self, trouble: Trouble) {
@@ -114,33 +113,33 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
     }
 
     fn new_period(&mut self) {
-        (self.position, self.used, self.heard, self.over) = (0, 0, 0, false);
+        (self.position, self.used, self.taken, self.ended) = (0, 0, 0, false);
     }
 
-    /// The recording is spoiled: another one, if there are slots for it.
+    /// The recording is lost: another one starts if there are slots for it.
     fn gap(&mut self) {
-        self.heard = 0;
-        self.over |= self.most.saturating_sub(self.used) < self.need;
+        self.taken = 0;
+        self.ended |= self.most.saturating_sub(self.used) < self.need;
     }
 
-    fn samples<R: Rng + SeedableRng>(&self) -> Slot {
-        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
-        noise(&mut R::seed_from_u64(self.seed.wrapping_add(u64::from(self.heard))), &mut slot);
-        slot
+    fn samples<R: Rng + SeedableRng>(&self) -> [i16; SAMPLES] {
+        let mut samples = [0; SAMPLES];
+        noise(&mut R::seed_from_u64(self.seed.wrapping_add(u64::from(self.taken))), &mut samples);
+        samples
     }
 
-    /// A slot begins; whether it senses.
+    /// Begins a slot. Returns whether it senses.
     fn begin(&mut self) -> bool {
         if self.position == self.period() {
             self.new_period();
         }
         let planned = self.position.is_multiple_of(SPACING + 1);
-        let senses = planned && !self.over;
-        let idle = core::mem::take(&mut self.vain) && planned;
+        let senses = planned && !self.ended;
+        let idle = core::mem::take(&mut self.ends_next) && planned;
         let begun = self.station.begin(self.number);
         self.number = self.number.wrapping_add(1);
-        begun.troubles.iter().for_each(|&trouble| self.tell(trouble));
-        self.promise(match begun.slot {
+        begun.troubles.iter().for_each(|&trouble| self.report(trouble));
+        self.invariant(match begun.slot {
             SlotUse::Sensing => senses,
             SlotUse::Idle => idle,
             SlotUse::Communication(_) => !senses && !idle,
@@ -150,38 +149,38 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
         senses
     }
 
-    /// Samples for the slot of a number.
-    fn give(&mut self, number: u32, slot: &Slot) {
-        match self.station.sensed(number, slot) {
+    /// Gives the samples of slot `number`.
+    fn give(&mut self, number: u32, samples: &[i16; SAMPLES]) {
+        match self.station.sensed(number, &slot(samples)) {
             Ok(verdict) => {
-                self.heard += 1;
-                let whole = self.heard == self.need;
-                self.promise(verdict.is_some() == whole);
+                self.taken += 1;
+                let complete = self.taken == self.need;
+                self.invariant(verdict.is_some() == complete);
                 if let Some(verdict) = verdict {
                     let first = self.logits.get_or_insert_with(|| verdict.answer.logits.clone());
                     let same = *first == verdict.answer.logits;
-                    self.promise(same && verdict.stop);
+                    self.invariant(same && verdict.stop);
                     self.verdicts += 1;
                 }
-                self.over |= whole;
+                self.ended |= complete;
             }
-            Err(trouble) => self.tell(trouble),
+            Err(trouble) => self.report(trouble),
         }
     }
 
-    /// A slot, and what happens to its samples if it senses.
+    /// A slot; `what` happens to its samples if it senses.
     fn slot<R: Rng + SeedableRng>(&mut self, what: Samples) {
         let number = self.number;
         if !self.begin() {
             return;
         }
-        let slot = self.samples::<R>();
+        let mut samples = self.samples::<R>();
         match what {
-            Samples::Given => self.give(number, &slot),
+            Samples::Given => self.give(number, &samples),
             Samples::Twice => {
-                self.give(number, &slot);
+                self.give(number, &samples);
                 self.expect(Trouble::Unasked);
-                self.give(number, &slot);
+                self.give(number, &samples);
             }
             Samples::Missing | Samples::Late => {
                 self.expect(Trouble::Missing);
@@ -189,30 +188,29 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
                 if what == Samples::Late {
                     self.slot::<R>(Samples::Given);
                     self.expect(Trouble::Unasked);
-                    self.give(number, &slot);
+                    self.give(number, &samples);
                 }
             }
-            Samples::Spoiled(spoil) => {
-                let mut slot = slot;
-                spoil.apply(&mut slot);
-                match check(&slot) {
-                    Ok(()) => self.broken += 1, // only certain ones are tried
+            Samples::Corrupted(corruption) => {
+                corruption.apply(&mut samples);
+                match check(&slot(&samples)) {
+                    Ok(()) => self.violations += 1, // only kinds that are always detected are injected
                     Err(fault) => self.expect(Trouble::Samples(fault)),
                 }
                 self.gap();
-                self.give(number, &slot);
+                self.give(number, &samples);
             }
         }
     }
 
-    /// To the end of the period.
+    /// Runs to the end of the period.
     fn finish<R: Rng + SeedableRng>(&mut self) {
         for _ in self.position..self.period() {
             self.slot::<R>(Samples::Given);
         }
     }
 
-    /// Numbers pass unnoticed.
+    /// Skips slot numbers.
     fn skip(&mut self, slots: u32) {
         if self.position == self.period() {
             self.new_period();
@@ -224,7 +222,7 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
             return;
         }
         let passed = |position: u32| position.div_ceil(SPACING + 1);
-        let sensing = match self.over {
+        let sensing = match self.ended {
             true => 0,
             false => passed(self.position + slots) - passed(self.position),
         };
@@ -232,22 +230,22 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
         self.used += sensing;
         self.expect(Trouble::Slot(Fault::Skipped { slots, sensing }));
         if sensing > 0 {
-            let before = self.over;
+            let before = self.ended;
             self.gap();
-            self.vain = self.over && !before;
+            self.ends_next = self.ended && !before;
         }
     }
 
-    /// The slot of a number that is none of the next ones.
-    fn aside(&mut self, back: u32, fault: Fault) {
+    /// A slot with an earlier number.
+    fn out_of_order(&mut self, back: u32, fault: Fault) {
         let begun = self.station.begin(self.number.wrapping_sub(back));
-        begun.troubles.iter().for_each(|&trouble| self.tell(trouble));
+        begun.troubles.iter().for_each(|&trouble| self.report(trouble));
         self.expect(Trouble::Slot(fault));
-        self.promise((begun.slot == SlotUse::Idle) == (fault == Fault::Late));
+        self.invariant((begun.slot == SlotUse::Idle) == (fault == Fault::Late));
     }
 
-    /// One thing goes wrong.
-    fn disturb<R: Rng + SeedableRng>(&mut self, kind: usize, rng: &mut R) {
+    /// Applies the fault.
+    fn apply<R: Rng + SeedableRng>(&mut self, kind: usize, rng: &mut R) {
         match kind {
             0 => self.skip(1 + below(rng, 8)),
             1 => {
@@ -261,20 +259,20 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
                     for _ in 0..1 + below(rng, 100) {
                         self.slot::<R>(Samples::Given);
                     }
-                    if fast { self.skip(1) } else { self.aside(1, Fault::Repeated) }
+                    if fast { self.skip(1) } else { self.out_of_order(1, Fault::Repeated) }
                 }
             }
-            4 => self.aside(1, Fault::Repeated),
-            5 => self.aside(2 + below(rng, 1000), Fault::Late),
+            4 => self.out_of_order(1, Fault::Repeated),
+            5 => self.out_of_order(2 + below(rng, 1000), Fault::Late),
             6 => self.slot::<R>(Samples::Missing),
             7 => self.slot::<R>(Samples::Late),
             8 => self.slot::<R>(Samples::Twice),
-            9 | 10 => self.slot::<R>(Samples::Spoiled(Spoil::random(kind - 9, rng))),
+            9 | 10 => self.slot::<R>(Samples::Corrupted(Corruption::random(kind - 9, rng))),
             _ => {
                 let mut memory = [0; WORDS];
                 self.station.watch().save(&mut memory);
                 let restored = self.station.restore(&memory);
-                self.promise(restored);
+                self.invariant(restored);
                 self.gap();
                 let slots = below(rng, 8);
                 if slots > 0 {
@@ -285,32 +283,33 @@ impl<K: Kernels, T: Stft> Radio<'_, '_, '_, K, T> {
     }
 
     /// One event.
-    fn suffer<R: Rng + SeedableRng>(&mut self, kind: usize, rng: &mut R, outcome: &mut Outcome) {
-        (self.broken, self.verdicts) = (0, 0);
-        self.told.clear();
+    fn inject<R: Rng + SeedableRng>(&mut self, kind: usize, rng: &mut R, outcome: &mut Outcome) {
+        (self.violations, self.verdicts) = (0, 0);
+        self.reported.clear();
         self.expected.clear();
-        // before a sensing slot of the recording, the first and the last among them
+        // before any sensing slot of the recording
         let before = 1 + below(rng, self.need - 1);
         for _ in 0..before * (SPACING + 1) {
             self.slot::<R>(Samples::Given);
         }
-        self.disturb(kind, rng);
+        self.apply(kind, rng);
         self.finish::<R>();
-        let (told, silent) = (self.told == self.expected, self.told.is_empty());
-        let broken = self.broken;
-        (self.broken, self.verdicts) = (0, 0);
-        self.told.clear();
+        let (detected, silent) = (self.reported == self.expected, self.reported.is_empty());
+        let violations = self.violations;
+        (self.violations, self.verdicts) = (0, 0);
+        self.reported.clear();
         self.slot::<R>(Samples::Given);
         self.finish::<R>();
         outcome.injected += 1;
-        outcome.detected += u64::from(told);
-        outcome.recovered += u64::from(self.broken == 0 && self.told.is_empty() && self.verdicts == 1);
-        outcome.silent += u64::from(!told && silent);
-        outcome.broken += broken + self.broken + u64::from(!told && !silent);
+        outcome.detected += u64::from(detected);
+        outcome.recovered +=
+            u64::from(self.violations == 0 && self.reported.is_empty() && self.verdicts == 1);
+        outcome.silent += u64::from(!detected && silent);
+        outcome.violations += violations + self.violations + u64::from(!detected && !silent);
     }
 }
 
-/// `events` disturbed recordings of all kinds in turn, through a station that was made with [`watch`] and has one exit.
+/// Injects `events` faults of all kinds in turn into recordings of a station with the schedule [`watch`] and one exit.
 pub fn run<R, K, T>(station: &mut Guarded<'_, '_, K, T>, seed: u64, events: u64) -> Table
 where
     R: Rng + SeedableRng,
@@ -329,20 +328,20 @@ where
         number: FIRST,
         position: 0,
         used: 0,
-        heard: 0,
-        over: false,
-        vain: false,
-        told: Vec::new(),
+        taken: 0,
+        ended: false,
+        ends_next: false,
+        reported: Vec::new(),
         expected: Vec::new(),
         verdicts: 0,
         logits: None,
-        broken: 0,
+        violations: 0,
     };
     radio.finish::<R>();
     for event in 0..events {
         let kind = (event % KINDS.len() as u64) as usize;
         if let Some(outcome) = table.get_mut(kind) {
-            radio.suffer(kind, &mut rng, outcome);
+            radio.inject(kind, &mut rng, outcome);
         }
     }
     table
