@@ -1,4 +1,6 @@
 //! The int8 network on this machine's vector instructions, with the bits of the core's plain loops.
+//!
+//! [`VectorKernels`] computes one operator a step; [`Classifier`] is the whole network with its memory.
 
 mod direct;
 mod layer;
@@ -12,7 +14,8 @@ use layer::Convolution;
 use packing::{ChannelPhase, OutputGroup, PackedAdd};
 use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
 use sdp3_core::dsn::conv::Conv;
-use sdp3_core::dsn::{Kernels, Model, Operator, Portable};
+use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};
+use sdp3_core::probe::Probe;
 pub use simd::Isa;
 use simd::{Backend, LANES};
 use stem::Stem;
@@ -55,8 +58,8 @@ impl VectorKernels {
         isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
     }
 
-    /// [`VectorKernels::new`] for the fastest instruction set there is.
-    pub fn best(model: &Model<'_>) -> Self {
+    /// [`VectorKernels::new`] for this processor's fastest instruction set.
+    pub fn fastest(model: &Model<'_>) -> Self {
         Self::new(model, Isa::best()).expect("the best instruction set is available")
     }
 }
@@ -89,6 +92,27 @@ impl Kernels for VectorKernels {
             (operator, _) => return Portable.run(index, operator, step),
         }
         true
+    }
+}
+
+/// A model with its fastest kernels and all memory that it needs: images in, classes out.
+#[derive(Debug)]
+pub struct Classifier<'m> {
+    model: Model<'m>,
+    kernels: VectorKernels,
+    scratch: Vec<i8>,
+}
+
+impl<'m> Classifier<'m> {
+    /// Packs a model's weights.
+    pub fn new(model: Model<'m>) -> Self {
+        let scratch = vec![0; model.shape().scratch_bytes()];
+        Classifier { kernels: VectorKernels::fastest(&model), model, scratch }
+    }
+
+    /// Classifies an image, `[64, frames]`.
+    pub fn classify(&mut self, image: &[i8], probe: &mut impl Probe) -> Classification {
+        infer(&self.model, image, &mut self.scratch, &mut self.kernels, probe)
     }
 }
 

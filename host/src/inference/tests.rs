@@ -4,8 +4,6 @@ use super::*;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::dims::ROWS;
-use sdp3_core::dsn::{infer, scratch_bytes};
-use sdp3_core::probe::Probe;
 use sdp3_testkit::models;
 use sdp3_testkit::random_model::{Numbers, Size, write};
 
@@ -38,7 +36,7 @@ impl Probe for Layers {
 fn compare(file: &[u8], seed: u64) -> usize {
     let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
     let model = Model::parse(file).expect("a model");
-    let size = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
+    let size = model.shape().scratch_bytes();
     let mut plain = 0;
     for round in 0..2 {
         let mut pixel = || match round {
@@ -114,10 +112,33 @@ fn one_step_does_a_whole_operator_and_the_plain_loops_keep_their_steps() {
     }
 }
 
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 #[test]
-fn an_instruction_set_that_the_processor_lacks_is_refused() {
+fn kernels_are_made_for_what_the_system_says_the_processor_has() {
+    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").expect("the processor's flags");
+    let flags: Vec<&str> =
+        cpuinfo.lines().find(|l| l.starts_with("flags")).expect("flags").split(' ').collect();
+    let has = |wanted: &[&str]| wanted.iter().all(|flag| flags.contains(flag));
     let model = Model::parse(models::DSN_200).expect("a model");
-    for isa in Isa::ALL {
-        assert_eq!(VectorKernels::new(&model, isa).is_some(), isa.available(), "{isa:?}");
+    for (isa, expected) in [
+        (Isa::Scalar, true),
+        (Isa::Arrays, true),
+        (Isa::Avx2, has(&["avx2"])),
+        (Isa::AvxVnni, has(&["avx2", "avx_vnni"])),
+        (Isa::Avx512Vnni, has(&["avx2", "avx512f", "avx512bw", "avx512_vnni"])),
+    ] {
+        assert_eq!(VectorKernels::new(&model, isa).is_some(), expected, "{isa:?}");
+    }
+}
+
+#[test]
+fn a_classifier_gives_what_the_plain_loops_give() {
+    let model = Model::parse(models::DSN_200).expect("a model");
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
+    let mut classifier = Classifier::new(model.clone());
+    for k in 1..4 {
+        let image: Vec<i8> = (0..ROWS * model.frames()).map(|n| (n * n * k) as i8).collect();
+        let expected = infer(&model, &image, &mut scratch, &mut Portable, &mut ());
+        assert_eq!(classifier.classify(&image, &mut ()), expected);
     }
 }

@@ -1,6 +1,6 @@
 //! Sixteen lanes as an array, left to the compiler: the portable implementation, and the reference of the others.
 
-use super::{Kernel, LANES, SimdI32, I32x16, Requantizer, quad_words};
+use super::{I32x16, Kernel, LANES, Requantizer, SimdI32, quad_words};
 
 /// Sixteen lanes as an array, with `INPUTS` 2 or 4 inputs in a word.
 #[derive(Debug, Clone, Copy)]

@@ -2,9 +2,9 @@
 
 use super::arrays::Arrays;
 use super::*;
-use sdp3_core::fixed::{clamp_i8, requantize};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_core::fixed::{clamp_i8, requantize};
 
 /// Runs a kernel on arrays and on everything the processor has.
 fn on_all(kernel: impl Kernel + Copy) {
@@ -20,12 +20,6 @@ fn on_all(kernel: impl Kernel + Copy) {
 
 fn random() -> Xoshiro128PlusPlus {
     Xoshiro128PlusPlus::seed_from_u64(7)
-}
-
-#[test]
-fn the_best_instruction_set_is_the_last_available() {
-    let last = Isa::ALL.iter().rposition(|isa| isa.available());
-    assert_eq!(Isa::ALL.iter().position(|isa| *isa == Isa::best()), last);
 }
 
 /// Multipliers and accumulators at which rounding turns, then random ones.

@@ -1,7 +1,7 @@
 //! Two vectors of 256 bits as sixteen lanes: AVX2, with or without AVX-VNNI.
 
 use super::flipped;
-use crate::inference::simd::{Kernel, LANES, SimdI32, I32x16, Requantizer, quad_words};
+use crate::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32, quad_words};
 use std::arch::x86_64::*;
 use std::mem::transmute;
 

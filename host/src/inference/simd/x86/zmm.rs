@@ -1,7 +1,7 @@
 //! One vector of 512 bits as sixteen lanes: AVX-512 F, BW and VNNI.
 
 use super::flipped;
-use crate::inference::simd::{Kernel, LANES, SimdI32, I32x16, Requantizer};
+use crate::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32};
 use std::arch::x86_64::*;
 use std::mem::transmute;
 
