@@ -3,6 +3,7 @@
 use crate::refused;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use sdp3::inference::Classifier;
 use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3_core::dsn::Model as Parsed;
 use sdp3_core::dims::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
@@ -199,11 +200,10 @@ impl Model {
             }
         };
         let pixels: Vec<i8> = image.as_array().iter().copied().collect();
-        let mut buffers = OwnedBuffers::for_model(&model);
-        let mut network = buffers.network(model).map_err(refused)?;
+        let mut classifier = Classifier::new(model);
         let mut logits = Vec::with_capacity(count * classes);
         for image in pixels.chunks_exact(ROWS * frames) {
-            logits.extend_from_slice(&network.infer(image, &mut ()).logits);
+            logits.extend_from_slice(&classifier.classify(image, &mut ()).logits);
         }
         let wanted = if shape.len() == 2 { vec![classes] } else { vec![count, classes] };
         PyArray1::from_vec(py, logits).reshape(wanted)
