@@ -43,7 +43,7 @@ pub struct Settings {
     pub recognise_every: u32,
 }
 
-/// The scheduler alone, or with the radar's receiver.
+/// The scheduler alone, or with the radar's pipeline.
 pub enum Loop<'m, 'b> {
     /// Decisions alone.
     Schedule(Box<Scheduler>),
@@ -55,7 +55,7 @@ impl Loop<'_, '_> {
     fn scheduler(&mut self) -> &mut Scheduler {
         match self {
             Loop::Schedule(scheduler) => scheduler,
-            Loop::Station(radar) => radar.station.scheduler(),
+            Loop::Station(radar) => &mut radar.station.scheduler,
         }
     }
 
