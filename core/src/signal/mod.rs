@@ -2,6 +2,9 @@
 
 pub mod clutter;
 pub mod dechirp;
+pub mod dechirp2;
+pub mod fast_time;
+mod range_gate;
 pub mod front_end;
 pub mod logarithm;
 pub mod spectrogram;

@@ -9,6 +9,7 @@
 mod arm;
 pub mod arrays;
 pub mod conj_mac;
+pub mod conj_mac2;
 pub mod dual_mac;
 pub mod mulh;
 #[cfg(target_arch = "x86_64")]
