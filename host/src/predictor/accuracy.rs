@@ -3,6 +3,7 @@
 //! Every test recording is generated once and given to the receiver of every model.
 
 use super::spectrograms::item;
+use crate::formats::slots::Slots;
 use crate::predictor::receiver::OwnedBuffers;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
@@ -67,13 +68,13 @@ pub fn through_core(
 }
 
 /// Class of one recording; slots beyond the model's are not used.
-fn classify(bytes: &[u8], slots: &[sdp3_core::dims::Slot]) -> Result<u8, AccuracyError> {
+fn classify(bytes: &[u8], slots: &Slots) -> Result<u8, AccuracyError> {
     let model = Model::parse(bytes).map_err(|source| AccuracyError::Model { sensing_slots: 0, source })?;
     let need = model.sensing_slots();
     let mut buffers = OwnedBuffers::for_model(&model);
     let mut receiver = buffers.receiver(model).map_err(AccuracyError::Receiver)?;
     for slot in slots.iter().take(need) {
-        receiver.push(slot, &mut ()).map_err(AccuracyError::Receiver)?;
+        receiver.push(&crate::formats::slots::old_slot(slot), &mut ()).map_err(AccuracyError::Receiver)?;
     }
     receiver.classify(&mut ()).map(|answer| answer.class).map_err(AccuracyError::Receiver)
 }

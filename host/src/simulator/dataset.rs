@@ -9,11 +9,13 @@ use super::body::capture::{Capture, CaptureError};
 use super::body::gait::joint;
 use super::body::motion::{Person, Truth};
 use super::channel::target::Target;
-use super::channel::{Blocks, ChannelModel, Path, Scene, Sweep, accumulate, model, tone, wavelength};
-use super::radar::{Converter, Impairments, slot};
+use super::channel::response::Response;
+use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
+use super::radar::Receiver;
 use super::random::Random;
+use crate::formats::slots::Slots;
 use crate::scenario::{Class, Scenario};
-use sdp3_core::dims::{Beat, Slot};
+use sdp3_core::dims::Beat;
 
 /// What a recording is for; recordings of different sets share nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +36,7 @@ pub enum Set {
 #[derive(Debug, Clone)]
 pub struct Recording {
     /// Sensing slots, in order.
-    pub slots: Vec<Slot>,
+    pub slots: Slots,
     /// The person.
     pub truth: Truth,
 }
@@ -44,6 +46,7 @@ pub struct Simulation<'a> {
     scenario: &'a Scenario,
     people: Vec<Target>,
     channel: Box<dyn ChannelModel>,
+    response: Response,
     front: f64,
     taken: u32,
     paths: Vec<Path>,
@@ -63,6 +66,7 @@ impl<'a> Simulation<'a> {
             people: cast(scenario, class, &mut random),
             channel: model(scenario, radar, radar, rho, stream(seed, set, 1, class, index)),
             // transmit power and both antennas
+            response: Response::of(&scenario.radar),
             front: scenario.radar.power_w.sqrt() * libm::pow(10.0, scenario.radar.antenna_gain_db / 10.0),
             taken: 0,
             paths: Vec::new(),
@@ -81,8 +85,8 @@ impl<'a> Simulation<'a> {
         Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people }
     }
 
-    /// h of the next sensing slot in the beat domain, in sqrt W.
-    pub fn advance(&mut self) -> Sweep {
+    /// The paths of the next sensing slot, with their amplitudes at the receiver in sqrt W.
+    pub fn advance(&mut self) -> &[Path] {
         let mut paths = std::mem::take(&mut self.paths);
         paths.clear();
         let radar = self.scenario.radar.position_m;
@@ -90,22 +94,19 @@ impl<'a> Simulation<'a> {
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
         self.channel.paths(&scene, &mut paths);
         self.taken += 1;
-        let mut sweep = Sweep::default();
-        for path in &paths {
-            accumulate(&mut sweep, &tone(path.gain * self.front, path.delay_s));
-        }
+        paths.iter_mut().for_each(|path| path.gain *= self.front);
         self.paths = paths;
-        sweep
+        &self.paths
     }
 
-    /// The block means of the next `count` sensing slots, in sqrt W.
+    /// The range samples of the next `count` sensing slots by the radar's [`Response`], without noise.
     pub fn advance_blocks(&mut self, count: u32) -> Vec<Blocks> {
         let mut beats = vec![Blocks::default(); count as usize];
         let radar = self.scenario.radar.position_m;
         let interval_s = self.scenario.interval_s();
         let time_s = f64::from(self.taken) * interval_s;
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
-        self.channel.beats(&scene, interval_s, &mut beats);
+        self.channel.beats(&scene, interval_s, &self.response, &mut beats);
         self.taken += count;
         beats.iter_mut().flatten().for_each(|z| *z *= self.front);
         beats
@@ -162,16 +163,18 @@ pub fn recording(
     slots: u32,
 ) -> Recording {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut noise = stream(seed, set, 2, class, index);
-    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
-    let converter = Converter::of(scenario);
-    let slots =
-        (0..slots).map(|_| slot(&simulation.advance(), &converter, &mut impairments, &mut noise)).collect();
-    Recording { slots, truth: simulation.truth().clone() }
+    let mut receiver = receiver(scenario, seed, set, class, index);
+    let mut raw = Slots::with_capacity(scenario.radar.config().values_per_slot(), slots as usize);
+    (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
+    Recording { slots: raw, truth: simulation.truth().clone() }
 }
 
-/// The same recording as beats: what the core's dechirp makes of the raw slots, to -60 dB of the signal; the noise is drawn
-/// per block, with the power it has there.
+fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Receiver<'_> {
+    Receiver::new(scenario, stream(seed, set, 3, class, index), stream(seed, set, 2, class, index))
+}
+
+/// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
+/// sample, with the covariance it has there.
 pub fn beats(
     scenario: &Scenario,
     rho: f64,
@@ -182,11 +185,8 @@ pub fn beats(
     slots: u32,
 ) -> (Vec<Beat>, Truth) {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut noise = stream(seed, set, 2, class, index);
-    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
-    let converter = Converter::of(scenario);
-    let blocks = simulation.advance_blocks(slots);
-    let beats = blocks.iter().map(|b| converter.beat(b, &mut impairments, &mut noise)).collect();
+    let mut receiver = receiver(scenario, seed, set, class, index);
+    let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
     (beats, simulation.truth().clone())
 }
 
@@ -255,7 +255,7 @@ pub struct Aliasing {
 /// Compares the toes, 4.9 times as fast as the body, with lambda PRF / 4.
 pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
     let limb_m_s = 4.9 * 0.5 * scenario.target.adult_height_m[1];
-    let limit = |interval: f64| wavelength(scenario.radar.carrier_hz) / (4.0 * interval);
+    let limit = |interval: f64| wavelength(scenario.radar.centre_hz()) / (4.0 * interval);
     let unambiguous_m_s = limit(scenario.interval_s());
     if limb_m_s <= unambiguous_m_s {
         return None;

@@ -135,7 +135,9 @@ impl<'m> Model<'m> {
         let beta = f32::from_le_bytes(r.array()?);
         let (channels, blocks, classes, _signature) = (r.u8()?, r.u8()?, r.u8()?, r.u8()?);
         let (carrier_khz, interval_us, revision) = (r.u32()?, r.u32()?, r.u32()?);
-        let zeros = r.take(16)?;
+        let radar = crate::config::RadarConfig::from_bytes(r.array()?).is_some();
+        let zeros = r.take(8)?;
+        check("radar", 0, radar)?;
 
         check("first_kept", i64::from(kept.first), (1..=8).contains(&kept.first))?;
         check("last_kept", i64::from(kept.last), (kept.first..=8).contains(&kept.last))?;

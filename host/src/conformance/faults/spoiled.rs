@@ -76,6 +76,7 @@ pub fn cost(
     let each = (0..all).into_par_iter().map(|n| {
         let class = Class::ALL[n as usize % Class::ALL.len()];
         let whole = recording(scenario, rho, seed, Set::Demo, class, 10_000 + n / 5, most).slots;
+        let whole: Vec<Slot> = whole.iter().map(crate::formats::slots::old_slot).collect();
         let mut counts = [Counts::default(); KINDS.len() + 1];
         for (kind, counts) in counts.iter_mut().enumerate() {
             let (slots, spoiled) = spoil(&whole, kind, u64::from(n), seed);

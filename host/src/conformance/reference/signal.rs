@@ -1,7 +1,8 @@
-//! Dechirp, Gram matrix, weights, projection, STFT and grey levels by their definitions.
+//! Dechirp, range gate, Gram matrix, weights, projection, STFT and grey levels by their definitions.
 //!
 //! Paper, eqs. (X), (Y) and (z); integer scalings as stated in the core's documentation.
 
+use super::network::Radar;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
@@ -10,21 +11,71 @@ pub type Int = (i64, i64);
 /// Complex f64.
 pub type Float = Complex<f64>;
 
-/// Beat of a slot: 8 sums of 125 products with the conjugate chirp, divided by 2^12, halves up.
-pub fn beat(slot: &[(i16, i16)]) -> Vec<Int> {
-    let mut sums = vec![(0_i64, 0_i64); 8];
-    for (index, &(i, q)) in slot.iter().enumerate() {
-        let n = (index + 1) as f64;
-        // reduce the phase before the cosine: pi n^2 / 1000 modulo 2 pi
-        let phase = PI * ((n * n) % 2000.0) / 1000.0;
-        let c = libm::round(32767.0 * libm::cos(phase)) as i64;
-        let s = libm::round(32767.0 * libm::sin(phase)) as i64;
-        let (i, q) = (i64::from(i), i64::from(q));
-        let sum = &mut sums[index / 125];
-        sum.0 += i * c + q * s;
-        sum.1 += q * c - i * s;
+/// Round of x / 2^shift, halves up.
+fn shifted(x: i64, shift: u32) -> i64 {
+    (x + (1 << shift) / 2).div_euclid(1 << shift)
+}
+
+/// Least k with n <= 2^k.
+fn bits(n: usize) -> u32 {
+    (0..).find(|&k| n <= 1 << k).expect("some power")
+}
+
+/// Q1.15 of a real number.
+fn q15(x: f64) -> i64 {
+    libm::round(32767.0 * x) as i64
+}
+
+/// Sample n of the chirp of L samples, t = (n + 1) / f_s.
+fn chirp(n: usize, samples: usize) -> Int {
+    // reduce the phase before the cosine: pi n^2 / L modulo 2 pi
+    let phase = PI * (((n + 1) * (n + 1)) % (2 * samples)) as f64 / samples as f64;
+    (q15(libm::cos(phase)), q15(libm::sin(phase)))
+}
+
+/// Sample n of what a range sample's bins of the DFT, Hann-windowed and with their phases from the sweep's middle, are a product with.
+fn gate(n: usize, range: usize, radar: &Radar) -> Int {
+    let u = (n as f64 + 0.5) / radar.samples as f64 - 0.5;
+    let hann = 0.5 + 0.5 * libm::cos(2.0 * PI * u);
+    let mut sum = Float::new(0.0, 0.0);
+    for bin in radar.first_bin + range * radar.bins..radar.first_bin + (range + 1) * radar.bins {
+        sum += Float::from_polar(1.0, 2.0 * PI * bin as f64 * u);
     }
-    sums.into_iter().map(|(re, im)| ((re + 2048).div_euclid(4096), (im + 2048).div_euclid(4096))).collect()
+    let mean = sum * hann / radar.bins as f64;
+    (q15(mean.re), q15(mean.im))
+}
+
+/// Range samples of a slot, eight with zeros behind those that are kept.
+///
+/// Block sums of the samples times the conjugate chirp, of the samples as they are, or all samples times the conjugate gate; the
+/// sum is divided by a power of two, halves up.
+pub fn beat(slot: &[i16], radar: &Radar) -> Vec<Int> {
+    let samples: Vec<Int> = match radar.real {
+        true => slot.iter().map(|&x| (i64::from(x), 0)).collect(),
+        false => slot.chunks(2).map(|z| (i64::from(z[0]), i64::from(z[1]))).collect(),
+    };
+    let block = radar.samples / radar.kept;
+    let shift = match (radar.bins, radar.analog) {
+        (0, false) => 5 + bits(block),
+        (0, true) => bits(block).saturating_sub(10),
+        _ => 4 + bits(radar.samples),
+    };
+    let mut kept = vec![(0, 0); 8];
+    for (range, kept) in kept.iter_mut().take(radar.kept).enumerate() {
+        let mut sum = (0, 0);
+        for (n, &(i, q)) in samples.iter().enumerate() {
+            let (c, s) = match (radar.bins, radar.analog) {
+                (0, _) if n / block != range => (0, 0),
+                (0, false) => chirp(n, radar.samples),
+                (0, true) => (1, 0),
+                _ => gate(n, range, radar),
+            };
+            sum.0 += i * c + q * s;
+            sum.1 += q * c - i * s;
+        }
+        *kept = (shifted(sum.0, shift), shifted(sum.1, shift));
+    }
+    kept
 }
 
 /// Upper triangle of the sum over slots of b b^H, row by row.

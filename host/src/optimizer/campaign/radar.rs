@@ -49,7 +49,7 @@ impl<'m, 'b> Radar<'m, 'b> {
             let class = Class::ALL[(self.random.uniform() * Class::ALL.len() as f64) as usize];
             let slots = self.scenario.frame.period_slots / (self.scenario.frame.spacing_slots + 1);
             let found = recording(self.scenario, self.rho, self.seed, Set::Demo, class, 100 + period, slots);
-            self.signal = found.slots;
+            self.signal = found.slots.iter().map(crate::formats::slots::old_slot).collect();
             self.signal.reverse();
             self.truth = Some(class);
         }
