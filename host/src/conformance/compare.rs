@@ -11,8 +11,8 @@
 
 use super::reference::{network, schedule, signal};
 use super::suite::{Case, Suite, Transform};
-use crate::predictor::receiver::OwnedBuffers;
 use crate::formats::slots::old_slot;
+use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, Complex};

@@ -170,7 +170,12 @@ impl Scenario {
         c.count("radar.samples", r.samples.into(), 64, 2048);
         let product = (r.sweep_s * r.sample_rate_hz).round();
         let fits = (f64::from(r.samples) - r.sweep_s * r.sample_rate_hz).abs() < 1e-3;
-        c.legal("radar.samples", r.samples, fits, &format!("{product}, radar.sweep_s times radar.sample_rate_hz"));
+        c.legal(
+            "radar.samples",
+            r.samples,
+            fits,
+            &format!("{product}, radar.sweep_s times radar.sample_rate_hz"),
+        );
         c.count("radar.converter_bits", r.converter_bits.into(), 8, 16);
         c.count("radar.range_samples", r.range_samples.into(), 1, 8);
         self.check_dechirp(c);
@@ -183,7 +188,8 @@ impl Scenario {
         c.within("radar.iq_gain_db", r.iq_gain_db, -6.0, 6.0);
         c.within("radar.iq_phase_deg", r.iq_phase_deg, -30.0, 30.0);
         if r.format == Format::Real {
-            for (field, value) in [("radar.iq_gain_db", r.iq_gain_db), ("radar.iq_phase_deg", r.iq_phase_deg)] {
+            for (field, value) in [("radar.iq_gain_db", r.iq_gain_db), ("radar.iq_phase_deg", r.iq_phase_deg)]
+            {
                 c.legal(field, value, value == 0.0, "0 (fixed): real samples have no quadrature");
             }
         }
@@ -200,9 +206,14 @@ impl Scenario {
             let legal = "complex (fixed): digital dechirp needs I and Q; analog takes real samples";
             c.legal("radar.format", format!("{:?}", r.format).to_lowercase(), complex, legal);
         }
-        match (r.dechirp, r.bins_per_sample) {
-            (Dechirp::Digital, _) => c.beside("radar.bins_per_sample", bins, [0.0; 2], "a gate needs analog dechirp"),
-            (Dechirp::Analog, _) => c.within("radar.bins_per_sample", bins, 0.0, 32.0),
+        match (r.dechirp, r.format) {
+            (Dechirp::Digital, _) => {
+                c.beside("radar.bins_per_sample", bins, [0.0; 2], "a gate needs analog dechirp");
+            }
+            (Dechirp::Analog, Format::Complex) => c.within("radar.bins_per_sample", bins, 0.0, 32.0),
+            (Dechirp::Analog, Format::Real) => {
+                c.beside("radar.bins_per_sample", bins, [1.0, 32.0], "real samples need a range gate");
+            }
         }
         let profile = match r.format {
             Format::Complex => f64::from(r.samples),
@@ -220,7 +231,9 @@ impl Scenario {
             let legal = format!("a divisor of radar.samples = {}: blocks are equally long", r.samples);
             c.legal("radar.range_samples", r.range_samples, divides, &legal);
         } else {
-            let legal = format!("at most {profile} / radar.bins_per_sample: the gate must end within the range profile");
+            let legal = format!(
+                "at most {profile} / radar.bins_per_sample: the gate must end within the range profile"
+            );
             c.legal("radar.range_samples", r.range_samples, kept * bins <= profile, &legal);
         }
     }
@@ -243,7 +256,11 @@ mod tests {
     #[test]
     fn what_the_rules_take_the_core_takes_and_nothing_else() {
         let mut legal = 0;
-        let base = [Scenario::default(), named(Path::new("bgt60")).unwrap().scenario(), named(Path::new("iwr")).unwrap().scenario()];
+        let base = [
+            Scenario::default(),
+            named(Path::new("bgt60")).unwrap().scenario(),
+            named(Path::new("iwr")).unwrap().scenario(),
+        ];
         for mut scenario in base {
             let papers = scenario.radar.clone();
             for change in 0..600_u32 {
@@ -251,9 +268,9 @@ mod tests {
                 *r = papers.clone();
                 let pick = |k: u32, n: u32| (change / k) % n;
                 r.samples = [papers.samples, 64, 63, 250, 2048, 2049][pick(1, 6) as usize];
-                r.sample_rate_hz = f64::from(r.samples) / r.sweep_s;
-                if r.dechirp == Dechirp::Digital {
-                    r.bandwidth_hz = r.sample_rate_hz;
+                match r.dechirp {
+                    Dechirp::Digital => r.sweep_s = f64::from(r.samples) / r.sample_rate_hz,
+                    Dechirp::Analog => r.sample_rate_hz = f64::from(r.samples) / r.sweep_s,
                 }
                 r.range_samples = [papers.range_samples, 0, 1, 5, 9][pick(6, 5) as usize];
                 r.bins_per_sample = [papers.bins_per_sample, 0, 32, 33][pick(30, 4) as usize];
@@ -283,7 +300,10 @@ mod tests {
         refused(&["radar.format=real"], &["radar.format = real", "complex (fixed)"]);
         refused(&["radar.bins_per_sample=4"], &["radar.bins_per_sample = 4", "0 (fixed)", "analog"]);
         refused(&["radar.first_bin=4"], &["radar.first_bin = 4", "0 (fixed)", "no gate"]);
-        refused(&["radar.range_samples=3"], &["radar.range_samples = 3", "a divisor of radar.samples = 1000"]);
+        refused(
+            &["radar.range_samples=3"],
+            &["radar.range_samples = 3", "a divisor of radar.samples = 1000"],
+        );
         let set = ["radar.bandwidth_hz=20e6", "radar.sample_rate_hz=20e6", "radar.samples=2000"];
         let set: Vec<_> = set.iter().map(|one| one.parse().unwrap()).collect();
         assert!(Scenario::default().with(&set, "built in").is_ok());

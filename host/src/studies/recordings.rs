@@ -96,7 +96,9 @@ pub fn read(folder: &Path, stated: &Stated) -> Result<(Vec<Measured>, Vec<LeftOu
             matches!(&signal.samples, Samples::Slots(slots) if slots.per_slot != values)
         };
         match measured::read(&path, stated) {
-            Ok(signal) if other(&signal) => left_out.push((name, "raw slots of another radar than the paper's".into())),
+            Ok(signal) if other(&signal) => {
+                left_out.push((name, "raw slots of another radar than the paper's".into()))
+            }
             Ok(signal) => {
                 let mut hash = Sha256::new();
                 hash.update(std::fs::read(&path)?);

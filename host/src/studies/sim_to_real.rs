@@ -21,11 +21,11 @@ use crate::simulator::calibration::conditioning::ac_couple;
 use crate::simulator::calibration::grey::{BETA, Grey, RANGE_DB};
 use crate::simulator::calibration::resample::resample;
 use crate::simulator::calibration::slots_without_clutter;
-use sdp3_core::config::RadarConfig;
 use crate::simulator::channel::Complex64;
 use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
 use schemars::JsonSchema;
+use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::ROWS;
 use serde::{Deserialize, Serialize};
 

@@ -57,8 +57,8 @@ pub fn beat(slot: &[i16], radar: &Radar) -> Vec<Int> {
     let block = radar.samples / radar.kept;
     let shift = match (radar.bins, radar.analog) {
         (0, false) => 5 + bits(block),
-        (0, true) => bits(block).saturating_sub(10),
-        _ => 4 + bits(radar.samples),
+        (0, true) => bits(block).saturating_sub(9),
+        _ => 5 + bits(radar.samples),
     };
     let mut kept = vec![(0, 0); 8];
     for (range, kept) in kept.iter_mut().take(radar.kept).enumerate() {
@@ -73,7 +73,9 @@ pub fn beat(slot: &[i16], radar: &Radar) -> Vec<Int> {
             sum.0 += i * c + q * s;
             sum.1 += q * c - i * s;
         }
-        *kept = (shifted(sum.0, shift), shifted(sum.1, shift));
+        // a sensor delivers sent times conjugate received
+        let im = if radar.analog { -sum.1 } else { sum.1 };
+        *kept = (shifted(sum.0, shift), shifted(im, shift));
     }
     kept
 }
@@ -321,6 +323,49 @@ pub fn image(levels: &[Option<i64>], range: i64) -> Vec<i8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn range_samples_are_the_cores_for_every_kind_of_radar() {
+        use crate::conformance::reference::network::Radar;
+        use crate::formats::slots::Slots;
+        use sdp3_core::config::{Dechirp, RadarConfig, RangeGate, SampleFormat};
+        let (paper, iwr, bgt60) = (RadarConfig::PAPER, RadarConfig::IWR, RadarConfig::BGT60);
+        let gate = |first_bin, bins_per_sample| Some(RangeGate { first_bin, bins_per_sample });
+        let blocks = RadarConfig { dechirp: Dechirp::Analog, range_samples: 4, ..paper };
+        let mut rng = crate::simulator::random::Random::new(3, 0, 0, 0);
+        for config in [
+            paper,
+            iwr,
+            bgt60,
+            blocks,
+            RadarConfig { samples: 64, ..paper },
+            RadarConfig { samples: 2048, range_samples: 1, ..paper },
+            RadarConfig { samples: 2048, range_samples: 1, ..blocks },
+            RadarConfig { samples: 2048, gate: gate(100, 32), ..iwr },
+            RadarConfig { samples: 300, range_samples: 3, gate: gate(0, 1), ..bgt60 },
+        ] {
+            let values = config.values_per_slot();
+            let mut slots = Slots::with_capacity(values, 20);
+            slots.values.extend((0..20 * values).map(|n| match n / values {
+                0 => 0,
+                1 => i16::MIN,
+                2 => i16::MAX,
+                _ => rng.bits() as i16,
+            }));
+            let radar = Radar {
+                samples: config.samples.into(),
+                kept: config.range_samples.into(),
+                real: config.format == SampleFormat::Real,
+                analog: config.dechirp == Dechirp::Analog,
+                bins: config.gate.map_or(0, |gate| gate.bins_per_sample.into()),
+                first_bin: config.gate.map_or(0, |gate| gate.first_bin.into()),
+            };
+            for (slot, found) in slots.iter().zip(slots.beats(config).unwrap()) {
+                let found: Vec<Int> = found.iter().map(|z| (i64::from(z.re), i64::from(z.im))).collect();
+                assert_eq!(found, beat(slot, &radar), "{config:?}");
+            }
+        }
+    }
 
     #[test]
     fn eigenpairs_rebuild_their_matrix() {

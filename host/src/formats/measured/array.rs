@@ -11,13 +11,12 @@
 //! | int16 | `[slot, samples]` | raw FMCW slots of a real converter |
 
 use super::{Contents, MOST, MeasuredError, Samples, Source};
-use rustfft::num_complex::Complex64;
 use crate::formats::slots::Slots;
+use rustfft::num_complex::Complex64;
 use std::ops::RangeInclusive;
 
 /// Legal shapes, for errors.
-const SHAPES: &str =
-    "real [time] or [time, 2], complex [time], [time, cell] or [frame, sweep, cell], int16 [slot, samples, 2] or [slot, samples] with \
+const SHAPES: &str = "real [time] or [time, 2], complex [time], [time, cell] or [frame, sweep, cell], int16 [slot, samples, 2] or [slot, samples] with \
      64 to 2048 samples";
 
 /// Samples that a sweep may have.

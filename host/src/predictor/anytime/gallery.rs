@@ -70,7 +70,10 @@ fn hear(
     let mut receiver = Anytime::new(exits, 2.0, buffers.view()).map_err(AccuracyError::Receiver)?;
     let slots = scenario.largest_sensing_slots();
     let heard = recording(scenario, rho, seed, Set::Demo, class, GALLERY_RECORDING, slots).slots;
-    let verdicts: Vec<Verdict> = heard.iter().filter_map(|slot| receiver.push(&crate::formats::slots::old_slot(slot), &mut ())).collect();
+    let verdicts: Vec<Verdict> = heard
+        .iter()
+        .filter_map(|slot| receiver.push(&crate::formats::slots::old_slot(slot), &mut ()))
+        .collect();
     let told = verdicts.iter().zip(&models).zip(&policy.exits).enumerate().map(|(k, ((v, model), exit))| {
         AnytimeVerdict {
             sensing_slots: exit.sensing_slots,

@@ -205,7 +205,12 @@ mod tests {
                     }
                 }
                 let db = 10.0 * libm::log10(error / power);
-                assert!(db < -80.0, "{class:?}, {}, {:e} Hz: {db} dB", scenario.name, scenario.radar.carrier_hz);
+                assert!(
+                    db < -80.0,
+                    "{class:?}, {}, {:e} Hz: {db} dB",
+                    scenario.name,
+                    scenario.radar.carrier_hz
+                );
             }
         }
     }
