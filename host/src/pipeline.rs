@@ -9,6 +9,7 @@ use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::formats::measured;
+use crate::formats::slots::Slots;
 use crate::optimizer::anytime;
 use crate::optimizer::shares::integer_rates;
 use crate::optimizer::{Rule, optimise, playback};
@@ -283,7 +284,7 @@ impl Job {
         for (index, bytes) in models.iter().enumerate() {
             let model = Model::parse(bytes).map_err(|e| format!("model {index}: {e}"))?;
             let slots = model.sensing_slots();
-            let take = |class: Class, n: u32| -> Vec<Slot> {
+            let take = |class: Class, n: u32| -> Slots {
                 recording(&self.scenario, rho, self.seed, Set::Demo, class, n, slots as u32).slots
             };
             let largest = index + 1 == models.len();

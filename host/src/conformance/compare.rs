@@ -11,6 +11,7 @@
 
 use super::reference::{network, schedule, signal};
 use super::suite::{Case, Suite, Transform};
+use crate::formats::slots::old_slot;
 use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
@@ -58,7 +59,7 @@ fn run_by<T: Stft>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError>
     let mut buffers = OwnedBuffers::for_model(&model);
     let mut receiver = buffers.receiver_by::<T>(model).map_err(|e| fail(e.to_string()))?;
     for slot in &case.slots {
-        receiver.push(slot, probe).map_err(|e| fail(e.to_string()))?;
+        receiver.push(&old_slot(slot), probe).map_err(|e| fail(e.to_string()))?;
     }
     receiver.classify(probe).map(|_| ()).map_err(|e| fail(e.to_string()))
 }
@@ -170,8 +171,7 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let mut beat = Tally::bits("beat");
     beat.exact(&[core.beats.len()], &[case.slots.len()]);
     for (slot, found) in case.slots.iter().zip(&core.beats) {
-        let samples: Vec<(i16, i16)> = slot.iter().map(|s| (s.i, s.q)).collect();
-        beat.exact(found, &signal::beat(&samples));
+        beat.exact(found, &signal::beat(slot, &header.radar));
     }
     let mut gram = Tally::bits("gram");
     gram.exact(&core.gram, &signal::gram(&core.beats));

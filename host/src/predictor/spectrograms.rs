@@ -4,13 +4,14 @@
 //! `sdp3_core::signal::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
+use crate::formats::slots::Slots;
 use crate::predictor::receiver::OwnedBuffers;
 use crate::results::{Exhibit, Spectrogram};
-use crate::scenario::{Class, Model, Scenario};
+use crate::scenario::{Class, Model, Radar, Scenario};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
-use sdp3_core::dims::{Beat, FFT_LEN, ROWS, Slot};
+use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
 use sdp3_core::signal::front_end::FrontEnd;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -125,8 +126,8 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
 }
 
 /// Images at every N_s of the scenario of a recording's raw slots.
-pub fn images_of(scenario: &Scenario, slots: &[Slot]) -> Vec<Vec<i8>> {
-    images_on_the_way(scenario, slots.len(), |front_end, n| front_end.push(&slots[n], &mut ()))
+pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
+    images_of_beats(scenario, &slots.beats(scenario.radar.config()).unwrap_or_default())
 }
 
 /// Images at every N_s of the scenario of a recording's beats.
@@ -177,6 +178,7 @@ pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sy
         .map(|(model, (carrier_hz, spacing, bins, hop), class)| {
             let mut scenario = scenario.clone();
             scenario.channel.model = model;
+            scenario.radar = scenario.radar.with_sweep_of(&Radar::default());
             scenario.radar.carrier_hz = carrier_hz;
             scenario.frame.spacing_slots = spacing;
             scenario.spectrogram.bins_per_row = bins;

@@ -1,0 +1,84 @@
+//! Conjugate multiply-accumulate, the product of dechirping: samples times a conjugate reference, summed in blocks, exactly.
+//!
+//! [`portable`] is the reference of `arm`'s dual multiply-accumulates.
+
+/// Complex samples: in-phase and quadrature.
+pub type Iq = [i16; 2];
+
+/// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, by the fastest way of the target.
+///
+/// |samples| |reference| below 2^31, blocks of at most 2^15 samples. Cost: four multiply-accumulates a sample.
+#[inline]
+pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+    #[cfg(all(target_arch = "arm", arm_dsp))]
+    portable(samples, reference, block, sums);
+    #[cfg(not(all(target_arch = "arm", arm_dsp)))]
+    portable(samples, reference, block, sums);
+}
+
+/// [`conj_mac`] in portable Rust.
+#[inline]
+pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+    let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
+    for ([re, im], (samples, reference)) in sums.iter_mut().zip(blocks) {
+        let (mut real, mut imaginary) = (Sum::default(), Sum::default());
+        for (x, s) in samples.iter().zip(reference) {
+            let ([i, q], [c, s]) = (x.map(i32::from), s.map(i32::from));
+            real.add((i * c).wrapping_add(q * s));
+            imaginary.add((q * c).wrapping_sub(i * s));
+        }
+        (*re, *im) = (real.value(), imaginary.value());
+    }
+}
+
+/// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.
+///
+/// What the second lacks of the exact sum is below 2^15 2^16, so the first completes it.
+#[derive(Default)]
+pub(crate) struct Sum {
+    low: i32,
+    high: i32,
+}
+
+impl Sum {
+    #[inline(always)]
+    pub(crate) fn add(&mut self, value: i32) {
+        self.low = self.low.wrapping_add(value);
+        self.high = self.high.wrapping_add(value >> 16);
+    }
+
+    pub(crate) fn value(&self) -> i64 {
+        let rest = self.low.wrapping_sub(self.high << 16) as u32;
+        (i64::from(self.high) << 16) + i64::from(rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro128PlusPlus;
+
+    #[test]
+    fn sums_are_exact() {
+        let mut random = Xoshiro128PlusPlus::seed_from_u64(5);
+        for (round, block) in (0..50).zip([125, 128, 250, 1000, 64].into_iter().cycle()) {
+            let mut draw = || match round {
+                0 => i16::MIN,
+                1 => [i16::MIN, i16::MAX][random.next_u32() as usize % 2],
+                2 => -1,
+                _ => random.next_u32() as i16 >> (round % 16),
+            };
+            let samples: [Iq; 1000] = core::array::from_fn(|_| [draw(), draw()]);
+            let reference = crate::signal::dechirp2::CHIRP;
+            let (mut exact, mut found) = ([[0_i64; 2]; 16], [[0; 2]; 16]);
+            for (n, (x, s)) in samples.iter().zip(&reference).enumerate().take(1000 / block * block) {
+                let ([i, q], [c, s]) = (x.map(i64::from), s.map(i64::from));
+                exact[n / block][0] += i * c + q * s;
+                exact[n / block][1] += q * c - i * s;
+            }
+            conj_mac(&samples, &reference, block, &mut found);
+            assert_eq!(found, exact, "blocks of {block}");
+        }
+    }
+}
