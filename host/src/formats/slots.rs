@@ -52,11 +52,6 @@ impl Slots {
     }
 }
 
-/// Until the core takes slices.
-pub fn old_slot(slot: &[i16]) -> sdp3_core::dims::Slot {
-    std::array::from_fn(|n| sdp3_core::dims::Iq { i: slot[2 * n], q: slot[2 * n + 1] })
-}
-
 impl<'a> IntoIterator for &'a Slots {
     type Item = &'a [i16];
     type IntoIter = std::slice::ChunksExact<'a, i16>;

@@ -5,7 +5,7 @@
 
 use super::parameters::Images;
 use crate::formats::slots::Slots;
-use crate::predictor::receiver::OwnedBuffers;
+use crate::predictor::memory::OwnedMemory;
 use crate::results::{Exhibit, Spectrogram};
 use crate::scenario::{Class, Model, Radar, Scenario};
 use crate::simulator::calibration::stored_rho;
@@ -141,8 +141,9 @@ fn images_on_the_way(
     push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
-    let mut buffers = OwnedBuffers::new(slots, settings.frames(slots), 0);
-    let Some(mut front_end) = FrontEnd::new(settings, buffers.view().front_end) else { return Vec::new() };
+    let radar = scenario.radar.config();
+    let mut memory = OwnedMemory::new(&radar, slots, settings.frames(slots), 0);
+    let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else { return Vec::new() };
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);

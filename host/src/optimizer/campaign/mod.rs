@@ -154,9 +154,9 @@ pub fn play(
                     if let Loop::Station(radar) = &mut slots
                         && !lost
                     {
-                        let before = radar.station.scheduler().sensing_left();
+                        let before = radar.station.scheduler.sensing_left();
                         radar.sense(&mut recognitions);
-                        ended |= radar.station.scheduler().sensing_left() != before;
+                        ended |= radar.station.scheduler.sensing_left() != before;
                     }
                 }
                 SlotUse::Idle => idle += 1,
