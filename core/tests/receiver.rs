@@ -21,8 +21,10 @@ fn the_bytes_stated_are_the_bytes_of_the_type() {
     assert_eq!(SHAPE.required_bytes(), <memory_for!(SHAPE)>::BYTES);
     assert_eq!(SMALL.required_bytes(), <memory_for!(SMALL)>::BYTES);
     assert_eq!(STANDARD.required_bytes(), StandardMemory::BYTES);
-    // 72 bytes a slot and 192 a frame, as documented, are the greater part
-    assert!((72_000 + 192 * 110..200_000).contains(&StandardMemory::BYTES));
+    // 1000 slots of eight beats and a slow-time value of 8 bytes: 72 000; 110 frames of 64 rows, i16 and i8: 21 120; three maps of
+    // 16 x 27 x 16 channels and two rows of 55 x 16: 22 496; one convolution of 16 x 16 channels at 16 points, i16: 8 192; its 64
+    // constants and a strip of 960 words: 4 096
+    assert_eq!(StandardMemory::BYTES, 127_904);
     let mut standard = Box::new(StandardMemory::default());
     assert!(Receiver::new(Model::parse(MODEL).expect("a model"), standard.view()).is_ok());
 }

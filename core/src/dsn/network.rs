@@ -108,14 +108,3 @@ impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
         Answer { class: class as u8, confidence, logits }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_scratch_is_three_maps_and_two_rows() {
-        assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 2 * (55 * 16));
-        assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 2 * (10 * 8));
-    }
-}

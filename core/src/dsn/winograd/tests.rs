@@ -121,20 +121,6 @@ fn too_little_memory_is_refused() {
 }
 
 #[test]
-fn memory_is_as_worked_out_by_hand() {
-    // a place's eights; a place's words and the largest of a strip, the stem's weights and two tables
-    for (frames, channels, stride, places, eights, words, bytes) in [
-        (110, 16, 2, 1, 512, 64 + 30 * 4 * 8, 12_288),
-        (10, 8, 1, 3, 384, 3 * 32 + 512, 8_576),
-        (4, 32, 1, 1, 2048, 128 + 32 * 20, 35_840),
-        (10, 12, 1, 1, 0, 512, 2_048),
-    ] {
-        let sizes = WinogradSizes::new(frames, channels, stride, places);
-        assert_eq!((sizes, sizes.total()), (WinogradSizes { eights, words }, bytes), "{channels} channels");
-    }
-}
-
-#[test]
 fn every_layer_runs_in_tiles_where_there_is_memory_for_one() {
     assert_eq!([2, 3, 6, 7, 10, 11].map(convolution_number), [0, 1, 2, 3, 4, 5]);
     for channels in [8, 16, 32] {
