@@ -1,16 +1,32 @@
-//! Hands the machine's memory map to the linker and its clock to the runtime. A host build needs neither.
+//! Hands the machine's memory map to the linker, and its counter and virtual clock to the runtime. A host build needs none.
 //!
-//! `build` sets the variables from the table `machines`.
+//! `build` sets the variables from the table `machines`. The cfgs are `board`, the memory map's name, and `armv8m`, a processor
+//! with a stack limit register.
 
 fn main() {
+    println!("cargo:rustc-check-cfg=cfg(armv8m)");
+    println!(
+        "cargo:rustc-check-cfg=cfg(board, values(\"mps2\", \"an505\", \"an547\", \"riscv-virt\", \"arm-virt\"))"
+    );
     println!("cargo:rerun-if-changed=memory");
-    println!("cargo:rerun-if-env-changed=SDP3_MEMORY");
-    println!("cargo:rerun-if-env-changed=SDP3_TICK_PS");
-    let Ok(memory) = std::env::var("SDP3_MEMORY") else { return };
-    let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    println!("cargo:rustc-link-arg-bins=-L{folder}/memory");
+    for name in ["SDP3_MEMORY", "SDP3_TICK_PS", "SDP3_INSTRUCTION_PS"] {
+        println!("cargo:rerun-if-env-changed={name}");
+        println!("cargo:rustc-env={name}={}", read(name));
+    }
+    let memory = read("SDP3_MEMORY");
+    if memory.is_empty() {
+        return;
+    }
+    println!("cargo:rustc-cfg=board=\"{memory}\"");
+    if read("TARGET").starts_with("thumbv8m.main") {
+        println!("cargo:rustc-cfg=armv8m");
+    }
+    println!("cargo:rustc-link-arg-bins=-L{}/memory", read("CARGO_MANIFEST_DIR"));
     println!("cargo:rustc-link-arg-bins=-T{memory}.ld");
     println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     println!("cargo:rustc-link-arg-bins=--gc-sections");
-    println!("cargo:rustc-env=SDP3_TICK_PS={}", std::env::var("SDP3_TICK_PS").unwrap_or_default());
+}
+
+fn read(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
 }

@@ -1,18 +1,12 @@
-//! Anytime sensing: classify after some slots, and after more, and stop as soon as the answer is sure enough.
+//! Early exits: classify after some slots, and after more, and stop as soon as the class is sure enough.
 //!
 //! Every exit has a network of its own for its number of slots; the front end is shared, so a slot is dechirped once. An exit's
 //! evidence is a weighted sum of its and the earlier exits' logits: with one weight that is temperature scaling (Guo, Pleiss, Sun
 //! and Weinberger, 2017), with several stacking. Its softmax is the calibrated confidence. Evidence is exact integer arithmetic.
 
-use crate::dims::{ROWS, Slot};
+use crate::dsn::Model;
 use crate::dsn::head::MAX_CLASSES;
-use crate::dsn::network::{Answer, scratch_bytes};
-use crate::dsn::{Kernels, Model, ModelError, Network, WinogradF2};
 use crate::math::{fast_expf, roundf};
-use crate::pipeline::{Buffers, ReceiverError};
-use crate::probe::Probe;
-use crate::signal::front_end::FrontEnd;
-use crate::signal::stft::{NativeStft, Stft};
 use heapless::Vec;
 
 /// Most exits.
@@ -28,25 +22,28 @@ pub const MAX_WEIGHT: i32 = 1 << 19;
 pub type Evidence = Vec<i32, MAX_CLASSES>;
 
 /// A network and how much its logits and the earlier exits' count.
-#[derive(Debug, Clone)]
-pub struct Exit<'m, K> {
+#[derive(Debug, Clone, Copy)]
+pub struct EarlyExit<'m> {
     /// Network for this exit's number of sensing slots.
     pub model: Model<'m>,
-    /// What it is computed by.
-    pub kernels: K,
-    /// Weight of a logit step of each exit so far, first to own, in 2^-16 nat; |w| <= [`MAX_WEIGHT`].
+    /// Weight of a logit step of each exit so far, first to own, in 2^-16 nat; |w| <= [`MAX_WEIGHT`], the own one not 0.
     pub weights: [i32; EXITS],
 }
 
-impl<'m, K> Exit<'m, K> {
+impl<'m> EarlyExit<'m> {
     /// The only exit: its network's own softmax.
-    pub fn alone(model: Model<'m>, kernels: K) -> Self {
+    pub fn single(model: Model<'m>) -> Self {
         let mut weights = [0; EXITS];
-        if let Some(own) = weights.first_mut() {
-            let weight = roundf(model.logit_scale() * (1_i32 << EVIDENCE_BITS) as f32);
-            *own = (weight as i32).min(MAX_WEIGHT);
-        }
-        Exit { model, kernels, weights }
+        let weight = roundf(model.logit_scale() * (1_i32 << EVIDENCE_BITS) as f32);
+        let [own, ..] = &mut weights;
+        *own = (weight as i32).min(MAX_WEIGHT);
+        EarlyExit { model, weights }
+    }
+
+    /// Whether the weights are within their range for exit number `exit`.
+    pub(crate) fn is_valid(&self, exit: usize) -> bool {
+        let own = self.weights.get(exit).is_some_and(|&weight| weight != 0);
+        own && self.weights.iter().all(|w| w.unsigned_abs() <= MAX_WEIGHT as u32)
     }
 }
 
@@ -71,139 +68,6 @@ pub fn decide(evidence: &[i32]) -> (u8, f32) {
         sum += if below < -16.0 { 0.0 } else { fast_expf(below) };
     }
     (top.0 as u8, if sum > 0.0 { fast_expf(0.0) / sum } else { 0.0 })
-}
-
-/// What an exit says.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Verdict {
-    /// Number of the exit, from 0.
-    pub exit: u8,
-    /// Class with the most evidence.
-    pub class: u8,
-    /// Its calibrated probability, 0..=1.
-    pub confidence: f32,
-    /// Whether that is enough, or this is the last exit: no more slots are needed.
-    pub stop: bool,
-    /// The exit's own network's answer.
-    pub answer: Answer,
-}
-
-/// Raw slots in, verdicts out.
-#[derive(Debug)]
-pub struct Anytime<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
-    front_end: FrontEnd<'b, T>,
-    scratch: &'b mut [i8],
-    exits: Vec<Exit<'m, K>, EXITS>,
-    threshold: f32,
-    /// Logits of the exits passed.
-    passed: Vec<Vec<i8, MAX_CLASSES>, EXITS>,
-    stopped: bool,
-}
-
-impl<'m, 'b, K: Kernels> Anytime<'m, 'b, K> {
-    /// Joins exits, fewest slots first, and memory for the last, by the target's [`NativeStft`]; `threshold` is the confidence
-    /// that stops.
-    ///
-    /// # Errors
-    ///
-    /// [`ReceiverError::Memory`] as of a receiver of the largest model; [`ReceiverError::Exits`] if there is none or more than
-    /// [`EXITS`], they are not ascending, a weight is too large, or they do not agree on preprocessing and classes.
-    pub fn new(
-        wanted: impl IntoIterator<Item = Exit<'m, K>>,
-        threshold: f32,
-        buffers: Buffers<'b>,
-    ) -> Result<Self, ReceiverError> {
-        Self::with_transform(wanted, threshold, buffers)
-    }
-}
-
-impl<'m, 'b, K: Kernels, T: Stft> Anytime<'m, 'b, K, T> {
-    /// [`Anytime::new`] with the transform that `T` names.
-    ///
-    /// # Errors
-    ///
-    /// As [`Anytime::new`].
-    pub fn with_transform(
-        wanted: impl IntoIterator<Item = Exit<'m, K>>,
-        threshold: f32,
-        buffers: Buffers<'b>,
-    ) -> Result<Self, ReceiverError> {
-        let mut exits: Vec<Exit<'m, K>, EXITS> = Vec::new();
-        for exit in wanted {
-            exits.push(exit).map_err(|_| ReceiverError::Exits)?;
-        }
-        let Some(last) = exits.last() else { return Err(ReceiverError::Exits) };
-        let agrees = |a: &Model<'_>, b: &Model<'_>| {
-            a.preprocessing() == b.preprocessing() && a.classes() == b.classes()
-        };
-        let ascending = exits.windows(2).all(|pair| match pair {
-            [a, b] => a.model.sensing_slots() < b.model.sensing_slots() && agrees(&a.model, &b.model),
-            _ => true,
-        });
-        let light = |exit: &Exit<'m, K>| exit.weights.iter().all(|w| w.unsigned_abs() <= MAX_WEIGHT as u32);
-        if !ascending || !exits.iter().all(light) {
-            return Err(ReceiverError::Exits);
-        }
-        let (slots, cells) = (last.model.sensing_slots(), ROWS * last.model.frames());
-        let need = |exit: &Exit<'m, K>| {
-            let m = &exit.model;
-            scratch_bytes(m.frames(), m.channels(), m.stem_stride())
-        };
-        let scratch = exits.iter().map(need).max().unwrap_or(0);
-        buffers.check(slots, cells, scratch)?;
-        let error = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
-        let front_end = FrontEnd::new(last.model.preprocessing(), buffers.front_end).ok_or(error)?;
-        let scratch = buffers.scratch;
-        Ok(Anytime { front_end, scratch, exits, threshold, passed: Vec::new(), stopped: false })
-    }
-
-    /// The exits.
-    pub fn exits(&self) -> &[Exit<'m, K>] {
-        &self.exits
-    }
-
-    /// Whether a verdict has stopped this recording.
-    pub fn stopped(&self) -> bool {
-        self.stopped
-    }
-
-    /// Stops from the next verdict on at this confidence; above 1 never before the last exit.
-    pub fn set_threshold(&mut self, threshold: f32) {
-        self.threshold = threshold;
-    }
-
-    /// Takes one slot. Answers at the exits; after a verdict that stops, slots are not used until [`Anytime::reset`].
-    pub fn push(&mut self, slot: &Slot, probe: &mut impl Probe) -> Option<Verdict> {
-        if self.stopped || !self.front_end.push(slot, probe) {
-            return None;
-        }
-        let number = self.passed.len();
-        let last = number + 1 >= self.exits.len();
-        let exit = self.exits.get_mut(number)?;
-        if self.front_end.taken() < exit.model.sensing_slots() {
-            return None;
-        }
-        let image = self.front_end.image(probe)?;
-        let mut network = Network::with_kernels(exit.model.clone(), self.scratch, &mut exit.kernels)?;
-        let answer = network.infer(image, probe);
-        let _ = self.passed.push(answer.logits.clone()); // as many as there are exits
-        let mut evidence = Evidence::new();
-        let _ = evidence.resize(answer.logits.len(), 0); // at most MAX_CLASSES: the parser has checked
-        for (logits, &weight) in self.passed.iter().zip(&exit.weights) {
-            add_evidence(&mut evidence, logits, weight);
-        }
-        let (class, confidence) = decide(&evidence);
-        self.stopped = last || confidence >= self.threshold;
-        Some(Verdict { exit: number as u8, class, confidence, stop: self.stopped, answer })
-    }
-
-    /// Forgets the recording.
-    pub fn reset(&mut self) {
-        self.front_end.reset();
-        self.passed.clear();
-        self.stopped = false;
-    }
 }
 
 #[cfg(test)]

@@ -1,80 +1,97 @@
-//! The whole street as one object: push a slot, ask for a class.
+//! The signal chain as one object that works in bounded steps: slots in, classes out at every early exit.
 //!
-//! [`Memory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
-//! [`memory_for!`](crate::memory_for) takes from a [`Shape`].
+//! [`PipelineMemory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
+//! [`pipeline_memory!`](crate::pipeline_memory) takes from a [`Shape`].
 
-use crate::dims::{BEATS, Beat, Complex, ROWS, Slot, ZERO_BEAT};
-use crate::dsn::network::{Answer, Network, scratch_bytes};
-use crate::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
-use crate::dsn::{Kernels, Model, ModelError, Shape};
+use crate::config::RadarConfig;
+use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use crate::dsn::winograd::{WinogradF2, WinogradMemory};
+use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
+use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
+use crate::error::Error;
 use crate::probe::Probe;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers};
+use crate::signal::dechirp::WordAligned;
+use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS, image_steps};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
+use heapless::Vec;
 
 impl Shape {
-    /// Bytes of all memory that a receiver borrows, [`Memory::BYTES`] of these sizes:
-    /// beats and slow time (72 bytes a slot), levels and image (192 bytes a frame), scratch and kernels, in whole
-    /// [`I16x8`]s.
+    /// Range samples that a pipeline keeps: a recording's, and the first of the next one.
+    pub const fn beats(&self) -> usize {
+        self.sensing_slots + OVERLAP_SLOTS
+    }
+
+    /// Bytes of all memory of a pipeline, [`PipelineMemory::BYTES`] of these sizes.
     pub const fn required_bytes(&self) -> usize {
-        let slot = (BEATS + 1) * size_of::<Complex<i32>>();
+        let kernels = self.winograd_sizes();
+        let slow_time = self.beats() * size_of::<Beat>() + self.sensing_slots * size_of::<Complex<i32>>();
         let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
-        let sum = self.sensing_slots * slot + cells + self.scratch_bytes() + self.winograd_sizes().total();
+        let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
+        let sum = kernels.vectors * size_of::<I16x8>() + words + slow_time + cells + self.scratch_bytes();
         sum.next_multiple_of(size_of::<I16x8>())
     }
 }
 
-/// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network ([`scratch_bytes`]),
-/// `EIGHTS` and `WORDS` for its kernels ([`WinogradSizes`]).
+/// All memory of a pipeline: `REFERENCE` samples of the sensor's references, `BEATS` and `SLOTS` of slow time, `FRAMES` frames,
+/// `SCRATCH` bytes for the network, `I16X8S` and `WORDS` for its kernels.
 #[derive(Debug)]
-pub struct Memory<
+pub struct PipelineMemory<
+    const REFERENCE: usize,
+    const BEATS: usize,
     const SLOTS: usize,
     const FRAMES: usize,
     const SCRATCH: usize,
-    const EIGHTS: usize,
+    const I16X8S: usize,
     const WORDS: usize,
 > {
-    eights: [I16x8; EIGHTS],
+    vectors: [I16x8; I16X8S],
     words: [i32; WORDS],
-    beats: [Beat; SLOTS],
+    reference: WordAligned<REFERENCE>,
+    beats: [Beat; BEATS],
     slow_time: [Complex<i32>; SLOTS],
     levels: [[i16; FRAMES]; ROWS],
     image: [[i8; FRAMES]; ROWS],
     scratch: [i8; SCRATCH],
 }
 
-/// The [`Memory`] type for a constant [`Shape`](crate::dsn::Shape).
+/// The [`PipelineMemory`] type for a constant [`Shape`](crate::dsn::Shape).
 #[macro_export]
-macro_rules! memory_for {
+macro_rules! pipeline_memory {
     ($shape:expr) => {
-        $crate::pipeline::Memory<
+        $crate::pipeline::PipelineMemory<
+            { $shape.radar.reference_len() },
+            { $shape.beats() },
             { $shape.sensing_slots },
             { $shape.frames },
             { $shape.scratch_bytes() },
-            { $shape.winograd_sizes().eights },
+            { $shape.winograd_sizes().vectors },
             { $shape.winograd_sizes().words },
         >
     };
 }
 
-/// The default network's: the paper's largest recording (N_s = 1000, 110 frames), 16 channels behind a stride of 2.
-pub const STANDARD: Shape = Shape { sensing_slots: 1000, frames: 110, channels: 16, stem_stride: 2 };
-
-/// Memory for [`STANDARD`].
-pub type StandardMemory = memory_for!(STANDARD);
-
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
-    Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
+impl<
+    const REFERENCE: usize,
+    const BEATS: usize,
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const I16X8S: usize,
+    const WORDS: usize,
+> PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>
 {
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();
 
-    /// Memory for a `static`.
+    /// Memory for a `static`: all zeros.
+    #[allow(clippy::new_without_default)] // a default would be made on the stack
     pub const fn new() -> Self {
-        Memory {
-            eights: [I16x8::ZERO; EIGHTS],
+        PipelineMemory {
+            vectors: [I16x8::ZERO; I16X8S],
             words: [0; WORDS],
-            beats: [ZERO_BEAT; SLOTS],
+            reference: WordAligned([[0; 2]; REFERENCE]),
+            beats: [ZERO_BEAT; BEATS],
             slow_time: [Complex::new(0, 0); SLOTS],
             levels: [[0; FRAMES]; ROWS],
             image: [[0; FRAMES]; ROWS],
@@ -82,214 +99,323 @@ impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS
         }
     }
 
-    /// The buffers of a receiver.
-    pub fn view(&mut self) -> Buffers<'_> {
-        Buffers {
+    /// The buffers of a pipeline.
+    pub fn view(&mut self) -> PipelineBuffers<'_> {
+        PipelineBuffers {
             front_end: FrontEndBuffers {
+                reference: &mut self.reference.0,
                 beats: &mut self.beats,
                 slow_time: &mut self.slow_time,
                 levels: self.levels.as_flattened_mut(),
                 image: self.image.as_flattened_mut(),
             },
             scratch: &mut self.scratch,
-            tiles: WinogradMemory { eights: &mut self.eights, words: &mut self.words },
+            kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
 }
 
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
-    Default for Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
-{
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Borrowed [`Memory`], or slices of the caller's own making.
+/// Borrowed [`PipelineMemory`], or slices of the caller's own making.
 #[derive(Debug)]
-pub struct Buffers<'b> {
+pub struct PipelineBuffers<'b> {
     /// Up to the image.
     pub front_end: FrontEndBuffers<'b>,
     /// The network's.
     pub scratch: &'b mut [i8],
-    /// Of the kernels of [`Receiver::new`]; others bring their own.
-    pub tiles: WinogradMemory<'b>,
+    /// Of the kernels of [`Pipeline::new`]; others bring their own.
+    pub kernels: WinogradMemory<'b>,
 }
 
-impl<'b> Buffers<'b> {
-    /// [`WinogradF2`] kernels for a model, in the memory here that is theirs; nothing of it is left for others.
+/// Why a slot is not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Refused {
+    /// A recognition is not yet over: [`Pipeline::step`] first.
+    Busy,
+    /// The recording is complete: [`Pipeline::reset`] begins the next.
+    Full,
+    /// The slot has another number of values than the sensor's configuration says.
+    Length,
+}
+
+impl core::fmt::Display for Refused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Refused::Busy => "a recognition is not yet over",
+            Refused::Full => "the recording is complete",
+            Refused::Length => "the slot has another length than the sensor's",
+        })
+    }
+}
+
+impl core::error::Error for Refused {}
+
+/// A recognition under way.
+#[derive(Debug, Clone, Copy)]
+struct Recognition {
+    exit: usize,
+    period: u32,
+    imaged: bool,
+    /// Whether the recording has been reset since.
+    outdated: bool,
+}
+
+/// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
+/// a microcontroller.
+#[derive(Debug)]
+pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
+    front_end: FrontEnd<'b, T>,
+    scratch: &'b mut [i8],
+    kernels: K,
+    network: Network,
+    exits: Vec<EarlyExit<'m>, EXITS>,
+    threshold: f32,
+    /// The next exit of the recording that is being taken.
+    next_exit: usize,
+    /// Logits of the exits passed.
+    logits: Vec<Logits, EXITS>,
+    recognition: Option<Recognition>,
+    stopped: bool,
+    /// Number of the period that the recording belongs to.
+    period: u32,
+}
+
+impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
+    /// Joins exits, fewest slots first, and memory for the largest; `threshold` is the confidence that stops, above 1 for never
+    /// before the last exit.
     ///
     /// # Errors
     ///
-    /// [`ReceiverError::Memory`] names what is too small: `eights` or `words`.
-    pub fn take_kernels(&mut self, model: &Model<'_>) -> Result<WinogradF2<'b>, ReceiverError> {
-        let sizes = WinogradSizes::of(model);
-        let tiles = core::mem::take(&mut self.tiles);
-        for (buffer, need, have) in
-            [("eights", sizes.eights, tiles.eights.len()), ("words", sizes.words, tiles.words.len())]
-        {
-            if have < need {
-                return Err(ReceiverError::Memory { buffer, need, have });
+    /// [`Error::Exits`], [`Error::Memory`].
+    pub fn new(
+        exits: impl IntoIterator<Item = EarlyExit<'m>>,
+        threshold: f32,
+        mut buffers: PipelineBuffers<'b>,
+    ) -> Result<Self, Error> {
+        let memory = core::mem::take(&mut buffers.kernels);
+        let (vectors, words) = (memory.vectors.len(), memory.words.len());
+        let pipeline = Self::with_kernels(exits, threshold, buffers, WinogradF2::shared(memory))?;
+        for exit in &pipeline.exits {
+            let sizes = exit.model.shape().winograd_sizes();
+            for (buffer, need, have) in [("vectors", sizes.vectors, vectors), ("words", sizes.words, words)] {
+                if have < need {
+                    return Err(Error::Memory { buffer, need, have });
+                }
             }
         }
-        WinogradF2::new(model, tiles).ok_or(UNREADY)
+        Ok(pipeline)
     }
+}
 
-    /// Whether there is room for `slots` slots, `cells` cells of the image and `scratch` bytes for the network.
-    pub(crate) fn check(&self, slots: usize, cells: usize, scratch: usize) -> Result<(), ReceiverError> {
-        let f = &self.front_end;
+impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
+    /// [`Pipeline::new`] with other kernels, made for these models.
+    ///
+    /// # Errors
+    ///
+    /// As [`Pipeline::new`].
+    pub fn with_kernels(
+        exits: impl IntoIterator<Item = EarlyExit<'m>>,
+        threshold: f32,
+        buffers: PipelineBuffers<'b>,
+        kernels: K,
+    ) -> Result<Self, Error> {
+        let mut all: Vec<EarlyExit<'m>, EXITS> = Vec::new();
+        for exit in exits {
+            all.push(exit).map_err(|_| Error::Exits)?;
+        }
+        let last = all.last().ok_or(Error::Exits)?.model;
+        let agrees = |exit: &EarlyExit<'_>| {
+            let model = &exit.model;
+            model.preprocessing() == last.preprocessing()
+                && model.classes() == last.classes()
+                && model.radar() == last.radar()
+        };
+        let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
+        let valid = all.iter().enumerate().all(|(number, exit)| exit.is_valid(number) && agrees(exit));
+        if !(ascending && valid) {
+            return Err(Error::Exits);
+        }
+        let scratch = all.iter().map(|exit| exit.model.shape().scratch_bytes()).max().unwrap_or(0);
+        let (slots, cells) = (last.sensing_slots(), ROWS * last.frames());
+        let f = &buffers.front_end;
         for (buffer, need, have) in [
+            ("reference", last.radar().reference_len(), f.reference.len()),
             ("beats", slots, f.beats.len()),
             ("slow_time", slots, f.slow_time.len()),
             ("levels", cells, f.levels.len()),
             ("image", cells, f.image.len()),
-            ("scratch", scratch, self.scratch.len()),
+            ("scratch", scratch, buffers.scratch.len()),
         ] {
             if have < need {
-                return Err(ReceiverError::Memory { buffer, need, have });
+                return Err(Error::Memory { buffer, need, have });
             }
         }
+        // valid: the parser has checked both
+        let front_end = FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
+        Ok(Pipeline {
+            front_end,
+            scratch: buffers.scratch,
+            kernels,
+            network: Network::new(),
+            exits: all,
+            threshold,
+            next_exit: 0,
+            logits: Vec::new(),
+            recognition: None,
+            stopped: false,
+            period: 0,
+        })
+    }
+
+    /// The exits.
+    pub fn exits(&self) -> &[EarlyExit<'m>] {
+        &self.exits
+    }
+
+    /// Sensing slots that the first exit needs.
+    pub fn first_exit_slots(&self) -> usize {
+        self.exits.first().map_or(0, |exit| exit.model.sensing_slots())
+    }
+
+    /// Whether a classification has stopped this recording: further slots are not used.
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Slots of the recording taken so far.
+    pub fn taken(&self) -> usize {
+        self.front_end.taken()
+    }
+
+    /// Whether a recognition is under way or due.
+    pub fn is_busy(&self) -> bool {
+        self.recognition.is_some() || self.exit_due()
+    }
+
+    /// Stops from the next classification on at this confidence.
+    pub fn set_threshold(&mut self, threshold: f32) {
+        self.threshold = threshold;
+    }
+
+    /// The sensor's configuration.
+    pub fn config(&self) -> &RadarConfig {
+        self.front_end.config()
+    }
+
+    /// Period of the recording that is being recognised, or is the next to be.
+    pub(crate) fn recognition_period(&self) -> u32 {
+        self.recognition.map_or(self.period, |recognition| recognition.period)
+    }
+
+    /// Whether [`Pipeline::push`] would not find the pipeline busy.
+    pub(crate) fn has_room(&self) -> bool {
+        self.next_exit >= self.exits.len() || !self.exit_due() && self.front_end.has_room()
+    }
+
+    fn exit_due(&self) -> bool {
+        let due = |exit: &EarlyExit<'_>| self.front_end.taken() == exit.model.sensing_slots();
+        !self.stopped && self.exits.get(self.next_exit).is_some_and(due)
+    }
+
+    /// Takes the samples of one slot. Cost: see [`FastTime::beat`](crate::signal::fast_time::FastTime::beat), and 36 complex
+    /// multiply-accumulates of 32 bits.
+    ///
+    /// # Errors
+    ///
+    /// [`Refused`]: nothing has changed.
+    pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> Result<(), Refused> {
+        if self.stopped || self.next_exit >= self.exits.len() {
+            return Err(Refused::Full);
+        }
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        if !self.front_end.push(slot, probe) {
+            return Err(Refused::Length);
+        }
+        self.begin_recognition(probe);
         Ok(())
     }
-}
 
-/// Why a receiver cannot be made or asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ReceiverError {
-    /// A buffer is too small for the model.
-    Memory {
-        /// Which: `beats`, `slow_time`, `levels`, `image`, `scratch`, `eights` or `words`.
-        buffer: &'static str,
-        /// Elements the model needs.
-        need: usize,
-        /// Elements there are.
-        have: usize,
-    },
-    /// The model's preprocessing is not valid.
-    Model(ModelError),
-    /// Exits of an anytime receiver that do not go together.
-    Exits,
-    /// The recording is complete: classify or reset first.
-    Full,
-    /// The recording is not complete yet.
-    Incomplete {
-        /// Slots still missing.
-        missing: usize,
-    },
-}
-
-impl core::fmt::Display for ReceiverError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            ReceiverError::Memory { buffer, need, have } => {
-                write!(f, "buffer {buffer} has {have} elements, the model needs {need}")
-            }
-            ReceiverError::Model(error) => write!(f, "{error}"),
-            ReceiverError::Exits => {
-                write!(
-                    f,
-                    "exits need ascending numbers of slots, one preprocessing, the same classes and weights of at most 8 nat"
-                )
-            }
-            ReceiverError::Full => write!(f, "the recording is complete"),
-            ReceiverError::Incomplete { missing } => write!(f, "{missing} sensing slots are missing"),
+    /// Begins the recognition that is due, if none is under way.
+    fn begin_recognition(&mut self, probe: &mut impl Probe) {
+        if self.recognition.is_none() && self.exit_due() && self.front_end.begin_image(probe) {
+            self.recognition = Some(Recognition { exit: self.next_exit, period: self.period, imaged: false, outdated: false });
+            self.next_exit += 1;
+            self.network = Network::new();
         }
     }
-}
 
-impl core::error::Error for ReceiverError {}
-
-/// What a receiver recognised.
-pub type Recognition = Answer;
-
-/// Raw slots in, class out: the network by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
-/// a microcontroller.
-#[derive(Debug)]
-pub struct Receiver<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
-    front_end: FrontEnd<'b, T>,
-    network: Network<'m, 'b, K>,
-}
-
-impl<'m, 'b> Receiver<'m, 'b> {
-    /// Joins a model and memory: [`WinogradF2`] kernels and the target's [`NativeStft`].
-    ///
-    /// # Errors
-    ///
-    /// [`ReceiverError::Memory`] names the buffer that is too small, what it needs and what it has.
-    pub fn new(model: Model<'m>, buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
-        Self::with_transform(model, buffers)
-    }
-}
-
-impl<'m, 'b, T: Stft> Receiver<'m, 'b, WinogradF2<'b>, T> {
-    /// [`Receiver::new`] with the transform that `T` names.
-    ///
-    /// # Errors
-    ///
-    /// As [`Receiver::new`].
-    pub fn with_transform(model: Model<'m>, mut buffers: Buffers<'b>) -> Result<Self, ReceiverError> {
-        let kernels = buffers.take_kernels(&model)?;
-        Self::with_kernels(model, buffers, kernels)
-    }
-}
-
-/// What [`Model::parse`] has ruled out.
-const UNREADY: ReceiverError = ReceiverError::Model(ModelError::Field { name: "preprocessing", value: 0 });
-
-impl<'m, 'b, K: Kernels, T: Stft> Receiver<'m, 'b, K, T> {
-    /// [`Receiver::with_transform`] with other kernels, made for this model.
-    ///
-    /// # Errors
-    ///
-    /// As [`Receiver::new`].
-    pub fn with_kernels(model: Model<'m>, buffers: Buffers<'b>, kernels: K) -> Result<Self, ReceiverError> {
-        let (slots, cells) = (model.sensing_slots(), ROWS * model.frames());
-        let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-        buffers.check(slots, cells, scratch)?;
-        let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(UNREADY)?;
-        let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(UNREADY)?;
-        Ok(Receiver { front_end, network })
-    }
-
-    /// The model.
-    pub fn model(&self) -> &Model<'m> {
-        self.network.model()
-    }
-
-    /// Sensing slots still missing.
-    pub fn missing(&self) -> usize {
-        self.model().sensing_slots().saturating_sub(self.front_end.taken())
-    }
-
-    /// Takes one slot and returns how many are missing.
-    ///
-    /// # Errors
-    ///
-    /// [`ReceiverError::Full`] if none is missing.
-    pub fn push(&mut self, slot: &Slot, probe: &mut impl Probe) -> Result<usize, ReceiverError> {
-        if self.missing() == 0 || !self.front_end.push(slot, probe) {
-            return Err(ReceiverError::Full);
+    /// One bounded step of a recognition; the classification after the last.
+    pub fn step(&mut self, probe: &mut impl Probe) -> Option<Classification> {
+        self.begin_recognition(probe);
+        let recognition = self.recognition.as_mut()?;
+        let exit = self.exits.get(recognition.exit)?;
+        if !recognition.imaged {
+            recognition.imaged = self.front_end.step(probe).is_some();
+            return None;
         }
-        Ok(self.missing())
+        let image = self.front_end.last_image(exit.model.frames());
+        let logits = self.network.step(&exit.model, image, self.scratch, &mut self.kernels, probe)?;
+        let mut classification = Classification::new(&exit.model, logits, probe);
+        let Recognition { exit: number, outdated, .. } = *recognition;
+        if self.exits.len() > 1 {
+            let mut evidence = Evidence::new();
+            let _ = evidence.resize(classification.logits.len(), 0); // at most MAX_CLASSES: the parser has checked
+            let passed = self.logits.iter().chain([&classification.logits]);
+            passed.zip(&exit.weights).for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
+            (classification.class, classification.confidence) = decide(&evidence);
+        }
+        classification.exit = number as u8;
+        let stop = number + 1 >= self.exits.len() || classification.confidence >= self.threshold;
+        classification.stop = stop;
+        self.recognition = None;
+        if outdated {
+            self.logits.clear();
+        } else {
+            let _ = self.logits.push(classification.logits.clone()); // as many as there are exits
+            self.stopped = stop;
+        }
+        Some(classification)
     }
 
-    /// Classifies a complete recording; [`Receiver::reset`] begins the next.
-    ///
-    /// # Errors
-    ///
-    /// [`ReceiverError::Incomplete`] if slots are missing.
-    pub fn classify(&mut self, probe: &mut impl Probe) -> Result<Recognition, ReceiverError> {
-        let missing = self.missing();
-        let Some(image) = (missing == 0).then_some(()).and_then(|()| self.front_end.image(probe)) else {
-            return Err(ReceiverError::Incomplete { missing });
-        };
-        Ok(self.network.infer(image, probe))
+    /// Steps of a recognition by exit number `exit`, counted by running its network once on the image that lies in memory.
+    pub(crate) fn count_steps(&mut self, exit: usize) -> usize {
+        let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
+        let image = self.front_end.last_image(model.frames());
+        let mut network = Network::new();
+        let mut steps = image_steps(model.sensing_slots(), model.frames()) + 1;
+        while network.step(model, image, self.scratch, &mut self.kernels, &mut ()).is_none() {
+            steps += 1;
+        }
+        steps
     }
 
-    /// Forgets the recording.
+    /// Finishes the recognition that is under way.
+    pub fn classify(&mut self, probe: &mut impl Probe) -> Option<Classification> {
+        while self.is_busy() {
+            if let Some(classification) = self.step(probe) {
+                return Some(classification);
+            }
+        }
+        None
+    }
+
+    /// Begins a recording.
     pub fn reset(&mut self) {
+        self.begin_recording(self.period);
+    }
+
+    /// Begins a recording of a period. A recognition under way goes on, with the exits that its own recording has passed.
+    pub(crate) fn begin_recording(&mut self, period: u32) {
+        self.period = period;
         self.front_end.reset();
+        self.next_exit = 0;
+        self.stopped = false;
+        match &mut self.recognition {
+            Some(recognition) => recognition.outdated = true,
+            None => self.logits.clear(),
+        }
     }
 }

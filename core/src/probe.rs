@@ -3,7 +3,7 @@
 //! All methods do nothing by default; `()` observes nothing and costs nothing.
 
 use crate::dims::{Beat, Complex, FixedBins, Spectrum};
-use crate::signal::clutter::{Gram, Weights};
+use crate::signal::clutter::{Gram, Projection};
 
 /// Sees the values of every stage as they are made.
 pub trait Probe {
@@ -11,8 +11,8 @@ pub trait Probe {
     fn beat(&mut self, _beat: &Beat) {}
     /// The Gram matrix of the recording.
     fn gram(&mut self, _gram: &Gram) {}
-    /// The projection weights in Q3.28, `[fast_time]`.
-    fn weights(&mut self, _weights: &Weights) {}
+    /// The clutter projection in Q3.28, `[fast_time]`.
+    fn projection(&mut self, _projection: &Projection) {}
     /// The scaled slow-time signal, `[slow_time]`.
     fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {}
     /// The spectrum of frame `_k`, `[doppler]`.

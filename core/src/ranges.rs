@@ -1,36 +1,53 @@
-//! No number of the street outgrows its word: the ranges stage by stage, each proved by the compiler.
+//! No number of the signal chain outgrows its word: the ranges stage by stage, each proved by the compiler.
 //!
 //! Stated are magnitudes, of complex numbers too: a part is never larger. Where a sum wraps on purpose (a convolution with its
 //! bias, as TensorFlow Lite's reference does) the stage says so. The kernels in vectors and tiles have ranges of their own, beside
 //! what packs their weights.
 
-use crate::dims::{BEATS, BLOCK_SAMPLES, SLOT_SAMPLES};
+use crate::config::{Dechirp, RadarConfig, RangeGate};
+use crate::dims::BEATS;
 use crate::dsn::conv::MAX_CHANNELS;
-use crate::early_exit::{EXITS, MAX_WEIGHT};
+const EXITS: usize = 12;
+const MAX_WEIGHT: i32 = 1 << 19;
 use crate::scheduler::apportion::WEIGHT_BITS as LEVEL_BITS;
-use crate::scheduler::layout::{LONGEST_PERIOD, RECEIVERS};
-use crate::signal::clutter::{GRAM_SLOTS, SLOW_TIME_BITS, WEIGHT_BITS};
-use crate::signal::dechirp::{BEAT_SHIFT, CHIRP};
+use crate::scheduler::layout::{LONGEST_PERIOD, USERS};
+use crate::signal::clutter::{GRAM_SLOTS, PROJECTION_BITS, SLOW_TIME_BITS};
+use crate::signal::dechirp::CHIRP;
 use crate::signal::logarithm::LEVELS_PER_OCTAVE;
+use crate::signal::stft::{BUTTERFLY_BITS, FULL_SHIFT, HALF_SHIFT, HIGH_PRODUCT_BITS, STAGES};
 
-/// `|b|^2` of a beat sample is below two to this.
+/// `|b|^2` of a range sample is below two to this.
 const BEAT_POWER_BITS: u32 = 51;
 
-// Samples to beats. |x| <= sqrt(2) 2^15; |s| is the reference's largest.
+// Samples to range samples. |x| <= sqrt(2) 2^15; |s| is the reference's largest, for every length of block.
 const _: () = {
     let mut reference = 0;
     let mut n = 0;
-    while n < SLOT_SAMPLES {
-        let (i, q) = (CHIRP[n].i as i128, CHIRP[n].q as i128);
+    while n < CHIRP.len() {
+        let (i, q) = (CHIRP[n][0] as i128, CHIRP[n][1] as i128);
         let power = i * i + q * q;
         reference = if power > reference { power } else { reference };
         n += 1;
     }
-    let product = (2 << 30) * reference;
+    let sample = 2 << 30;
+    let product = sample * reference;
     assert!(product < 1 << 62, "each part of x conj(s) fits i32");
-    let sum = product * (BLOCK_SAMPLES * BLOCK_SAMPLES) as i128;
-    // rounding adds less than 1 to |b| < 2^26
-    assert!((sum >> (2 * BEAT_SHIFT)) + (1 << 27) < 1 << BEAT_POWER_BITS, "a beat's power is as stated");
+    let mut samples = 64;
+    while samples <= 2048 {
+        // one block of all samples is the longest; rounding adds less than 1 to |b| < 2^26
+        let config = RadarConfig { samples, range_samples: 1, ..RadarConfig::PAPER };
+        let length = samples as i128;
+        let digital = (product * length * length) >> (2 * config.shift());
+        let analog = RadarConfig { dechirp: Dechirp::Analog, ..config };
+        let sums = (sample * length * length) >> (2 * analog.shift());
+        // a gate's reference has at most half the samples' number as sum of magnitudes, to a hundredth
+        let gate = Some(RangeGate { first_bin: 0, bins_per_sample: 1 });
+        let gated = RadarConfig { gate, ..analog };
+        let profile = (product * length * length / 4 * 51 / 50) >> (2 * gated.shift());
+        let limit = (1 << BEAT_POWER_BITS) - (1 << 27);
+        assert!(digital < limit && sums < limit && profile < limit, "a range sample's power is as stated");
+        samples += 1;
+    }
 };
 
 // Beats to the Gram matrix, whose entries are no larger than its diagonal's.
@@ -38,23 +55,27 @@ const _: () = assert!((GRAM_SLOTS as i128) << BEAT_POWER_BITS < 1 << 63, "a sum 
 
 // Beats to slow time: |w| <= sqrt(8) for any projection w = P 1, and |w^H b| <= |w| |b|.
 const _: () = {
-    let squared_bits = BEATS.ilog2() + 2 * WEIGHT_BITS + BEATS.ilog2() + BEAT_POWER_BITS;
+    let squared_bits = BEATS.ilog2() + 2 * PROJECTION_BITS + BEATS.ilog2() + BEAT_POWER_BITS;
     assert!(squared_bits < 2 * 57, "w^H b is below 2^57 and fits i64");
     assert!(57 - SLOW_TIME_BITS <= 40, "no shift is longer than stated");
 };
 
 // Slow time to spectrum in integers: twice the binary logarithm of the largest magnitude, so that sqrt(2) counts 1.
 const _: () = {
-    let (twice, four_times, half) = (2, 4, 2);
+    let (twice, four_times) = (2, 2 * BUTTERFLY_BITS);
+    let halved = 2 * HIGH_PRODUCT_BITS;
     let signal = 2 * SLOW_TIME_BITS + 1;
-    // half of the samples are zero and the others taken eight-fold; all are there and taken four-fold
-    let (short, long) = (signal + 3 * twice + twice, signal + 2 * twice + four_times);
-    let first = if short > long { short } else { long };
-    let second = first - half + four_times;
-    let third = second - half + four_times;
-    let bin = third - half + four_times;
-    assert!(third < 2 * 31 && bin < 2 * 31, "every sum fits i32");
-    assert!(bin + twice <= 64, "the powers of four bins fit u64");
+    // half of the samples are zero, so that a butterfly only doubles; or all are there
+    let (short, long) = (signal + 2 * HALF_SHIFT + twice, signal + 2 * FULL_SHIFT + four_times);
+    let mut sum = if short > long { short } else { long };
+    // the other stages of a part, and the combination of the parts
+    let mut stage = 1;
+    while stage <= STAGES {
+        assert!(sum < 2 * 31, "every sum fits i32");
+        sum = sum - halved + four_times;
+        stage += 1;
+    }
+    assert!(sum < 2 * 31 && sum + twice <= 64, "a bin fits i32, and the powers of four bins fit u64");
 };
 
 // Powers to levels: of f32, and of u64.
@@ -69,7 +90,7 @@ const _: () = assert!(128 * MAX_WEIGHT as i64 * (EXITS as i64) < 1 << 31, "evide
 
 // Rates to shares: what is divided is the slots and what everybody has.
 const _: () = {
-    let divided = (RECEIVERS as i128 + 1) * LONGEST_PERIOD as i128;
+    let divided = (USERS as i128 + 1) * LONGEST_PERIOD as i128;
     assert!(divided << LEVEL_BITS < 1 << 63, "a weighted level fits i64");
     assert!(2 * LONGEST_PERIOD as i128 * (u32::MAX as i128) < 1 << 63, "a receiver's bits fit i64");
 };

@@ -2,8 +2,9 @@
 //!
 //! It shows a wrong build, a damaged table or a floating-point unit in flush-to-zero mode before the first slot does.
 
+use crate::config::RadarConfig;
 use crate::digest::{Digest, DigestProbe};
-use crate::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers, Preprocessing};
 use crate::signal::stft::FloatStft;
 use rand_core::Rng;
@@ -15,11 +16,11 @@ pub const SLOTS: usize = 136;
 pub const KNOWN_ANSWER: u64 = 0xab4d_1384_c502_acf1;
 
 /// Fills a slot with seeded noise over a tenth of the converter's range.
-pub fn noise(rng: &mut impl Rng, slot: &mut Slot) {
-    for sample in slot {
+pub fn noise(rng: &mut impl Rng, slot: &mut [i16]) {
+    for sample in slot.as_chunks_mut::<2>().0 {
         let word = rng.next_u32();
         // arithmetic shifts keep the sign: about +-4096 LSB
-        *sample = Iq { i: (word as i16) >> 3, q: ((word >> 16) as i16) >> 3 };
+        *sample = [(word as i16) >> 3, ((word >> 16) as i16) >> 3];
     }
 }
 
@@ -32,14 +33,19 @@ pub fn run(rng: &mut impl Rng) -> u64 {
     let mut levels = [0; 2 * ROWS];
     let mut image = [0; 2 * ROWS];
     let buffers = FrontEndBuffers {
+        reference: &mut [],
         beats: &mut beats,
         slow_time: &mut slow_time,
         levels: &mut levels,
         image: &mut image,
     };
-    let Some(mut front_end) = FrontEnd::<FloatStft>::new(Preprocessing::default(), buffers) else { return 0 };
+    let Some(mut front_end) =
+        FrontEnd::<FloatStft>::new(RadarConfig::PAPER, Preprocessing::default(), buffers)
+    else {
+        return 0;
+    };
     let mut probe = DigestProbe::new();
-    let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+    let mut slot = [0; RadarConfig::PAPER.values_per_slot()];
     for _ in 0..SLOTS {
         noise(rng, &mut slot);
         front_end.push(&slot, &mut probe);

@@ -4,7 +4,7 @@
 
 use crate::dims::{Beat, Complex, FixedBins, Spectrum};
 use crate::probe::Probe;
-use crate::signal::clutter::{Gram, Weights};
+use crate::signal::clutter::{Gram, Projection};
 
 /// A stage of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,8 +14,8 @@ pub enum Stage {
     Beat,
     /// Gram matrix, i64.
     Gram,
-    /// Projection weights, i32.
-    Weights,
+    /// Clutter projection, i32.
+    Projection,
     /// Slow-time signal, i32.
     SlowTime,
     /// Spectra, f32, or i32 from [`crate::signal::stft::FixedStft`].
@@ -37,7 +37,7 @@ impl Stage {
     pub const ALL: [Stage; 10] = [
         Stage::Beat,
         Stage::Gram,
-        Stage::Weights,
+        Stage::Projection,
         Stage::SlowTime,
         Stage::Frame,
         Stage::Image,
@@ -52,7 +52,7 @@ impl Stage {
         match self {
             Stage::Beat => "beat",
             Stage::Gram => "gram",
-            Stage::Weights => "weights",
+            Stage::Projection => "projection",
             Stage::SlowTime => "slow-time",
             Stage::Frame => "frame",
             Stage::Image => "image",
@@ -72,7 +72,7 @@ impl Stage {
     pub const fn width(self) -> usize {
         match self {
             Stage::Gram => 8,
-            Stage::Beat | Stage::Weights | Stage::SlowTime | Stage::Frame | Stage::Confidence => 4,
+            Stage::Beat | Stage::Projection | Stage::SlowTime | Stage::Frame | Stage::Confidence => 4,
             Stage::Image | Stage::Layer | Stage::Logits | Stage::Class => 1,
         }
     }
@@ -113,8 +113,8 @@ impl<S: Sink> Probe for Values<S> {
             self.0.value(Stage::Gram, z.im.to_le_bytes());
         }
     }
-    fn weights(&mut self, weights: &Weights) {
-        self.complex(Stage::Weights, weights);
+    fn projection(&mut self, projection: &Projection) {
+        self.complex(Stage::Projection, projection);
     }
     fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
         self.complex(Stage::SlowTime, slow_time);
@@ -173,7 +173,7 @@ mod tests {
         let mut values = Values(Counts([0; Stage::ALL.len()]));
         values.beat(&[z; 8]);
         values.gram(&Gram::new());
-        values.weights(&[z; 8]);
+        values.projection(&[z; 8]);
         values.slow_time(&[z; 5]);
         values.frame(0, &[Complex::new(0.0, 0.0); 256]);
         values.fixed_frame(0, &[z; 256]);

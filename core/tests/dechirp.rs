@@ -5,24 +5,27 @@
 mod support;
 
 use core::f64::consts::{PI, TAU};
-use sdp3_core::dims::{BEATS, Complex, ROWS, SLOT_SAMPLES};
+use sdp3_core::config::{RadarConfig, SampleFormat};
+use sdp3_core::dims::{BEATS, Complex, ROWS};
 use sdp3_core::signal::clutter::SvdRange;
-use sdp3_core::signal::dechirp::dechirp;
+use sdp3_core::signal::fast_time::FastTime;
 use sdp3_core::signal::front_end::{FrontEnd, Preprocessing};
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
-use sdp3_testkit::signals::{Echo, chirp_echo};
-use support::{Memory, slot};
+use sdp3_testkit::signals::{Echo, beat_echo, beat_echo_real, chirp_echo};
+use support::{Memory, VALUES};
 
 /// A slot of these echoes.
-fn received(echoes: &[Echo], number: u32) -> [i16; 2 * SLOT_SAMPLES] {
-    let mut samples = [0; 2 * SLOT_SAMPLES];
+fn received(echoes: &[Echo], number: u32) -> [i16; VALUES] {
+    let mut samples = [0; VALUES];
     chirp_echo(echoes, number, &mut samples);
     samples
 }
 
 /// What dechirp makes of their first slot.
 fn beats(echoes: &[Echo]) -> [Complex<f64>; BEATS] {
-    dechirp(&slot(&received(echoes, 0))).map(|value| Complex::new(value.re.into(), value.im.into()))
+    let fast_time = FastTime::new(RadarConfig::PAPER, &mut []).expect("no reference in memory");
+    let beat = fast_time.beat(&received(echoes, 0)).expect("a slot");
+    beat.map(|value| Complex::new(value.re.into(), value.im.into()))
 }
 
 /// Beat `k` of a static echo: the sum of a exp(j pi ((n - d)^2 - n^2) / 1000) over n = 125 k + 1 ..= 125 k + 125, times the chirp's
@@ -69,13 +72,23 @@ fn echoes_add_up() {
     }
 }
 
-/// The image of 144 slots, `[64, 3]`, without the strongest component unless `clutter` is to stay.
-fn image<T: Stft>(echoes: &[Echo], clutter: bool, bins_per_row: u8) -> Vec<i8> {
+/// The image of 144 slots of a sensor, `[64, 3]`, without the strongest component unless `clutter` is to stay.
+fn image<T: Stft>(config: RadarConfig, echoes: &[Echo], clutter: bool, bins_per_row: u8) -> Vec<i8> {
     let kept = SvdRange { first: if clutter { 1 } else { 2 }, last: 8 };
     let settings = Preprocessing { kept, bins_per_row, ..Preprocessing::default() };
-    let mut memory = Memory::of_front_end(144, 3);
-    let mut front_end = FrontEnd::<T>::new(settings, memory.view().front_end).expect("legal");
-    (0..144).for_each(|n| assert!(front_end.push(&slot(&received(echoes, n)), &mut ())));
+    let (mut memory, mut reference) = (Memory::of_front_end(144, 3), vec![[0; 2]; config.reference_len()]);
+    let mut buffers = memory.view().front_end;
+    buffers.reference = &mut reference;
+    let mut front_end = FrontEnd::<T>::new(config, settings, buffers).expect("legal");
+    let mut slot = vec![0; config.values_per_slot()];
+    for n in 0..144 {
+        match (config.gate, config.format) {
+            (None, _) => chirp_echo(echoes, n, &mut slot),
+            (_, SampleFormat::Complex) => beat_echo(echoes, n, &mut slot),
+            (_, SampleFormat::Real) => beat_echo_real(echoes, n, &mut slot),
+        }
+        assert!(front_end.push(&slot, &mut ()));
+    }
     front_end.image(&mut ()).expect("three frames").to_vec()
 }
 
@@ -97,8 +110,8 @@ fn doppler_is_in_its_row<T: Stft>() {
     for (bins, bins_per_row, row) in
         [(7.0, 1, 39), (30.0, 1, 62), (-7.0, 1, 25), (-31.0, 1, 1), (40.0, 2, 52), (-90.0, 4, 9)]
     {
-        let echoes = [WALL, target(bins)];
-        let found = image::<T>(&echoes, false, bins_per_row);
+        let (paper, echoes) = (RadarConfig::PAPER, [WALL, target(bins)]);
+        let found = image::<T>(paper, &echoes, false, bins_per_row);
         assert_eq!(rows(&found), [row; 3], "{bins} bins");
         // the wall, 26 dB above the target, is gone, and nothing is mirrored: a row is 20 dB (102 levels of 50 dB) below
         let mirrored = ROWS - row;
@@ -107,7 +120,18 @@ fn doppler_is_in_its_row<T: Stft>() {
             assert!(level < 127 - 102, "{bins} bins: row {dark} has {level}");
         }
         // with the clutter the wall is the brightest
-        assert_eq!(rows(&image::<T>(&echoes, true, bins_per_row)), [32; 3], "{bins} bins with the wall");
+        assert_eq!(rows(&image::<T>(paper, &echoes, true, bins_per_row)), [32; 3], "{bins} bins with the wall");
+    }
+    // the same sign from sensors that dechirp: a wall and a target in two of the gate's range samples
+    for config in [RadarConfig::BGT60, RadarConfig::IWR] {
+        let gate = config.gate.expect("a gate");
+        let middle = |range: f64| f64::from(gate.first_bin) - 0.5 + (range + 0.5) * f64::from(gate.bins_per_sample);
+        for bins in [9.0, -14.0] {
+            let wall = Echo { amplitude: 1200.0, delay: middle(6.0), ..Echo::default() };
+            let target = Echo { amplitude: 300.0, delay: middle(2.0), doppler: bins / 256.0, delay_step: 0.0 };
+            let found = image::<T>(config, &[wall, target], false, 1);
+            assert_eq!(rows(&found), [(32.0 + bins) as usize; 3], "{config:?}, {bins} bins");
+        }
     }
 }
 

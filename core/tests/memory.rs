@@ -1,18 +1,18 @@
-//! The memory that a receiver asks for is the memory that it uses: measured by what a recognition leaves of a pattern.
+//! The memory that a pipeline asks for is the memory that it uses: measured by what a recognition leaves of a pattern.
 
 mod support;
 
+use sdp3_core::crc32::crc32;
 use sdp3_core::dims::Complex;
-use sdp3_core::dsn::model::crc32;
-use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::pipeline::Receiver;
-use sdp3_core::signal::stft::NativeStft;
+use sdp3_core::dsn::{Kernels, Model, Portable};
+use sdp3_core::early_exit::EarlyExit;
+use sdp3_core::pipeline::Pipeline;
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::random_model::{Numbers, Size, write};
-use support::{Memory, noise_slots};
+use support::{Memory, VALUES, noise_slots};
 
-const BUFFERS: [&str; 7] = ["beats", "slow_time", "levels", "image", "scratch", "eights", "words"];
+const BUFFERS: [&str; 7] = ["beats", "slow_time", "levels", "image", "scratch", "vectors", "words"];
 
 /// Of every buffer in the order of [`BUFFERS`], which elements are as in `before`.
 fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 7] {
@@ -25,9 +25,14 @@ fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 7] {
         each(&after.levels, &before.levels),
         each(&after.image, &before.image),
         each(&after.scratch, &before.scratch),
-        each(&after.eights, &before.eights),
+        each(&after.vectors, &before.vectors),
         each(&after.words, &before.words),
     ]
+}
+
+fn logits<K: Kernels>(pipeline: &mut Pipeline<'_, '_, K>, slots: &[[i16; VALUES]]) -> Vec<i8> {
+    slots.iter().for_each(|slot| assert_eq!(pipeline.push(slot, &mut ()), Ok(())));
+    pipeline.classify(&mut ()).expect("complete").logits.to_vec()
 }
 
 /// Recognises noise by Winograd or plain kernels in memory full of `pattern`: the logits, and what is left of the pattern.
@@ -40,21 +45,20 @@ fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<b
     memory.levels.fill(word as i16);
     memory.image.fill(pattern);
     memory.scratch.fill(pattern);
-    memory.eights.fill(I16x8([word as i16; 8]));
+    memory.vectors.fill(I16x8([word as i16; 8]));
     memory.words.fill(word);
     let before = memory.clone();
     let slots = noise_slots(model.sensing_slots(), 7);
+    let exit = [EarlyExit::single(*model)];
     let logits = if winograd {
-        let mut receiver = Receiver::new(model.clone(), memory.view()).expect("enough memory");
-        slots.iter().for_each(|slot| assert!(receiver.push(slot, &mut ()).is_ok()));
-        receiver.classify(&mut ()).expect("complete").logits
+        logits(&mut Pipeline::<_>::new(exit, 2.0, memory.view()).expect("enough memory"), &slots)
     } else {
-        let mut receiver: Receiver<_, NativeStft> =
-            Receiver::with_kernels(model.clone(), memory.view(), Portable).expect("enough memory");
-        slots.iter().for_each(|slot| assert!(receiver.push(slot, &mut ()).is_ok()));
-        receiver.classify(&mut ()).expect("complete").logits
+        logits(
+            &mut Pipeline::<_>::with_kernels(exit, 2.0, memory.view(), Portable).expect("enough memory"),
+            &slots,
+        )
     };
-    (logits.to_vec(), same(&memory, &before))
+    (logits, same(&memory, &before))
 }
 
 /// Every element is written by the kernels it is for, and none is read before.

@@ -24,7 +24,7 @@ fn under_churn_every_period_keeps_its_plan() {
         churn.between(&mut rng);
         let (mut slots, mut plan, mut end) = (Vec::new(), None, None);
         loop {
-            let slot = churn.scheduler.next();
+            let slot = churn.scheduler.next_slot();
             slots.push(slot);
             plan.get_or_insert_with(|| churn.scheduler.plan().clone());
             if churn.scheduler.position() == 0 {
@@ -37,7 +37,7 @@ fn under_churn_every_period_keeps_its_plan() {
             }
         }
         let plan = plan.expect("at least one slot");
-        assert_eq!(churn.scheduler.boundary().period, index);
+        assert_eq!(churn.scheduler.report().period, index);
         assert_eq!(slots.len(), plan.period() as usize);
         // sensing is where the plan says, up to where it was ended
         for (j, slot) in (1..).zip(&slots) {
@@ -65,7 +65,7 @@ fn under_churn_every_period_keeps_its_plan() {
         }
         // no starvation
         let k = churn.rates().iter().filter(|&&rate| rate > 0).count() as u32;
-        if plan.layout().others() >= 2 * k {
+        if plan.layout().data_slots() >= 2 * k {
             for (share, rate) in plan.shares().iter().zip(churn.rates()) {
                 assert_eq!(*share > 0, rate > 0, "{plan:?}");
             }

@@ -32,7 +32,7 @@ impl DoubleBuffer {
 
     /// Its two ends, the first time.
     pub fn split(&'static self) -> Option<(Writer, Reader)> {
-        let first = !self.split.swap(true, Ordering::AcqRel);
+        let first = !crate::rt::test_and_set(&self.split);
         first.then_some((Writer { buffer: self, odd: false }, Reader { buffer: self, odd: false }))
     }
 

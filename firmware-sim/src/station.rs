@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use sdp3_core::dims::Iq;
 use sdp3_core::dsn::Model;
 use sdp3_core::pipeline::{Buffers, Receiver};
-use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{USERS, Scheduler, Sensing, SlotUse};
 
 /// Instructions of a 250 us slot on a processor that does 240 million a second.
 const SLOT_INSTRUCTIONS: u32 = 60_000;
@@ -39,7 +39,7 @@ impl Converter {
     /// One slot begins.
     fn slot(&mut self) {
         if self.scheduler.position() == 0 {
-            PERIODS.fetch_add(1, Ordering::Relaxed);
+            PERIODS.store(PERIODS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         }
         if self.scheduler.next() != SlotUse::Sensing {
             return;
@@ -53,14 +53,13 @@ impl Converter {
             }
         });
         if !moved {
-            OVERRUNS.fetch_add(1, Ordering::Relaxed);
+            OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         }
     }
 }
 
-#[allow(unsafe_code)] // the symbol that the timer's interrupt calls
-#[unsafe(no_mangle)]
-extern "C" fn firmware_tick() {
+/// What a program's `firmware_tick` calls.
+pub fn slot_interrupt() {
     CONVERTER.with(Converter::slot);
 }
 
@@ -89,7 +88,7 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     let Ok(sensing) = Sensing::new(PERIOD_SLOTS, 3, model.sensing_slots() as u32) else {
         fail("no plan has so many sensing slots")
     };
-    let mut rates = [0; RECEIVERS];
+    let mut rates = [0; USERS];
     rates.iter_mut().zip(SLOT_BITS).for_each(|(rate, bits)| *rate = bits);
     let scheduler = Scheduler::new(sensing, rates);
     let mut receiver = match Receiver::new(model, buffers) {

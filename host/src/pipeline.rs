@@ -250,7 +250,7 @@ impl Job {
 
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
-        use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
+        use sdp3_core::scheduler::{USERS, Scheduler, SensingLayout, SlotUse};
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
         let model = parsed
             .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
@@ -259,8 +259,8 @@ impl Job {
         let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
         let mut buffers = OwnedBuffers::for_model(&model);
         let receiver = Anytime::new([Exit::alone(model.clone(), Portable)], 2.0, buffers.view()).ok()?;
-        let sensing = Sensing::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
-        let mut rates = [0; RECEIVERS];
+        let sensing = SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
+        let mut rates = [0; USERS];
         rates.iter_mut().zip(integer_rates(&point.slot_bit)).for_each(|(rate, own)| *rate = own);
         let mut station = Station::new(Scheduler::new(sensing, rates), receiver);
         let mut signal = slots.iter();

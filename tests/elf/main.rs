@@ -62,7 +62,7 @@ fn sections(elf: &[u8]) -> Result<(u64, u64)> {
             continue;
         }
         match section.name()? {
-            ".bss" => ram += section.size(),
+            ".bss" | ".uninit" => ram += section.size(),
             // initial values lie in flash and are copied to RAM
             ".data" => (flash, ram) = (flash + section.size(), ram + section.size()),
             _ => flash += section.size(),

@@ -1,26 +1,26 @@
-//! How many slots each receiver gets so that the worst served one gets as much as possible.
+//! How many slots each user gets so that the worst served one gets as much as possible.
 //!
-//! The inner problem of Theorem 1 in integers: max over shares of min over receivers of bits, water-filling over whole slots.
+//! The inner problem of Theorem 1 in integers: max over shares of min over users of bits, water-filling over whole slots.
 
-use super::layout::{LONGEST_PERIOD, RECEIVERS};
+use super::layout::{LONGEST_PERIOD, USERS};
 
 /// Most slots that the integer optimum lies below the continuous one's whole part: the others round up by less than one each.
-const BELOW: u32 = RECEIVERS as u32;
+const BELOW: u32 = USERS as u32;
 
-/// Fraction bits of a receiver's weight: a level of [`LONGEST_PERIOD`] slots is exact to far below one.
+/// Fraction bits of a user's weight: a level of [`LONGEST_PERIOD`] slots is exact to far below one.
 pub(crate) const WEIGHT_BITS: u32 = 32;
 
 /// Divides `slots` so that the smallest `(given + share) x rate` is as large as possible, exactly.
 ///
-/// `rates` are bits per slot; a receiver with rate 0 is absent and gets nothing. `given` are slots each receiver already has (or
-/// lacks, if negative). All three slices are as long, at most [`RECEIVERS`], and no number of slots is beyond
+/// `rates` are bits per slot; a user with rate 0 is absent and gets nothing. `given` are slots each user already has (or
+/// lacks, if negative). All three slices are as long, at most [`USERS`], and no number of slots is beyond
 /// [`LONGEST_PERIOD`]; nothing is given otherwise.
 /// The worst `(given + share) x rate` is less than the continuous optimum's by less than K - 1 slots' worth of it.
 /// Each step gives one slot to whoever is worst off, the lowest index of equals; all but K (K + 2) slots are given at once by
 /// the continuous optimum, so that the loop is bounded. Cost: O(K^3), with at most 2 K^2 divisions of 64 bits.
 pub fn apportion(rates: &[u32], given: &[i32], slots: u32, shares: &mut [u32]) {
     shares.fill(0);
-    let as_long = rates.len() == shares.len() && given.len() == shares.len() && shares.len() <= RECEIVERS;
+    let as_long = rates.len() == shares.len() && given.len() == shares.len() && shares.len() <= USERS;
     let as_short = given.iter().all(|given| given.unsigned_abs() <= LONGEST_PERIOD);
     if !as_long || !as_short || slots > LONGEST_PERIOD {
         return;
@@ -47,14 +47,14 @@ pub fn apportion(rates: &[u32], given: &[i32], slots: u32, shares: &mut [u32]) {
     }
 }
 
-/// Whole slots of every receiver, those given included, at the level that the continuous optimum brings all to whom it gives
+/// Whole slots of every user, those given included, at the level that the continuous optimum brings all to whom it gives
 /// any; of the others, what they have.
-fn levels(rates: &[u32], given: &[i32], slots: u32) -> [i64; RECEIVERS] {
-    let mut served = [false; RECEIVERS];
+fn levels(rates: &[u32], given: &[i32], slots: u32) -> [i64; USERS] {
+    let mut served = [false; USERS];
     served.iter_mut().zip(rates).for_each(|(served, &rate)| *served = rate > 0);
-    let mut whole = [0; RECEIVERS];
-    // each round drops at least one receiver that has more than the level already
-    for _ in 0..RECEIVERS {
+    let mut whole = [0; USERS];
+    // each round drops at least one user that has more than the level already
+    for _ in 0..USERS {
         let slowest = rates.iter().zip(&served).filter(|(_, served)| **served).map(|(&rate, _)| rate).min();
         let Some(slowest) = slowest else { return whole };
         // 1 for the slowest, less for the others
@@ -106,24 +106,24 @@ mod tests {
 
     #[test]
     fn nothing_is_given_where_the_question_is_none() {
-        let given = |rates: &[u32], given: &[i32], slots, receivers| {
-            let mut shares = std::vec![7_u32; receivers];
+        let given = |rates: &[u32], given: &[i32], slots, users| {
+            let mut shares = std::vec![7_u32; users];
             apportion(rates, given, slots, &mut shares);
             shares.iter().sum::<u32>()
         };
         let longest = LONGEST_PERIOD as i32;
         assert_eq!(given(&[1, 2], &[0, -longest], 10, 2), 10);
         assert_eq!(given(&[1, 2], &[longest, 0], LONGEST_PERIOD, 2), LONGEST_PERIOD);
-        for (rates, had, slots, receivers) in [
+        for (rates, had, slots, users) in [
             (&[1, 2, 3][..], &[0, 0][..], 10, 2),
             (&[1, 2], &[0, 0, 0], 10, 2),
             (&[1, 2], &[0, 0], 10, 3),
             (&[1, 2], &[0, longest + 1], 10, 2),
             (&[1, 2], &[i32::MIN, 0], 10, 2),
             (&[1, 2], &[0, 0], LONGEST_PERIOD + 1, 2),
-            (&[1; RECEIVERS + 1], &[0; RECEIVERS + 1], 10, RECEIVERS + 1),
+            (&[1; USERS + 1], &[0; USERS + 1], 10, USERS + 1),
         ] {
-            assert_eq!(given(rates, had, slots, receivers), 0, "{rates:?}, {had:?}, {slots}, {receivers}");
+            assert_eq!(given(rates, had, slots, users), 0, "{rates:?}, {had:?}, {slots}, {users}");
         }
     }
 
@@ -154,21 +154,21 @@ mod tests {
     fn the_shortcut_gives_what_slot_by_slot_gives_for_rates_of_any_ratio() {
         let mut rng = Random::seed_from_u64(6);
         for _ in 0..3000 {
-            let receivers = 1 + rng.next_u32() as usize % RECEIVERS;
+            let users = 1 + rng.next_u32() as usize % USERS;
             let draw = |rng: &mut Random| 1 + (rng.next_u32() >> (rng.next_u32() % 32));
-            let mut rates: std::vec::Vec<u32> = (0..receivers).map(|_| draw(&mut rng)).collect();
+            let mut rates: std::vec::Vec<u32> = (0..users).map(|_| draw(&mut rng)).collect();
             if rng.next_u32().is_multiple_of(4) {
-                rates[rng.next_u32() as usize % receivers] = 0;
+                rates[rng.next_u32() as usize % users] = 0;
             }
             let reach = 1 + rng.next_u32() % 300;
             let given: std::vec::Vec<i32> =
-                (0..receivers).map(|_| (rng.next_u32() % reach) as i32 - reach as i32 / 2).collect();
+                (0..users).map(|_| (rng.next_u32() % reach) as i32 - reach as i32 / 2).collect();
             let slots = rng.next_u32() % 1000;
-            let mut shares = std::vec![0; receivers];
+            let mut shares = std::vec![0; users];
             apportion(&rates, &given, slots, &mut shares);
             assert_eq!(shares, slot_by_slot(&rates, &given, slots), "{rates:?} {given:?} {slots}");
         }
-        // one slow receiver among seven fast ones falls six slots below the whole part of its continuous share
+        // one slow user among seven fast ones falls six slots below the whole part of its continuous share
         let (rates, mut shares) = ([1, 100, 100, 100, 100, 100, 100, 100], [0; 8]);
         apportion(&rates, &[0; 8], 160, &mut shares);
         assert_eq!(shares, [146, 2, 2, 2, 2, 2, 2, 2]);
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn long_periods_are_shared_exactly_too() {
-        // no receiver can be one slot poorer without the worst getting worse: each share - 1 is worth no more than the worst
+        // no user can be one slot poorer without the worst getting worse: each share - 1 is worth no more than the worst
         let mut rng = Random::seed_from_u64(6);
         for round in 0..400 {
             let rates = [0; 5].map(|_: u32| match round % 2 {

@@ -1,9 +1,9 @@
 //! Where a period's sensing slots lie, checked once: N_s (N_m + 1) <= N.
 
-use crate::state::State;
+use crate::supervision::retained::State;
 
-/// Most receivers of a plan.
-pub const RECEIVERS: usize = 8;
+/// Most downlink users of a plan.
+pub const USERS: usize = 8;
 
 /// Longest period in slots.
 pub const LONGEST_PERIOD: u32 = 1 << 24;
@@ -18,10 +18,10 @@ pub enum PlanError {
         /// N.
         period: u32,
     },
-    /// No receiver, or more than [`RECEIVERS`].
-    Receivers {
+    /// No user, or more than [`USERS`].
+    Users {
         /// K.
-        receivers: usize,
+        users: usize,
     },
     /// The sensing slots with their spacing do not fit the period: N_s (N_m + 1) > N.
     Spacing {
@@ -43,8 +43,8 @@ impl core::fmt::Display for PlanError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
             PlanError::Period { period } => write!(f, "period {period} is not in 1..={LONGEST_PERIOD}"),
-            PlanError::Receivers { receivers } => {
-                write!(f, "{receivers} receivers; legal are 1..={RECEIVERS}")
+            PlanError::Users { users } => {
+                write!(f, "{users} users; legal are 1..={USERS}")
             }
             PlanError::Spacing { need, period } => {
                 write!(f, "sensing slots with their spacing need {need} slots; the period has {period}")
@@ -61,13 +61,16 @@ impl core::error::Error for PlanError {}
 /// Where a period's sensing slots lie: N, N_m and N_s, checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Sensing {
+pub struct SensingLayout {
     period: u32,
     spacing: u32,
     slots: u32,
 }
 
-impl Sensing {
+impl SensingLayout {
+    /// A period of one slot without sensing.
+    pub const EMPTY: Self = SensingLayout { period: 1, spacing: 0, slots: 0 };
+
     /// `slots` (N_s) sensing slots `spacing` (N_m) apart in a period of `period` (N).
     ///
     /// # Errors
@@ -81,7 +84,7 @@ impl Sensing {
         if need > u64::from(period) {
             return Err(PlanError::Spacing { need, period });
         }
-        Ok(Sensing { period, spacing, slots })
+        Ok(SensingLayout { period, spacing, slots })
     }
 
     /// N.
@@ -100,12 +103,12 @@ impl Sensing {
     }
 
     /// Slots left for communication, N - N_s.
-    pub fn others(&self) -> u32 {
+    pub fn data_slots(&self) -> u32 {
         self.period.saturating_sub(self.slots)
     }
 }
 
-impl State for Sensing {
+impl State for SensingLayout {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
         [&mut self.period, &mut self.spacing, &mut self.slots].into_iter().for_each(visit);
     }
@@ -121,7 +124,7 @@ mod tests {
     fn what_does_not_fit_is_said() {
         for (error, words) in [
             (PlanError::Period { period: 0 }, "period 0 is not in 1..=16777216"),
-            (PlanError::Receivers { receivers: 9 }, "9 receivers; legal are 1..=8"),
+            (PlanError::Users { users: 9 }, "9 users; legal are 1..=8"),
             (
                 PlanError::Spacing { need: 12, period: 10 },
                 "sensing slots with their spacing need 12 slots; the period has 10",
@@ -134,11 +137,14 @@ mod tests {
 
     #[test]
     fn sensing_is_what_was_asked_for_up_to_the_whole_period() {
-        let sensing = Sensing::new(40, 3, 10).unwrap();
-        assert_eq!((sensing.period(), sensing.spacing(), sensing.slots(), sensing.others()), (40, 3, 10, 30));
-        assert_eq!(Sensing::new(40, 3, 11), Err(PlanError::Spacing { need: 44, period: 40 }));
-        assert!(Sensing::new(LONGEST_PERIOD, 0, LONGEST_PERIOD).is_ok());
+        let sensing = SensingLayout::new(40, 3, 10).unwrap();
+        assert_eq!(
+            (sensing.period(), sensing.spacing(), sensing.slots(), sensing.data_slots()),
+            (40, 3, 10, 30)
+        );
+        assert_eq!(SensingLayout::new(40, 3, 11), Err(PlanError::Spacing { need: 44, period: 40 }));
+        assert!(SensingLayout::new(LONGEST_PERIOD, 0, LONGEST_PERIOD).is_ok());
         let beyond = LONGEST_PERIOD + 1;
-        assert_eq!(Sensing::new(beyond, 0, 1), Err(PlanError::Period { period: beyond }));
+        assert_eq!(SensingLayout::new(beyond, 0, 1), Err(PlanError::Period { period: beyond }));
     }
 }

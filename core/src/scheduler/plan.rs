@@ -1,32 +1,35 @@
 //! How many slots of a period each use gets, checked once.
 //!
-//! N_s + sum N_c,k = N, beside what [`sensing`](super::layout) asks for; problem P of the paper in integers.
+//! N_s + sum N_c,k = N, beside what [`layout`](super::layout) asks for; problem P of the paper in integers.
 
 use super::apportion::apportion;
-use super::layout::{PlanError, RECEIVERS, Sensing};
-use crate::state::State;
+use super::layout::{PlanError, SensingLayout, USERS};
+use crate::supervision::retained::State;
 use heapless::Vec;
 
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
-    sensing: Sensing,
-    shares: Vec<u32, RECEIVERS>,
+    sensing: SensingLayout,
+    shares: Vec<u32, USERS>,
 }
 
 impl Plan {
+    /// A plan in which nothing happens.
+    pub const IDLE: Self = Plan { sensing: SensingLayout::EMPTY, shares: Vec::new() };
+
     /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
-    /// for the receivers.
+    /// for the users.
     ///
     /// # Errors
     ///
     /// [`PlanError`] names what does not fit.
     pub fn new(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Result<Self, PlanError> {
-        let sensing = Sensing::new(period, spacing, sensing)?;
-        let receivers = shares.len();
-        let shares_kept = Vec::from_slice(shares).ok().filter(|_| receivers > 0);
-        let Some(shares_kept) = shares_kept else { return Err(PlanError::Receivers { receivers }) };
+        let sensing = SensingLayout::new(period, spacing, sensing)?;
+        let users = shares.len();
+        let shares_kept = Vec::from_slice(shares).ok().filter(|_| users > 0);
+        let Some(shares_kept) = shares_kept else { return Err(PlanError::Users { users }) };
         let slots = u64::from(sensing.slots());
         let sum = shares.iter().map(|&share| u64::from(share)).fold(slots, u64::saturating_add);
         if sum != u64::from(period) {
@@ -35,15 +38,15 @@ impl Plan {
         Ok(Plan { sensing, shares: shares_kept })
     }
 
-    /// The optimal plan: what sensing leaves is [`apportion`]ed. With no receiver present those slots stay idle.
-    pub fn optimal(sensing: Sensing, rates: &[u32; RECEIVERS], given: &[i32; RECEIVERS]) -> Self {
-        let mut shares = Vec::from_array([0; RECEIVERS]);
-        apportion(rates, given, sensing.others(), &mut shares);
+    /// The optimal plan: what sensing leaves is [`apportion`]ed; `credit` are slots that users already have, or lack if negative. With no user present those slots stay idle.
+    pub fn optimal(sensing: SensingLayout, rates: &[u32; USERS], credit: &[i32; USERS]) -> Self {
+        let mut shares = Vec::from_array([0; USERS]);
+        apportion(rates, credit, sensing.data_slots(), &mut shares);
         Plan { sensing, shares }
     }
 
     /// Where the sensing slots lie.
-    pub fn layout(&self) -> Sensing {
+    pub fn layout(&self) -> SensingLayout {
         self.sensing
     }
 
@@ -62,7 +65,7 @@ impl Plan {
         self.sensing.slots()
     }
 
-    /// N_c,k of every receiver.
+    /// N_c,k of every user.
     pub fn shares(&self) -> &[u32] {
         &self.shares
     }
@@ -74,12 +77,12 @@ impl Plan {
         j % step == 1 % step && j <= last
     }
 
-    /// Most slots that lie between two of receiver k's while this plan is played period after period; `None` without a share.
+    /// Most slots that lie between two of user k's while this plan is played period after period; `None` without a share.
     ///
-    /// Two turns of n in C communication slots are at most D = ceil(2 C / n) communication slots apart ([`Turns`]); in D steps
+    /// Two order of n in C communication slots are at most D = ceil(2 C / n) communication slots apart ([`SlotOrder`]); in D steps
     /// from one communication slot to the next lie at most ceil(D / N_m) sensing slots, or all N_s of them if N_m = 0.
     ///
-    /// [`Turns`]: super::slot_order::Turns
+    /// [`SlotOrder`]: super::slot_order::SlotOrder
     pub fn longest_wait(&self, k: usize) -> Option<u32> {
         let share = self.shares.get(k).copied().filter(|&share| share > 0)?;
         let others: u32 = self.shares.iter().copied().fold(0, u32::saturating_add);
@@ -95,10 +98,10 @@ impl Plan {
 impl State for Plan {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
         self.sensing.words(visit);
-        let mut receivers = self.shares.len() as u32;
-        visit(&mut receivers);
-        let _ = self.shares.resize((receivers as usize).min(RECEIVERS), 0); // it fits
-        for k in 0..RECEIVERS {
+        let mut users = self.shares.len() as u32;
+        visit(&mut users);
+        let _ = self.shares.resize((users as usize).min(USERS), 0); // it fits
+        for k in 0..USERS {
             visit(self.shares.get_mut(k).unwrap_or(&mut 0));
         }
     }
@@ -111,7 +114,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_named() {
         assert_eq!(Plan::new(0, 3, 0, &[0]), Err(PlanError::Period { period: 0 }));
-        assert_eq!(Plan::new(10, 0, 10, &[]), Err(PlanError::Receivers { receivers: 0 }));
+        assert_eq!(Plan::new(10, 0, 10, &[]), Err(PlanError::Users { users: 0 }));
         assert_eq!(Plan::new(10, 3, 3, &[7]), Err(PlanError::Spacing { need: 12, period: 10 }));
         assert_eq!(Plan::new(10, 3, 2, &[7]), Err(PlanError::Sum { sum: 9, period: 10 }));
         assert!(Plan::new(10, 3, 2, &[8]).is_ok());
@@ -124,8 +127,8 @@ mod tests {
     }
 
     #[test]
-    fn without_receivers_nothing_is_shared() {
-        let sensing = Sensing::new(40, 3, 5).unwrap();
+    fn without_users_nothing_is_shared() {
+        let sensing = SensingLayout::new(40, 3, 5).unwrap();
         assert_eq!(Plan::optimal(sensing, &[0; 8], &[0; 8]).shares(), [0; 8]);
         let plan = Plan::optimal(sensing, &[0, 2, 0, 1, 0, 0, 0, 0], &[0; 8]);
         assert_eq!(plan.shares(), [0, 12, 0, 23, 0, 0, 0, 0]);

@@ -1,9 +1,9 @@
 //! The use of the next slot, period after period, in integers and O(K) a slot.
 
-use super::layout::RECEIVERS;
+use super::layout::USERS;
 use super::plan::Plan;
-use super::slot_order::Turns;
-use crate::state::State;
+use super::slot_order::SlotOrder;
+use crate::supervision::retained::State;
 
 /// What a slot is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,9 +11,9 @@ use crate::state::State;
 pub enum SlotUse {
     /// The radar sweeps.
     Sensing,
-    /// Downlink to this receiver.
+    /// Downlink to this user.
     Communication(u8),
-    /// Nothing is planned (no receiver has a share).
+    /// Nothing is planned (no user has a share).
     Idle,
 }
 
@@ -33,32 +33,43 @@ impl State for SlotUse {
     }
 }
 
-/// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, [`Turns`] whose the other slots are.
+/// What stood when sensing ended early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Release {
+    /// Sensing slots that were left.
+    pub released: u32,
+    /// Slots of the period still to come.
+    pub rest: u32,
+    /// Slots each user had in the period.
+    pub served: [u32; USERS],
+}
+
+/// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, [`SlotOrder`] which user has the others.
 ///
-/// Between two slots of a receiver lie at most [`Plan::longest_wait`] others.
+/// Between two slots of a user lie at most [`Plan::longest_wait`] others.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequencer {
     plan: Plan,
-    turns: Turns,
+    order: SlotOrder,
     position: u32,
     /// Position of the next sensing slot.
     due: u32,
-    /// Sensing slots left in this period.
+    /// SensingLayout slots left in this period.
     left: u32,
-    /// Slots the receivers had before their turns were dealt anew in this period.
-    before: [u32; RECEIVERS],
+    /// Slots the users had before their order were dealt anew in this period.
+    before: [u32; USERS],
 }
 
 impl Sequencer {
     /// Begins a period of the plan.
     pub fn new(plan: &Plan) -> Self {
         Sequencer {
-            turns: Turns::new(plan.shares()),
+            order: SlotOrder::new(plan.shares()),
             position: 0,
             due: 1,
             left: plan.sensing(),
-            before: [0; RECEIVERS],
+            before: [0; USERS],
             plan: plan.clone(),
         }
     }
@@ -73,14 +84,14 @@ impl Sequencer {
         self.position
     }
 
-    /// Sensing slots of the current period still to come.
+    /// SensingLayout slots of the current period still to come.
     pub fn sensing_left(&self) -> u32 {
         self.left
     }
 
-    /// Slots each receiver had in the current period.
-    pub fn served(&self) -> [u32; RECEIVERS] {
-        let mut served = self.turns.served();
+    /// Slots each user had in the current period.
+    pub fn served(&self) -> [u32; USERS] {
+        let mut served = self.order.served();
         served.iter_mut().zip(self.before).for_each(|(served, before)| *served += before);
         served
     }
@@ -90,32 +101,42 @@ impl Sequencer {
         match plan {
             Some(plan) => *self = Sequencer::new(plan),
             None => {
-                self.turns = Turns::new(self.plan.shares());
+                self.order = SlotOrder::new(self.plan.shares());
                 (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
-                self.before = [0; RECEIVERS];
+                self.before = [0; USERS];
             }
         }
     }
 
-    /// No more sensing in this period: the receivers get what is left, by `shares` that sum to N - position.
-    pub(super) fn deal_rest(&mut self, shares: &[u32]) {
+    /// No more sensing in this period; `None`, and nothing changes, if none is left or no period is running. The released slots
+    /// follow the order of the others until [`Sequencer::reassign`].
+    pub fn release_sensing(&mut self) -> Option<Release> {
+        if self.left == 0 || self.position == 0 {
+            return None;
+        }
+        let released = core::mem::take(&mut self.left);
+        Some(Release { released, rest: self.plan.period() - self.position, served: self.served() })
+    }
+
+    /// Shares the rest of the period so that each user ends it with these totals, as far as they sum to what is left.
+    pub fn reassign(&mut self, totals: &[u32; USERS]) {
         self.before = self.served();
-        self.turns = Turns::new(shares);
-        self.left = 0;
+        let mut shares = *totals;
+        shares.iter_mut().zip(self.before).for_each(|(share, had)| *share = share.saturating_sub(had));
+        self.order = SlotOrder::new(&shares);
     }
 
     /// Use of the next slot; after the period's last slot the next period begins.
     ///
     /// Cost: O(K), no division.
-    #[allow(clippy::should_implement_trait)] // a period never ends: this is no iterator
-    pub fn next(&mut self) -> SlotUse {
+    pub fn next_slot(&mut self) -> SlotUse {
         self.position += 1;
         let slot = if self.left > 0 && self.position == self.due {
             self.left -= 1;
             self.due = self.due.saturating_add(self.plan.spacing()).saturating_add(1);
             SlotUse::Sensing
         } else {
-            self.turns.next().map_or(SlotUse::Idle, |k| SlotUse::Communication(k as u8))
+            self.order.next().map_or(SlotUse::Idle, |k| SlotUse::Communication(k as u8))
         };
         if self.position >= self.plan.period() {
             self.restart(None);
@@ -127,7 +148,7 @@ impl Sequencer {
 impl State for Sequencer {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
         self.plan.words(visit);
-        self.turns.words(visit);
+        self.order.words(visit);
         [&mut self.position, &mut self.due, &mut self.left].into_iter().for_each(&mut *visit);
         self.before.iter_mut().for_each(visit);
     }
@@ -144,9 +165,9 @@ mod tests {
         let period = 1 + rng.next_u32() % 600;
         let spacing = rng.next_u32() % 5;
         let sensing = rng.next_u32() % (period / (spacing + 1) + 1);
-        let receivers = 1 + rng.next_u32() as usize % RECEIVERS;
+        let users = 1 + rng.next_u32() as usize % USERS;
         let mut left = period - sensing;
-        let mut shares: Vec<u32> = (1..receivers)
+        let mut shares: Vec<u32> = (1..users)
             .map(|_| {
                 let share = rng.next_u32() % (left + 1);
                 left -= share;
@@ -165,11 +186,11 @@ mod tests {
             let plan = random_plan(&mut rng);
             let mut sequencer = Sequencer::new(&plan);
             let total: u32 = plan.shares().iter().sum();
-            let mut counts = [0; RECEIVERS];
-            let mut waits = [None::<u32>; RECEIVERS];
+            let mut counts = [0; USERS];
+            let mut waits = [None::<u32>; USERS];
             for j in 1..=3 * plan.period() {
                 let within = (j - 1) % plan.period() + 1;
-                let slot = sequencer.next();
+                let slot = sequencer.next_slot();
                 waits.iter_mut().flatten().for_each(|wait| *wait += 1);
                 assert_eq!(slot == SlotUse::Sensing, plan.senses(within));
                 match slot {
@@ -179,7 +200,7 @@ mod tests {
                         counts[k] += 1;
                         if let Some(wait) = waits[k] {
                             let bound = plan.longest_wait(k).unwrap();
-                            assert!(wait - 1 <= bound, "{plan:?}: receiver {k} waited {}", wait - 1);
+                            assert!(wait - 1 <= bound, "{plan:?}: user {k} waited {}", wait - 1);
                             close += u32::from(wait == bound);
                         }
                         waits[k] = Some(0);
@@ -189,7 +210,7 @@ mod tests {
                 if within == plan.period() {
                     assert_eq!(&counts[..plan.shares().len()], plan.shares());
                     assert_eq!(sequencer.position(), 0);
-                    counts = [0; RECEIVERS];
+                    counts = [0; USERS];
                 } else {
                     assert_eq!(sequencer.served(), counts);
                 }

@@ -1,20 +1,20 @@
-//! Whose turn a communication slot is: every receiver's turns spread evenly, the turn due first goes first.
+//! Which user a communication slot belongs to: each user's slots spread evenly, the one due first goes first.
 //!
-//! Turn j = 0, 1, ... of a receiver with n of C slots belongs into the slots from floor(j C / n) up to, not including,
+//! Slot j = 0, 1, ... of a user with n of C slots has its window in the slots from floor(j C / n) up to, not including,
 //! ceil((j + 1) C / n): the windows of proportionate fairness (Baruah, Cohen, Plaxton and Varvel, 1996). Serving the earliest due
-//! time among open windows never misses one (unit jobs, one server, demand equal to supply), so at every moment every receiver
+//! time among open windows never misses one (unit jobs, one server, demand equal to supply), so at every moment every user
 //! has its exact proportion to less than one slot.
 
-use super::layout::RECEIVERS;
-use crate::state::State;
+use super::layout::USERS;
+use crate::supervision::retained::State;
 
-/// One receiver's next turn.
+/// The window of a user's next slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Turn {
+struct Window {
     /// First slot of the window, floor(j C / n).
     opens: u32,
-    /// Slot before which the turn is due, ceil((j + 1) C / n).
+    /// Slot before which it is due, ceil((j + 1) C / n).
     due: u32,
     /// C / n, rounded down.
     whole: u32,
@@ -28,20 +28,21 @@ struct Turn {
     served: u32,
 }
 
-impl Turn {
-    /// The first of `share` turns in `slots` slots; never open without a share.
+impl Window {
+    /// The first of `share` windows in `slots` slots; never open without a share.
     fn first(share: u32, slots: u32) -> Self {
-        let never = Turn { opens: u32::MAX, due: u32::MAX, whole: 0, part: 0, rest: 0, share: 0, served: 0 };
+        let never =
+            Window { opens: u32::MAX, due: u32::MAX, whole: 0, part: 0, rest: 0, share: 0, served: 0 };
         match (slots.checked_div(share), slots.checked_rem(share)) {
             (Some(whole), Some(part)) => {
                 let due = whole + u32::from(part > 0);
-                Turn { opens: 0, due, whole, part, rest: 0, share, served: 0 }
+                Window { opens: 0, due, whole, part, rest: 0, share, served: 0 }
             }
             _ => never,
         }
     }
 
-    /// The turn after this one.
+    /// The next window.
     fn advance(&mut self) {
         self.served += 1;
         let rest = self.rest + self.part;
@@ -54,59 +55,59 @@ impl Turn {
     }
 }
 
-impl State for Turn {
+impl State for Window {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-        let Turn { opens, due, whole, part, rest, share, served } = self;
+        let Window { opens, due, whole, part, rest, share, served } = self;
         [opens, due, whole, part, rest, share, served].into_iter().for_each(visit);
     }
 }
 
-/// The turns of a run of communication slots.
+/// The order of a run of communication slots.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Turns {
-    turns: [Turn; RECEIVERS],
-    receivers: u32,
+pub struct SlotOrder {
+    windows: [Window; USERS],
+    users: u32,
     played: u32,
 }
 
-impl Turns {
-    /// Turns for shares of at most [`RECEIVERS`] receivers, whose sum is the number of slots, below 2^31.
+impl SlotOrder {
+    /// The order for shares of at most [`USERS`] users, whose sum is the number of slots, below 2^31.
     pub fn new(shares: &[u32]) -> Self {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
-        let mut turns = [Turn::first(0, 0); RECEIVERS];
-        turns.iter_mut().zip(shares).for_each(|(turn, &share)| *turn = Turn::first(share, slots));
-        Turns { turns, receivers: shares.len().min(RECEIVERS) as u32, played: 0 }
+        let mut windows = [Window::first(0, 0); USERS];
+        windows.iter_mut().zip(shares).for_each(|(window, &share)| *window = Window::first(share, slots));
+        SlotOrder { windows, users: shares.len().min(USERS) as u32, played: 0 }
     }
 
-    /// The receiver of the next slot; `None` if nobody has a turn left. Cost: O(K), no division, no multiplication.
+    /// The user of the next slot; `None` if no user has a slot left. Cost: O(K), no division, no multiplication.
     #[allow(clippy::should_implement_trait)] // slots go on after a `None`
     pub fn next(&mut self) -> Option<usize> {
         let (mut first, mut due) = (None, u32::MAX);
-        for (k, turn) in self.turns.iter().enumerate().take(self.receivers as usize) {
-            if turn.opens <= self.played && turn.due < due {
-                (first, due) = (Some(k), turn.due);
+        for (k, window) in self.windows.iter().enumerate().take(self.users as usize) {
+            if window.opens <= self.played && window.due < due {
+                (first, due) = (Some(k), window.due);
             }
         }
         self.played += 1;
-        let turn = first.and_then(|k| self.turns.get_mut(k))?;
-        if turn.served >= turn.share {
+        let window = first.and_then(|k| self.windows.get_mut(k))?;
+        if window.served >= window.share {
             return None;
         }
-        turn.advance();
+        window.advance();
         first
     }
 
-    /// Turns each receiver has had.
-    pub fn served(&self) -> [u32; RECEIVERS] {
-        self.turns.map(|turn| turn.served)
+    /// Slots each user has had.
+    pub fn served(&self) -> [u32; USERS] {
+        self.windows.map(|window| window.served)
     }
 }
 
-impl State for Turns {
+impl State for SlotOrder {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-        self.turns.iter_mut().for_each(|turn| turn.words(visit));
-        [&mut self.receivers, &mut self.played].into_iter().for_each(visit);
+        self.windows.iter_mut().for_each(|window| window.words(visit));
+        [&mut self.users, &mut self.played].into_iter().for_each(visit);
     }
 }
 
@@ -120,22 +121,22 @@ mod tests {
     fn every_prefix_is_proportionate_to_less_than_one_slot() {
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(2);
         for _ in 0..2000 {
-            let receivers = 1 + rng.next_u32() as usize % RECEIVERS;
+            let users = 1 + rng.next_u32() as usize % USERS;
             let shares: std::vec::Vec<u32> =
-                (0..receivers).map(|_| (rng.next_u32() % 300) >> (rng.next_u32() % 8)).collect();
+                (0..users).map(|_| (rng.next_u32() % 300) >> (rng.next_u32() % 8)).collect();
             let slots: u32 = shares.iter().sum();
-            let mut turns = Turns::new(&shares);
-            let mut had = std::vec![0_u32; receivers];
+            let mut order = SlotOrder::new(&shares);
+            let mut had = std::vec![0_u32; users];
             for played in 1..=slots {
-                had[turns.next().expect("a turn in every slot")] += 1;
+                had[order.next().expect("a turn in every slot")] += 1;
                 for (&had, &share) in had.iter().zip(&shares) {
                     // |had - played share / slots| < 1
                     let lag = i64::from(had) * i64::from(slots) - i64::from(played) * i64::from(share);
                     assert!(lag.abs() < i64::from(slots), "{shares:?} {played}");
                 }
             }
-            assert_eq!((&had, turns.next()), (&shares, None));
-            assert_eq!(&turns.served()[..receivers], &shares[..]);
+            assert_eq!((&had, order.next()), (&shares, None));
+            assert_eq!(&order.served()[..users], &shares[..]);
         }
     }
 }

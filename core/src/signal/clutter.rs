@@ -88,68 +88,91 @@ pub struct SvdRange {
     pub last: u8,
 }
 
-/// The projection weights w in Q3.28: y = w^H b.
-pub type Weights = [Complex<i32>; BEATS];
+/// The projection vector w in Q3.28: y = w^H b.
+pub type Projection = [Complex<i32>; BEATS];
 
-/// Fraction bits of [`Weights`]; |w| <= sqrt(8) < 4.
-pub const WEIGHT_BITS: u32 = 28;
+/// Fraction bits of a [`Projection`]; |w| <= sqrt(8) < 4.
+pub const PROJECTION_BITS: u32 = 28;
 
-/// Weights that keep everything (w = 1).
-pub const UNIT_WEIGHTS: Weights = [Complex::new(1 << WEIGHT_BITS, 0); BEATS];
+/// The projection that keeps everything (w = 1).
+pub const UNIT_PROJECTION: Projection = [Complex::new(1 << PROJECTION_BITS, 0); BEATS];
 
-/// w = (I - U U^H) 1 over the dropped components, from the Gram matrix.
+/// w = (I - U U^H) 1 over the dropped components, from the Gram matrix, one Jacobi sweep at a time.
 ///
 /// f32 throughout; the same bits on every target. Error against exact arithmetic: at most
 /// `64 eps / gap` in norm, `gap` being the smallest relative distance between a dropped and a kept eigenvalue.
-/// Bounded: [`SWEEPS`] Jacobi sweeps of 28 rotations, about 70 k floating-point operations.
-pub fn weights(gram: &Gram, kept: SvdRange) -> Weights {
-    let Some(matrix) = gram.normalised() else { return UNIT_WEIGHTS };
-    if kept.first <= 1 && usize::from(kept.last) >= BEATS {
-        return UNIT_WEIGHTS;
+/// Bounded: [`SWEEPS`] sweeps of 28 rotations, about 70 k floating-point operations in all.
+#[derive(Debug, Clone)]
+pub struct ClutterSolver {
+    matrix: Matrix,
+    vectors: Matrix,
+    sweeps_left: usize,
+    kept: SvdRange,
+}
+
+impl ClutterSolver {
+    /// Begins with a Gram matrix and the components to keep.
+    pub fn new(gram: &Gram, kept: SvdRange) -> Self {
+        let all = kept.first <= 1 && usize::from(kept.last) >= BEATS;
+        let matrix = gram.normalised().filter(|_| !all);
+        // nothing to drop of nothing, or everything kept: the identity has no sweeps to do and is not cut
+        let (sweeps_left, kept) = match matrix {
+            Some(_) => (SWEEPS, kept),
+            None => (0, SvdRange { first: 1, last: BEATS as u8 }),
+        };
+        let matrix = matrix.unwrap_or_else(Matrix::identity);
+        ClutterSolver { matrix, vectors: Matrix::identity(), sweeps_left, kept }
     }
-    let (values, vectors) = eigen(matrix);
-    let mut w = Vector::from_element(Complex::new(1.0, 0.0));
-    for (column, value) in values.iter().enumerate() {
-        // rank from 1, strongest first; equal values rank by column
-        let stronger = |&(other, v): &(usize, &f32)| v > value || (v == value && other < column);
-        let rank = 1 + values.iter().enumerate().filter(stronger).count();
-        if rank < usize::from(kept.first) || rank > usize::from(kept.last) {
-            let u = vectors.column(column);
-            let inner = u.sum().conj();
-            w -= u * inner;
+
+    /// One sweep; false if none is left.
+    pub fn step(&mut self) -> bool {
+        let Some(left) = self.sweeps_left.checked_sub(1) else { return false };
+        self.sweeps_left = left;
+        for p in 0..BEATS - 1 {
+            for q in p + 1..BEATS {
+                rotate(&mut self.matrix, &mut self.vectors, p, q);
+            }
         }
+        true
     }
-    let mut out = UNIT_WEIGHTS;
-    for (q, w) in out.iter_mut().zip(w.iter()) {
-        *q = Complex::new(to_q28(w.re), to_q28(w.im));
+
+    /// The projection, after the last sweep.
+    pub fn projection(&self) -> Projection {
+        let mut w = Vector::from_element(Complex::new(1.0, 0.0));
+        let value = |column: usize| self.matrix[(column, column)].re;
+        for column in 0..BEATS {
+            // rank from 1, strongest first; equal values rank by column
+            let own = value(column);
+            let stronger = |&other: &usize| value(other) > own || (value(other) == own && other < column);
+            let rank = 1 + (0..BEATS).filter(stronger).count();
+            if rank < usize::from(self.kept.first) || rank > usize::from(self.kept.last) {
+                let u = self.vectors.column(column);
+                let inner = u.sum().conj();
+                w -= u * inner;
+            }
+        }
+        let mut out = UNIT_PROJECTION;
+        for (q, w) in out.iter_mut().zip(w.iter()) {
+            *q = Complex::new(to_q28(w.re), to_q28(w.im));
+        }
+        out
     }
-    out
+}
+
+/// [`ClutterSolver`] to its end.
+pub fn clutter_projection(gram: &Gram, kept: SvdRange) -> Projection {
+    let mut solver = ClutterSolver::new(gram, kept);
+    while solver.step() {}
+    solver.projection()
 }
 
 /// Rounds to Q3.28, halves away from zero; saturates.
 fn to_q28(x: f32) -> i32 {
-    roundf(x * (1_i32 << WEIGHT_BITS) as f32) as i32
+    roundf(x * (1_i32 << PROJECTION_BITS) as f32) as i32
 }
 
 /// Jacobi sweeps; convergence is quadratic, f32 is exhausted after five or six.
 pub const SWEEPS: usize = 8;
-
-/// Eigenvalues and eigenvectors (columns) of a Hermitian matrix by cyclic Jacobi rotations, in no order.
-fn eigen(mut a: Matrix) -> ([f32; BEATS], Matrix) {
-    let mut v = Matrix::identity();
-    for _ in 0..SWEEPS {
-        for p in 0..BEATS - 1 {
-            for q in p + 1..BEATS {
-                rotate(&mut a, &mut v, p, q);
-            }
-        }
-    }
-    let mut values = [0.0; BEATS];
-    for (i, value) in values.iter_mut().enumerate() {
-        *value = a[(i, i)].re;
-    }
-    (values, v)
-}
 
 /// Annihilates a[p][q] with a unitary rotation of columns and rows p, q, and turns the vectors along.
 fn rotate(a: &mut Matrix, v: &mut Matrix, p: usize, q: usize) {
@@ -187,28 +210,32 @@ fn rotate(a: &mut Matrix, v: &mut Matrix, p: usize, q: usize) {
 /// Significant bits kept of the slow-time signal: an f32 holds them exactly.
 pub const SLOW_TIME_BITS: u32 = 23;
 
-/// `y[n] = w^H b[n]` for every slot, scaled by one power of two so that the largest part has 23 bits.
+/// Largest part of `w^H b` over the slots, as its magnitude.
+pub fn largest_part(beats: &[Beat], projection: &Projection) -> u64 {
+    let parts = beats.iter().map(|beat| inner(projection, beat));
+    parts.fold(0, |largest, y| largest.max(y.re.unsigned_abs()).max(y.im.unsigned_abs()))
+}
+
+/// The power of two by which slow time is scaled, so that a part of this magnitude has [`SLOW_TIME_BITS`].
+pub fn slow_time_shift(largest: u64) -> u32 {
+    (u64::BITS - largest.leading_zeros()).saturating_sub(SLOW_TIME_BITS)
+}
+
+/// `y[n] = w^H b[n] / 2^shift` for every slot, halves up.
 ///
-/// In: `[slow_time, BEATS]`, out: `[slow_time]` complex i32 with |re|, |im| <= 2^23. Exact i64 products; the
-/// shift rounds halves up. Returns the shift. Runs twice over the beats instead of storing i64.
-pub fn project(beats: &[Beat], weights: &Weights, slow_time: &mut [Complex<i32>]) -> u32 {
-    let largest = beats
-        .iter()
-        .map(|beat| inner(weights, beat))
-        .fold(0_u64, |largest, y| largest.max(y.re.unsigned_abs()).max(y.im.unsigned_abs()));
-    let bits = u64::BITS - largest.leading_zeros();
-    let shift = bits.saturating_sub(SLOW_TIME_BITS);
+/// In: `[slow_time, BEATS]`, out: `[slow_time]` complex i32 with |re|, |im| <= 2^23 for the [`slow_time_shift`] of the
+/// [`largest_part`]. Exact i64 products.
+pub fn project(beats: &[Beat], projection: &Projection, shift: u32, slow_time: &mut [Complex<i32>]) {
     for (out, beat) in slow_time.iter_mut().zip(beats) {
-        let y = inner(weights, beat);
+        let y = inner(projection, beat);
         *out = Complex::new(round_shift(y.re, shift), round_shift(y.im, shift));
     }
-    shift
 }
 
 /// w^H b, exact: |w| |b| < 2^1.5 2^28 2^1.5 2^25.5 < 2^57.
-fn inner(weights: &Weights, beat: &Beat) -> Complex<i64> {
+fn inner(projection: &Projection, beat: &Beat) -> Complex<i64> {
     let mut sum = Complex::new(0_i64, 0_i64);
-    for (w, b) in weights.iter().zip(beat) {
+    for (w, b) in projection.iter().zip(beat) {
         let (wr, wi) = (i64::from(w.re), i64::from(w.im));
         let (br, bi) = (i64::from(b.re), i64::from(b.im));
         sum.re = sum.re.wrapping_add((wr * br).wrapping_add(wi * bi));
@@ -241,8 +268,11 @@ mod tests {
             let mut gram = Gram::new();
             noise(seed, 1 + seed as usize % 20).iter().for_each(|beat| gram.add(beat));
             let matrix = gram.normalised().unwrap();
-            let (values, v) = eigen(matrix);
-            let d = Matrix::from_diagonal(&Vector::from_fn(|i, _| Complex::new(values[i], 0.0)));
+            let mut solver = ClutterSolver::new(&gram, SvdRange { first: 2, last: 8 });
+            while solver.step() {}
+            let v = solver.vectors;
+            let d =
+                Matrix::from_diagonal(&Vector::from_fn(|i, _| Complex::new(solver.matrix[(i, i)].re, 0.0)));
             let rebuilt = v * d * v.adjoint();
             assert!((rebuilt - matrix).camax() < 2e-6, "seed {seed}");
             assert!((v.adjoint() * v - Matrix::identity()).camax() < 2e-6, "seed {seed}");
@@ -257,9 +287,9 @@ mod tests {
         let beats = [echo; 300];
         let mut gram = Gram::new();
         beats.iter().for_each(|beat| gram.add(beat));
-        let w = weights(&gram, SvdRange { first: 2, last: 8 });
+        let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
         let kept = inner(&w, &echo);
-        let whole = inner(&UNIT_WEIGHTS, &echo);
+        let whole = inner(&UNIT_PROJECTION, &echo);
         let ratio = (kept.re as f64).hypot(kept.im as f64) / (whole.re as f64).hypot(whole.im as f64);
         assert!(ratio < 1e-6, "left over: {ratio}");
     }
@@ -271,8 +301,8 @@ mod tests {
         let mut gram = Gram::new();
         (0..GRAM_SLOTS).for_each(|_| gram.add(&loudest));
         assert!(gram.upper().iter().all(|entry| entry.re > 0));
-        let w = weights(&gram, SvdRange { first: 2, last: 8 });
-        assert_ne!(w, UNIT_WEIGHTS);
+        let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
+        assert_ne!(w, UNIT_PROJECTION);
         let kept = inner(&w, &loudest);
         assert!(kept.re.unsigned_abs() < 1 << 38, "{kept}"); // of 2^56 before
     }
@@ -282,8 +312,8 @@ mod tests {
         let beats = noise(7, 40);
         let mut gram = Gram::new();
         beats.iter().for_each(|beat| gram.add(beat));
-        assert_eq!(weights(&gram, SvdRange { first: 1, last: 8 }), UNIT_WEIGHTS);
-        assert_eq!(weights(&Gram::new(), SvdRange { first: 2, last: 8 }), UNIT_WEIGHTS);
+        assert_eq!(clutter_projection(&gram, SvdRange { first: 1, last: 8 }), UNIT_PROJECTION);
+        assert_eq!(clutter_projection(&Gram::new(), SvdRange { first: 2, last: 8 }), UNIT_PROJECTION);
     }
 
     #[test]
@@ -299,8 +329,8 @@ mod tests {
         for first in 1..=8 {
             for last in first..=8 {
                 let kept = |rank: &u8| (first..=last).contains(rank);
-                let wanted = ranks.map(|rank| Complex::new(i32::from(kept(&rank)) << WEIGHT_BITS, 0));
-                assert_eq!(weights(&gram, SvdRange { first, last }), wanted, "{first}..={last}");
+                let wanted = ranks.map(|rank| Complex::new(i32::from(kept(&rank)) << PROJECTION_BITS, 0));
+                assert_eq!(clutter_projection(&gram, SvdRange { first, last }), wanted, "{first}..={last}");
             }
         }
     }
@@ -309,11 +339,12 @@ mod tests {
     fn slow_time_uses_its_bits() {
         let beats = noise(3, 64);
         let mut y = [Complex::new(0, 0); 64];
-        project(&beats, &UNIT_WEIGHTS, &mut y);
+        project(&beats, &UNIT_PROJECTION, slow_time_shift(largest_part(&beats, &UNIT_PROJECTION)), &mut y);
         let largest = y.iter().map(|y| y.re.unsigned_abs().max(y.im.unsigned_abs())).max().unwrap();
         assert!((1 << 22..=1 << 23).contains(&largest), "{largest}");
         let mut silent = [Complex::new(1, 1); 4];
-        assert_eq!(project(&[crate::dims::ZERO_BEAT; 4], &UNIT_WEIGHTS, &mut silent), 0);
+        assert_eq!(slow_time_shift(largest_part(&[crate::dims::ZERO_BEAT; 4], &UNIT_PROJECTION)), 0);
+        project(&[crate::dims::ZERO_BEAT; 4], &UNIT_PROJECTION, 0, &mut silent);
         assert_eq!(silent, [Complex::new(0, 0); 4]);
     }
 }

@@ -1,82 +1,47 @@
 //! Dechirp and decimate: the received chirp times the conjugate of the sent one, summed in blocks.
 //!
-//! Eq. (X) of the paper, conj(s~ . conj(x_j)) = conj(s~) . x_j, then a boxcar over [`BLOCK_SAMPLES`](crate::dims::BLOCK_SAMPLES) samples.
+//! Eq. (X) of the paper, conj(s~ . conj(x_j)) = conj(s~) . x_j, then a boxcar over the blocks.
 
-use crate::dims::{BEATS, Beat, Complex, Iq, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use crate::config::RadarConfig;
 use crate::math::sin_cos_turn;
-use crate::simd::conj_mac::conj_mac;
+pub use crate::simd::conj_mac::Iq;
 
-/// The sent chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
+/// Complex samples that begin at a word: what the multiply-accumulate instructions of Arm load in fours.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(4))]
+pub struct WordAligned<const N: usize>(pub [Iq; N]);
+
+const L: usize = RadarConfig::PAPER.samples as usize;
+
+/// The paper's chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
 ///
 /// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi n^2 / 2000, in whole parts of a turn: the phase is exact.
-pub static CHIRP: [Iq; SLOT_SAMPLES] = chirp();
+pub static CHIRP: [Iq; L] = CHIRP_WORDS.0;
 
-const fn chirp() -> [Iq; SLOT_SAMPLES] {
-    let mut table = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
+pub(crate) static CHIRP_WORDS: WordAligned<L> = {
+    let mut table = WordAligned([[0; 2]; L]);
     let mut n = 0;
-    while n < SLOT_SAMPLES {
-        let (sine, cosine) = sin_cos_turn((n as u64 + 1) * (n as u64 + 1), 2000);
-        table[n] = Iq { i: to_q15(cosine), q: to_q15(sine) };
+    while n < L {
+        table.0[n] = chirp_sample(n, L);
         n += 1;
     }
     table
+};
+
+/// Sample n = 0..L - 1 of a chirp of L samples whose bandwidth is the sampling rate.
+const fn chirp_sample(n: usize, length: usize) -> Iq {
+    let (sine, cosine) = sin_cos_turn((n as u64 + 1) * (n as u64 + 1), 2 * length as u64);
+    [to_q15(cosine), to_q15(sine)]
+}
+
+/// Writes the chirp of `table.len()` samples.
+pub(crate) fn write_chirp(table: &mut [Iq]) {
+    let length = table.len();
+    table.iter_mut().enumerate().for_each(|(n, sample)| *sample = chirp_sample(n, length));
 }
 
 /// Rounds 32767 x to the nearest integer, halves away from zero.
-const fn to_q15(x: f64) -> i16 {
+pub(crate) const fn to_q15(x: f64) -> i16 {
     let scaled = 32767.0 * x;
     if scaled < 0.0 { (scaled - 0.5) as i16 } else { (scaled + 0.5) as i16 }
-}
-
-/// Bits dropped from a block's sum: 125 samples of 31-bit products leave 25.5 bits, so that the Gram matrix of
-/// 4000 slots still fits 64 bits.
-pub const BEAT_SHIFT: u32 = 12;
-
-/// Dechirps one slot.
-///
-/// In: `[fast_time]` ADC samples. Out: [`Beat`], `round(sum / 2^12)`, halves up. Exact integers throughout:
-/// the products fit i32 (|x| |s| <= 1.52e9), the sums i64. Cost: 4000 multiply-accumulates.
-pub fn dechirp(slot: &Slot) -> Beat {
-    let mut beat = ZERO_BEAT;
-    for (value, [re, im]) in beat.iter_mut().zip(conj_mac(slot, &CHIRP)) {
-        *value = Complex::new(round_beat(re), round_beat(im));
-    }
-    beat
-}
-
-/// `round(sum / 2^BEAT_SHIFT)`, halves up.
-const fn round_beat(sum: i64) -> i32 {
-    ((sum + (1 << (BEAT_SHIFT - 1))) >> BEAT_SHIFT) as i32
-}
-
-const _: () = assert!(BEATS == 8, "the weights and the model format assume eight beat samples");
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_chirp_against_itself_is_a_constant() {
-        let slot: Slot = CHIRP;
-        let full = (32767_i64 * 32767 * 125) >> BEAT_SHIFT;
-        for value in dechirp(&slot) {
-            // rounding of the table: each sample is off by at most 0.71 of 32767
-            assert!((i64::from(value.re) - full).abs() < full / 30_000, "{}", value.re);
-            assert!(i64::from(value.im).abs() < full / 30_000);
-        }
-    }
-
-    #[test]
-    fn a_full_scale_slot_stays_within_the_stated_magnitude() {
-        let mut slot = [Iq { i: i16::MIN, q: i16::MIN }; SLOT_SAMPLES];
-        // align every sample with the chirp's quadrant: the worst case of the sum
-        for (x, s) in slot.iter_mut().zip(&CHIRP) {
-            x.i = if s.i < 0 { i16::MIN } else { i16::MAX };
-            x.q = if s.q < 0 { i16::MIN } else { i16::MAX };
-        }
-        for value in dechirp(&slot) {
-            let power = i64::from(value.re).pow(2) + i64::from(value.im).pow(2);
-            assert!(power < 1 << 51, "{value}");
-        }
-    }
 }

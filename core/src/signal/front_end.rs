@@ -1,14 +1,20 @@
-//! The street from raw slots to the network's image, as one object.
+//! From raw slots to the network's image, as one object that works in bounded steps.
 //!
-//! Section IV-A of the paper: data cleaning (dechirp, truncated SVD) and data transformation (STFT, grey levels).
+//! Section IV-A of the paper: data cleaning (dechirp, truncated SVD) and data transformation (STFT, log magnitude). Slots of the
+//! next recording may come while the image of the one before is being made.
 
-use crate::dims::{Beat, Complex, ROWS, Slot};
+use super::clutter::{
+    ClutterSolver, GRAM_SLOTS, SWEEPS, Gram, Projection, SvdRange, UNIT_PROJECTION, largest_part, project,
+    slow_time_shift,
+};
+use super::dechirp::Iq;
+use super::fast_time::FastTime;
+use super::logarithm::FLOOR;
+use super::spectrogram::{log_magnitudes, quantize_db};
+use super::stft::{NativeStft, Stft, frames};
+use crate::config::RadarConfig;
+use crate::dims::{Beat, Complex, ROWS};
 use crate::probe::Probe;
-use crate::signal::clutter::{GRAM_SLOTS, Gram, SvdRange, project, weights};
-use crate::signal::dechirp::dechirp;
-use crate::signal::logarithm::EMPTY;
-use crate::signal::spectrogram::{levels, pixel};
-use crate::signal::stft::{NativeStft, Stft, frames};
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was
 /// trained on.
@@ -61,42 +67,104 @@ impl Default for Preprocessing {
     }
 }
 
+/// Sensing slots of the next recording that may come before the image of the one before has used its range samples.
+pub const OVERLAP_SLOTS: usize = 16;
+
 /// Memory the front end works in; the caller's.
 #[derive(Debug)]
 pub struct FrontEndBuffers<'b> {
-    /// Beats of the recording, `[slow_time]`; its length is the most slots a recording may have.
+    /// [`RadarConfig::reference_len`] reference samples.
+    pub reference: &'b mut [Iq],
+    /// Range samples, `[slow_time]`: as many as a recording has slots, and [`OVERLAP_SLOTS`] more if recordings overlap.
     pub beats: &'b mut [Beat],
-    /// The slow-time signal, as long as `beats`.
+    /// The slow-time signal, as long as a recording.
     pub slow_time: &'b mut [Complex<i32>],
-    /// Level units of the image, at least 64 x frames.
+    /// Log magnitudes of the image, at least 64 x frames.
     pub levels: &'b mut [i16],
     /// The image, at least 64 x frames.
     pub image: &'b mut [i8],
 }
 
+/// Slots of one step over slow time, so that a step is short.
+const SLOTS_A_STEP: usize = 128;
+/// Rows of the image of one step.
+const ROWS_A_STEP: usize = 16;
+
+/// Steps of the image of a recording.
+pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
+    SWEEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
+}
+
+/// Where the making of an image stands.
+#[derive(Debug, Clone)]
+enum Stage {
+    /// Sweeps of the eigenvalue solver.
+    Solve,
+    /// The largest part of slow time over the slots before this one.
+    Scale { from: usize, largest: u64 },
+    /// Slow time from this slot on.
+    Project { from: usize, shift: u32 },
+    /// Frames from this one on, and the largest level so far.
+    Frames { next: usize, largest: i16 },
+    /// Rows of the image from this one on.
+    Quantize { row: usize, largest: i16 },
+}
+
+/// An image in the making.
+#[derive(Debug, Clone)]
+struct Job {
+    slots: usize,
+    frames: usize,
+    solver: ClutterSolver,
+    projection: Projection,
+    stage: Stage,
+}
+
 /// Raw slots in, image out; `T` is the arithmetic of the transform.
 #[derive(Debug)]
 pub struct FrontEnd<'b, T = NativeStft> {
+    fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
     gram: Gram,
     taken: usize,
-    buffers: FrontEndBuffers<'b>,
+    /// Where the recording's range samples begin: 0, or behind those that a job still needs.
+    origin: usize,
+    /// Longest recording.
+    capacity: usize,
+    job: Option<Job>,
+    beats: &'b mut [Beat],
+    slow_time: &'b mut [Complex<i32>],
+    levels: &'b mut [i16],
+    image: &'b mut [i8],
 }
 
 impl<'b, T: Stft> FrontEnd<'b, T> {
-    /// A front end with `settings`, or `None` if they are not valid.
-    pub fn new(settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
+    /// A front end for a sensor with `settings`, or `None` if either is not valid or the reference does not fit its memory.
+    pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
+        let FrontEndBuffers { reference, beats, slow_time, levels, image } = buffers;
         if !settings.is_valid() {
             return None;
         }
-        let stft = T::new(settings.window, settings.beta, settings.hop);
-        Some(FrontEnd { settings, stft, gram: Gram::new(), taken: 0, buffers })
+        Some(FrontEnd {
+            fast_time: FastTime::new(config, reference)?,
+            settings,
+            stft: T::new(settings.window, settings.beta, settings.hop),
+            gram: Gram::new(),
+            taken: 0,
+            origin: 0,
+            capacity: beats.len().min(slow_time.len()).min(GRAM_SLOTS),
+            job: None,
+            beats,
+            slow_time,
+            levels,
+            image,
+        })
     }
 
     /// Most slots a recording may have.
     pub fn capacity(&self) -> usize {
-        self.buffers.beats.len().min(self.buffers.slow_time.len()).min(GRAM_SLOTS)
+        self.capacity
     }
 
     /// Slots taken so far.
@@ -104,18 +172,29 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         self.taken
     }
 
-    /// Takes one slot: dechirp and running Gram matrix. `false`, and nothing changes, if the recording is full.
-    pub fn push(&mut self, slot: &Slot, probe: &mut impl Probe) -> bool {
-        self.taken < self.capacity() && self.push_beat(dechirp(slot), probe)
+    /// The sensor's configuration.
+    pub fn config(&self) -> &RadarConfig {
+        self.fast_time.config()
     }
 
-    /// Takes a slot that was dechirped elsewhere, in the units of [`dechirp`] (|re|, |im| < 2^25). `false`, and nothing
-    /// changes, if the recording is full.
+    /// Takes the samples of one slot: range samples and running Gram matrix. `false`, and nothing changes, if the recording is
+    /// full, the range samples of the one before are still needed where this one's would lie, or the slot has another length
+    /// than [`RadarConfig::values_per_slot`].
+    pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> bool {
+        self.has_room() && self.fast_time.beat(slot).is_some_and(|beat| self.push_beat(beat, probe))
+    }
+
+    /// Whether [`FrontEnd::push`] would find room.
+    pub fn has_room(&self) -> bool {
+        self.taken < self.capacity && self.origin + self.taken < self.beats.len()
+    }
+
+    /// Takes the range samples of a slot, each below 2^25.5 in magnitude. `false` as [`FrontEnd::push`].
     pub fn push_beat(&mut self, beat: Beat, probe: &mut impl Probe) -> bool {
-        if self.taken >= self.capacity() {
+        if !self.has_room() {
             return false;
         }
-        let Some(place) = self.buffers.beats.get_mut(self.taken) else { return false };
+        let Some(place) = self.beats.get_mut(self.origin + self.taken) else { return false };
         probe.beat(&beat);
         self.gram.add(&beat);
         *place = beat;
@@ -123,43 +202,127 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         true
     }
 
-    /// The image of the slots taken so far, `[64, frames]` row-major, or `None` if they do not fill one window or
-    /// the image does not fit its memory. More slots may be taken afterwards.
-    pub fn image(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
+    /// Begins the image of the slots taken so far; [`FrontEnd::step`] makes it. `false` if an image is in the making, the slots do
+    /// not fill one window, or the image does not fit its memory.
+    pub fn begin_image(&mut self, probe: &mut impl Probe) -> bool {
         let frames = self.stft.frames(self.taken);
         let cells = ROWS * frames;
-        if frames == 0 {
-            return None;
+        let fits = frames > 0 && cells <= self.levels.len() && cells <= self.image.len();
+        if !fits || self.job.is_some() || self.origin != 0 {
+            return false;
         }
-        let beats = self.buffers.beats.get(..self.taken)?;
-        let slow_time = self.buffers.slow_time.get_mut(..self.taken)?;
-        let grid = self.buffers.levels.get_mut(..cells)?;
-        let image = self.buffers.image.get_mut(..cells)?;
-
         probe.gram(&self.gram);
-        let w = weights(&self.gram, self.settings.kept);
-        probe.weights(&w);
-        project(beats, &w, slow_time);
-        probe.slow_time(slow_time);
-
-        let bins = self.settings.bins_per_row;
-        let mut spectrum = T::ZERO;
-        let mut largest = EMPTY;
-        for k in 0..frames {
-            self.stft.frame(slow_time, k, bins, &mut spectrum);
-            T::show(&spectrum, k, probe);
-            largest = largest.max(levels::<T>(&spectrum, bins, k, frames, grid));
-        }
-        for (pixel_out, &level) in image.iter_mut().zip(grid.iter()) {
-            *pixel_out = pixel(level, largest, self.settings.range);
-        }
-        probe.image(image);
-        Some(image)
+        self.job = Some(Job {
+            slots: self.taken,
+            frames,
+            solver: ClutterSolver::new(&self.gram, self.settings.kept),
+            projection: UNIT_PROJECTION,
+            stage: Stage::Solve,
+        });
+        true
     }
 
-    /// Forgets the recording.
+    /// One bounded step of the image; the image, `[64, frames]` row-major, when it is done.
+    ///
+    /// A step is a sweep of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
+    pub fn step(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
+        let job = self.job.as_mut()?;
+        let cells = ROWS * job.frames;
+        job.stage = match job.stage {
+            Stage::Solve => {
+                if job.solver.step() {
+                    return None;
+                }
+                job.projection = job.solver.projection();
+                probe.projection(&job.projection);
+                Stage::Scale { from: 0, largest: 0 }
+            }
+            Stage::Scale { from, largest } => {
+                let end = job.slots.min(from + SLOTS_A_STEP);
+                let largest = largest.max(largest_part(self.beats.get(from..end)?, &job.projection));
+                if end < job.slots {
+                    Stage::Scale { from: end, largest }
+                } else {
+                    Stage::Project { from: 0, shift: slow_time_shift(largest) }
+                }
+            }
+            Stage::Project { from, shift } => {
+                let end = job.slots.min(from + SLOTS_A_STEP);
+                project(
+                    self.beats.get(from..end)?,
+                    &job.projection,
+                    shift,
+                    self.slow_time.get_mut(from..end)?,
+                );
+                if end < job.slots {
+                    Stage::Project { from: end, shift }
+                } else {
+                    probe.slow_time(self.slow_time.get(..end)?);
+                    if self.origin > 0 {
+                        // the next recording moves to where the range samples were
+                        self.beats.copy_within(self.origin..self.origin + self.taken, 0);
+                        self.origin = 0;
+                    }
+                    Stage::Frames { next: 0, largest: FLOOR }
+                }
+            }
+            Stage::Frames { next, largest } => {
+                let bins = self.settings.bins_per_row;
+                let grid = self.levels.get_mut(..cells)?;
+                let mut spectrum = T::ZERO;
+                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut spectrum);
+                T::probe(&spectrum, next, probe);
+                let largest = largest.max(log_magnitudes::<T>(&spectrum, bins, next, job.frames, grid));
+                if next + 1 < job.frames {
+                    Stage::Frames { next: next + 1, largest }
+                } else {
+                    Stage::Quantize { row: 0, largest }
+                }
+            }
+            Stage::Quantize { row, largest } => {
+                let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
+                let (image, levels) = (self.image.get_mut(part.clone())?, self.levels.get(part)?);
+                for (pixel, &level) in image.iter_mut().zip(levels) {
+                    *pixel = quantize_db(level, largest, self.settings.range);
+                }
+                if row + ROWS_A_STEP >= ROWS {
+                    self.job = None;
+                    let image = self.image.get(..cells)?;
+                    probe.image(image);
+                    return Some(image);
+                }
+                Stage::Quantize { row: row + ROWS_A_STEP, largest }
+            }
+        };
+        None
+    }
+
+    /// The image of the slots taken so far, at once, or `None` as [`FrontEnd::begin_image`] says. More slots may be taken
+    /// afterwards.
+    pub fn image(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
+        if !self.begin_image(probe) {
+            return None;
+        }
+        let cells = self.job.as_ref().map_or(0, |job| ROWS * job.frames);
+        while self.job.is_some() {
+            self.step(probe);
+        }
+        self.image.get(..cells)
+    }
+
+    /// The image made last, `[64, frames]` of a recording with so many frames.
+    pub fn last_image(&self, frames: usize) -> &[i8] {
+        self.image.get(..ROWS * frames).unwrap_or(self.image)
+    }
+
+    /// Begins a recording. An image in the making goes on.
     pub fn reset(&mut self) {
         self.gram = Gram::new();
         self.taken = 0;
+        let needed =
+            |job: &Job| matches!(job.stage, Stage::Solve | Stage::Scale { .. } | Stage::Project { .. });
+        self.origin = if self.job.as_ref().is_some_and(needed) { self.capacity } else { 0 };
     }
 }
+
+const _: () = assert!(ROWS.is_multiple_of(ROWS_A_STEP), "steps are whole");

@@ -7,7 +7,7 @@ use crate::math::exp2_fraction;
 pub const LEVELS_PER_OCTAVE: u32 = 64;
 
 /// Level of a cell without power.
-pub const EMPTY: i16 = i16::MIN;
+pub const FLOOR: i16 = i16::MIN;
 
 /// Levels within an octave from which a significand counts: `floor(2^31 2^(i/64))`, below which level i is not reached.
 pub static SIGNIFICAND_THRESHOLDS: [u32; LEVELS_PER_OCTAVE as usize + 1] = thresholds();
@@ -24,11 +24,11 @@ const fn thresholds() -> [u32; LEVELS_PER_OCTAVE as usize + 1] {
     table
 }
 
-/// Leading bits of a significand, behind the first, by which [`FLOORS`] is indexed.
+/// Leading bits of a significand, behind the first, by which [`LEVEL_FLOORS`] is indexed.
 const INDEX_BITS: u32 = 7;
 
 /// Level within the octave of the smallest significand with these leading bits: the next level is at most one up.
-static FLOORS: [u8; 1 << INDEX_BITS] = floors();
+static LEVEL_FLOORS: [u8; 1 << INDEX_BITS] = floors();
 
 const fn floors() -> [u8; 1 << INDEX_BITS] {
     let thresholds = thresholds();
@@ -49,18 +49,18 @@ const fn floors() -> [u8; 1 << INDEX_BITS] {
 /// Level within the octave of a significand, 2^31..2^32.
 #[inline(always)]
 fn within_octave(significand: u32) -> i32 {
-    let floor = FLOORS[(significand << 1 >> (32 - INDEX_BITS)) as usize];
+    let floor = LEVEL_FLOORS[(significand << 1 >> (32 - INDEX_BITS)) as usize];
     // a floor is below 64; the mask lets the compiler see it
     let next = SIGNIFICAND_THRESHOLDS[usize::from(floor & 63) + 1];
     i32::from(floor) + i32::from(significand > next)
 }
 
-/// `floor(64 log2 p)` for a normal positive `p`, else [`EMPTY`]. Exact. Cost: a table, a comparison.
+/// `floor(64 log2 p)` for a normal positive `p`, else [`FLOOR`]. Exact. Cost: a table, a comparison.
 pub fn level(p: f32) -> i16 {
     let bits = p.to_bits();
     let exponent = (bits >> 23) as i32;
     if !(1..=254).contains(&exponent) {
-        return EMPTY; // zero, subnormal, negative, infinite or not a number
+        return FLOOR; // zero, subnormal, negative, infinite or not a number
     }
     let significand = (bits | 0x0080_0000) << 8;
     ((exponent - 127) * LEVELS_PER_OCTAVE as i32 + within_octave(significand)) as i16
@@ -114,7 +114,7 @@ mod tests {
             assert_eq!(level_u64(p), ((p as f64).log2() * 64.0 + 1e-9).floor() as i16);
         }
         for p in [0.0, -1.0, 1e-40, f32::INFINITY, f32::NAN] {
-            assert_eq!(level(p), EMPTY);
+            assert_eq!(level(p), FLOOR);
         }
     }
 }

@@ -2,7 +2,9 @@
 
 pub mod clutter;
 pub mod dechirp;
+pub mod fast_time;
 pub mod front_end;
 pub mod logarithm;
+mod range_gate;
 pub mod spectrogram;
 pub mod stft;

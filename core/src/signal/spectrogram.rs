@@ -1,15 +1,15 @@
-//! Grey levels: log magnitude in integers, 50 dB below the image's maximum is black.
+//! Log-magnitude image: levels in integers, quantised to int8 over a dynamic range below the maximum.
 //!
 //! Section IV-A of the paper ("the spectrogram of the sensing signal"); levels are exact: see [`logarithm`](crate::signal::logarithm).
 
 use crate::dims::ROWS;
-use crate::signal::logarithm::EMPTY;
+use crate::signal::logarithm::FLOOR;
 use crate::signal::stft::Stft;
 
 /// Writes frame `k`'s 64 levels into column `k` of `levels`, `[ROWS, frames]` row-major, and returns their maximum.
 ///
 /// Row r holds the power of bins (r - 32) g .. (r - 32) g + g, g = `bins_per_row`.
-pub fn levels<T: Stft>(
+pub fn log_magnitudes<T: Stft>(
     spectrum: &T::Spectrum,
     bins_per_row: u8,
     k: usize,
@@ -17,7 +17,7 @@ pub fn levels<T: Stft>(
     levels: &mut [i16],
 ) -> i16 {
     let g = usize::from(bins_per_row);
-    let mut largest = EMPTY;
+    let mut largest = FLOOR;
     for (r, row) in levels.chunks_exact_mut(frames.max(1)).enumerate().take(ROWS) {
         let value = T::level(spectrum, (r * g).wrapping_sub(ROWS / 2 * g), g);
         largest = largest.max(value);
@@ -28,11 +28,11 @@ pub fn levels<T: Stft>(
     largest
 }
 
-/// Grey level of a cell: 255 at the maximum, 0 at `range` level units below it or weaker; minus 128 as int8.
-pub const fn pixel(level: i16, largest: i16, range: u16) -> i8 {
+/// Intensity of a cell: 127 at the maximum, -128 at `range` level units below it or weaker.
+pub const fn quantize_db(level: i16, largest: i16, range: u16) -> i8 {
     let below = largest as i32 - level as i32;
     let range = range as i32;
-    if level == EMPTY || below >= range || range == 0 {
+    if level == FLOOR || below >= range || range == 0 {
         return -128;
     }
     (255 - below * 255 / range - 128) as i8
@@ -43,11 +43,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grey_runs_from_the_maximum_to_the_range() {
-        assert_eq!(pixel(100, 100, 1063), 127);
-        assert_eq!(pixel(100 - 1062, 100, 1063), -127);
-        assert_eq!(pixel(100 - 1063, 100, 1063), -128);
-        assert_eq!(pixel(EMPTY, EMPTY, 1063), -128);
-        assert_eq!(pixel(0, 0, 0), -128);
+    fn intensity_runs_from_the_maximum_to_the_range() {
+        assert_eq!(quantize_db(100, 100, 1063), 127);
+        assert_eq!(quantize_db(100 - 1062, 100, 1063), -127);
+        assert_eq!(quantize_db(100 - 1063, 100, 1063), -128);
+        assert_eq!(quantize_db(FLOOR, FLOOR, 1063), -128);
+        assert_eq!(quantize_db(0, 0, 0), -128);
     }
 }

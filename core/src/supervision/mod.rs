@@ -1,71 +1,61 @@
-//! What stands between the radar module and a world that fails.
+//! Supervision: what finds the faults of slot numbers, memory, samples and models, inside the two contexts of a radar module.
 //!
 //! | fault | found by | answer |
 //! |---|---|---|
-//! | slots skipped, repeated, late; a counter that wraps or jumps | [`watch`]: the radio numbers its slots | played through as lost, given again, refused; else a new period |
-//! | a bit of the schedule's memory flips | [`watch`]: a seal over all its words | a new period from a sealed spare |
-//! | a reset in any slot | [`watch`]: the state kept in memory that survives | goes on; without it a new period |
-//! | a converter that saturates, sticks, is silent or off its zero | [`health`] | the slot counts as lost |
-//! | a bit of a model flips | [`intact`]: the checksum taken when it was accepted | it is not run |
+//! | slots skipped, repeated, late; a counter that wraps or restarts | the radio numbers its slots: [`SlotContext::begin`] | played through as lost, given again, refused; else a new period |
+//! | a bit of the schedule's memory flips | a checksum over all words of [`retained`] | the copy of one slot before, played on |
+//! | a reset in any slot | [`retained`] memory that start-up leaves alone | goes on; without it a new period |
+//! | a converter that saturates, sticks, is silent or offset | [`sample_health`] | the slot is not used, the recording restarts |
+//! | a bit of a model flips | its CRC-32 after every recognition, spread over polls | the classification is not given |
 //!
-//! Every fault is told once; the next whole period is as if it had not been. [`station::Guarded`] is the slot loop with all of it.
+//! Every fault is reported once, by [`ProcessingContext::poll`]; the next whole period is unaffected.
 //!
-//! ```
-//! use sdp3_core::early_exit::{Anytime, Exit};
-//! use sdp3_core::dims::Slot;
-//! use sdp3_core::supervision::{Guarded, Intact, Watch, watch::WORDS};
-//! use sdp3_core::pipeline::StandardMemory;
-//! use sdp3_core::scheduler::{Sensing, SlotUse};
-//!
-//! # struct Radio;
-//! # impl Radio {
-//! #     fn next_number(&self) -> u32 { 0 }
-//! #     fn number(&mut self) -> Option<u32> { None }
-//! #     fn samples(&mut self) -> Option<&'static Slot> { None }
-//! # }
-//! # fn tell<T>(_: T) {}
-//! // `kept` survives a reset: RAM that start-up leaves alone
-//! fn station(
-//!     model: &'static [u8],
-//!     memory: &mut StandardMemory,
-//!     kept: &mut [u32; WORDS],
-//!     radio: &mut Radio,
-//! ) -> Result<(), &'static str> {
-//!     let (intact, model) = Intact::accept(model).map_err(|_| "no model")?;
-//!     let sensing = Sensing::new(4000, 3, 1000).map_err(|_| "N_s (N_m + 1) > N")?;
-//!     let watch = Watch::new(sensing, [4, 3, 3, 0, 0, 0, 0, 0], radio.next_number());
-//!     let mut buffers = memory.view();
-//!     let kernels = buffers.take_kernels(&model).map_err(|_| "too little memory")?;
-//!     let receiver: Anytime<_> =
-//!         Anytime::new([Exit::alone(model, kernels)], 2.0, buffers).map_err(|_| "too little memory")?;
-//!     let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
-//!     if !station.restore(kept) {
-//!         tell("nothing whole was kept: a period begins with the radio's next slot");
-//!     }
-//!     while let Some(number) = radio.number() {
-//!         let begun = station.begin(number);
-//!         begun.troubles.iter().for_each(tell);
-//!         if let (SlotUse::Sensing, Some(samples)) = (begun.slot, radio.samples()) {
-//!             match station.sensed(number, samples) {
-//!                 Ok(Some(verdict)) => tell(verdict.class),
-//!                 Ok(None) => (),
-//!                 Err(trouble) => tell(trouble),
-//!             }
-//!         }
-//!         station.watch().save(kept);
-//!     }
-//!     Ok(())
-//! }
-//! let mut memory = Box::new(StandardMemory::new());
-//! assert_eq!(station(b"not a model", &mut memory, &mut [0; WORDS], &mut Radio), Err("no model"));
-//! ```
+//! [`SlotContext::begin`]: crate::radar::SlotContext::begin
+//! [`ProcessingContext::poll`]: crate::radar::ProcessingContext::poll
 
+pub mod retained;
 pub mod sample_health;
-pub mod station;
-pub mod verified_image;
-pub mod watch;
 
+use crate::dsn::ModelError;
 pub use sample_health::SampleFault;
-pub use station::Guarded;
-pub use verified_image::Intact;
-pub use watch::{Fault, Step, Watch};
+
+/// What went wrong. Reported once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Fault {
+    /// Numbers were skipped; the slots are lost to those they were planned for.
+    SlotsSkipped {
+        /// Slots.
+        slots: u32,
+        /// Those of them that were to sense.
+        sensing: u32,
+    },
+    /// More numbers were skipped than are played through, or the rest of the period: a new period begins.
+    Outage {
+        /// Slots.
+        slots: u32,
+    },
+    /// The number of the slot before: its use is given again.
+    SlotRepeated,
+    /// A number that was given before: the slot stays idle.
+    SlotLate,
+    /// The radio counts from another number: a new period begins.
+    CounterReset,
+    /// The schedule's memory had changed: it goes on from the copy of the slot before.
+    StateRepaired,
+    /// Both copies had changed: slots stay idle until the processing context has sent a plan, then a new period begins.
+    StateLost,
+    /// A sensing slot's samples did not come before the next slot.
+    MissingSamples,
+    /// Samples that no slot waits for. They are not used.
+    UnexpectedSamples,
+    /// No buffer was free: the sensing slot is lost.
+    Overrun,
+    /// Samples that cannot be trusted: they are not used.
+    Samples(SampleFault),
+    /// A model has changed in memory: its classification is not given.
+    Model(ModelError),
+    /// So many reports were lost because nobody polled.
+    ReportsLost(u32),
+}

@@ -1,36 +1,41 @@
-//! Whether a slot's samples can be trusted.
+//! Whether a slot's samples can be trusted: silent, stuck, saturated or offset converters.
 //!
-//! A sweep that comes back swings about zero with more than a few LSB: over a thousand samples every bit of a working converter
-//! is sometimes 0 and sometimes 1, the sign's copies above the amplitude included. A bit that never moves is stuck.
+//! A received chirp swings about zero with more than a few LSB: every bit of a working converter is sometimes 0 and sometimes 1,
+//! the sign's copies above the amplitude included. A beat signal may lie on one side of zero: there only bits below the largest
+//! one that moves can be known to be stuck. About 125 samples of a sweep are looked at, at unequal distances, so that the check
+//! costs less than taking the slot; faults of single samples are not found.
 
-use crate::dims::{SLOT_SAMPLES, Slot};
+use crate::config::{Dechirp, RadarConfig, SampleFormat};
 
-/// Most values of a slot, of 2000, that may be at an end of the converter's range.
-pub const MOST_CLIPPED: u16 = 20;
+/// Samples of a sweep that are looked at, about.
+const LOOKED_AT: usize = 125;
 
-/// Largest mean of a slot in LSB, in phase or in quadrature: a chirp over the whole range has about 1000.
-pub const LARGEST_OFFSET: i32 = 2048;
+/// Of so many values that are looked at one may be at an end of the converter's range.
+pub const CLIPPED_ONE_IN: u16 = 100;
+
+/// Largest mean, as a part of the range's positive half: one in 16. A chirp over the whole range has about one in 32.
+pub const OFFSET_ONE_IN: i32 = 16;
 
 /// What is wrong with a slot's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SampleFault {
-    /// All samples are the same.
+    /// The samples are the same.
     Silent,
-    /// Bits that never moved, one bit each; the upper ones too if the signal lies on one side of zero.
+    /// Bits that never moved, one bit each, of the significant ones.
     Stuck {
-        /// Of the in-phase converter.
+        /// Of the in-phase (or only) converter.
         i: u16,
         /// Of the quadrature converter.
         q: u16,
     },
-    /// More than [`MOST_CLIPPED`] values at an end of the range.
+    /// More than one in [`CLIPPED_ONE_IN`] values at an end of the range.
     Saturated {
-        /// How many.
+        /// How many of those looked at.
         values: u16,
     },
-    /// A mean beyond [`LARGEST_OFFSET`].
+    /// A mean beyond one [`OFFSET_ONE_IN`]th of the range.
     Offset {
         /// In phase, LSB.
         i: i16,
@@ -42,7 +47,7 @@ pub enum SampleFault {
 impl core::fmt::Display for SampleFault {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
-            SampleFault::Silent => write!(f, "all samples are the same"),
+            SampleFault::Silent => write!(f, "the samples are the same"),
             SampleFault::Stuck { i, q } => {
                 write!(f, "bits never move: {i:#06x} in phase, {q:#06x} in quadrature")
             }
@@ -54,30 +59,87 @@ impl core::fmt::Display for SampleFault {
 
 impl core::error::Error for SampleFault {}
 
-/// Looks at a slot. Cost: one pass.
+/// What is known of a converter's values.
+struct Values {
+    first: i16,
+    moved: i16,
+    sum: i32,
+    clipped: u16,
+}
+
+impl Values {
+    fn new(first: i16) -> Self {
+        Values { first, moved: 0, sum: 0, clipped: 0 }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, x: i16, ends: (i16, i16)) {
+        self.moved |= x ^ self.first;
+        self.sum += i32::from(x); // at most 2048 values of 16 bits
+        self.clipped += u16::from(x == ends.0 || x == ends.1);
+    }
+
+    /// Significant bits that never moved.
+    fn stuck(&self, config: &RadarConfig) -> u16 {
+        let unused = if config.left_justified { 16 - u32::from(config.converter_bits.min(16)) } else { 0 };
+        let significant = u16::MAX << (unused & 15);
+        let moved = self.moved as u16;
+        let known = match config.dechirp {
+            Dechirp::Digital => u16::MAX,
+            // those below the largest that moves
+            Dechirp::Analog => (u32::MAX >> 1 >> (moved.leading_zeros() + 15)) as u16,
+        };
+        !moved & significant & known
+    }
+}
+
+/// Looks at a slot's values. Cost: 8 instructions for each of about 125 samples, twice for complex ones.
 ///
 /// # Errors
 ///
-/// The first that is found of: silent, stuck, saturated, off its zero.
-pub fn check(slot: &Slot) -> Result<(), SampleFault> {
-    let [first, ..] = slot;
-    let (mut moved, mut sum, mut clipped) = ((0_i16, 0_i16), (0_i32, 0_i32), 0_u16);
-    for sample in slot {
-        moved = (moved.0 | (sample.i ^ first.i), moved.1 | (sample.q ^ first.q));
-        // at most 1000 values of 16 bits
-        sum = (sum.0 + i32::from(sample.i), sum.1 + i32::from(sample.q));
-        let at_end = |x: i16| u16::from(x == i16::MAX || x == i16::MIN);
-        clipped += at_end(sample.i) + at_end(sample.q);
+/// The first that is found of: silent, stuck, saturated, offset.
+pub fn check(slot: &[i16], config: &RadarConfig) -> Result<(), SampleFault> {
+    let step = (usize::from(config.samples) / LOOKED_AT).max(1);
+    let bits = u32::from(config.converter_bits.clamp(8, 16));
+    let ends = if config.left_justified {
+        (i16::MIN, i16::MAX << (16 - bits))
+    } else {
+        (i16::MIN >> (16 - bits), i16::MAX >> (16 - bits))
+    };
+    let (pairs, _) = slot.as_chunks::<2>();
+    let [first_i, first_q] = *pairs.first().ok_or(SampleFault::Silent)?;
+    let (mut i, mut q) = (Values::new(first_i), Values::new(first_q));
+    let mut count = 0_u16;
+    match config.format {
+        SampleFormat::Complex => {
+            // the position within a group changes from group to group
+            for (k, group) in pairs.chunks_exact(step).enumerate() {
+                let [x, y] = group.get(k % step).copied().unwrap_or([first_i, first_q]);
+                i.add(x, ends);
+                q.add(y, ends);
+                count += 2;
+            }
+        }
+        SampleFormat::Real => {
+            for (k, group) in slot.chunks_exact(step).enumerate() {
+                i.add(group.get(k % step).copied().unwrap_or(first_i), ends);
+                count += 1;
+            }
+        }
     }
-    let stuck = (!moved.0 as u16, !moved.1 as u16);
-    let mean = (sum.0 / SLOT_SAMPLES as i32, sum.1 / SLOT_SAMPLES as i32);
-    if moved == (0, 0) {
+    let real = config.format == SampleFormat::Real;
+    let each = i32::from(count) / if real { 1 } else { 2 };
+    let mean = (i.sum / each.max(1), q.sum / each.max(1));
+    let limit = i32::from(ends.1) / OFFSET_ONE_IN;
+    let stuck = (i.stuck(config), if real { 0 } else { q.stuck(config) });
+    let clipped = i.clipped + q.clipped;
+    if i.moved == 0 && (real || q.moved == 0) {
         Err(SampleFault::Silent)
     } else if stuck != (0, 0) {
         Err(SampleFault::Stuck { i: stuck.0, q: stuck.1 })
-    } else if clipped > MOST_CLIPPED {
+    } else if clipped > count / CLIPPED_ONE_IN {
         Err(SampleFault::Saturated { values: clipped })
-    } else if mean.0.abs() > LARGEST_OFFSET || mean.1.abs() > LARGEST_OFFSET {
+    } else if mean.0.abs() > limit + 1 || mean.1.abs() > limit + 1 {
         Err(SampleFault::Offset { i: mean.0 as i16, q: mean.1 as i16 })
     } else {
         Ok(())
@@ -88,82 +150,89 @@ pub fn check(slot: &Slot) -> Result<(), SampleFault> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::dims::Iq;
     use std::string::ToString;
+    use std::vec::Vec;
 
-    fn sweep(amplitude: f64) -> Slot {
-        core::array::from_fn(|n| {
+    const PAPER: RadarConfig = RadarConfig::PAPER;
+
+    fn sweep(amplitude: f64) -> Vec<i16> {
+        let pair = |n: usize| {
             let phase = 3e-4 * (n * n) as f64;
-            let at = |shift: f64| {
+            [0.0, -1.571].map(|shift| {
                 libm::round(amplitude * libm::cos(phase + shift)).clamp(-32768.0, 32767.0) as i16
-            };
-            Iq { i: at(0.0), q: at(-1.571) }
-        })
+            })
+        };
+        (0..1000).flat_map(pair).collect()
+    }
+
+    /// The in-phase values, or those in quadrature.
+    fn channel(slot: &mut [i16], quadrature: bool) -> impl Iterator<Item = &mut i16> {
+        slot.iter_mut().skip(usize::from(quadrature)).step_by(2)
     }
 
     #[test]
     fn working_converters_are_trusted_from_a_few_lsb_to_the_range() {
         for amplitude in [2.0, 5.0, 100.0, 3e4] {
-            assert_eq!(check(&sweep(amplitude)), Ok(()), "{amplitude}");
+            assert_eq!(check(&sweep(amplitude), &PAPER), Ok(()), "{amplitude}");
         }
+        // 12 bits in the upper part of a word, and a beat signal beside zero
+        for bits in [8, 12, 14] {
+            let left = RadarConfig { converter_bits: bits, left_justified: true, ..PAPER };
+            let slot: Vec<i16> = sweep(3e4).iter().map(|x| x >> (16 - bits) << (16 - bits)).collect();
+            assert_eq!(check(&slot, &left), Ok(()), "{bits} bits");
+            assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Stuck { .. })));
+        }
+        let beside: Vec<i16> = sweep(50.0).iter().step_by(2).take(128).map(|x| x + 100).collect();
+        assert_eq!(check(&beside, &RadarConfig::BGT60), Ok(()));
     }
 
     #[test]
     fn every_fault_has_its_name() {
-        assert_eq!(check(&[Iq { i: 5, q: -3 }; SLOT_SAMPLES]), Err(SampleFault::Silent));
+        assert_eq!(check(&[5; 2000], &PAPER), Err(SampleFault::Silent));
+        assert_eq!(check(&[], &PAPER), Err(SampleFault::Silent));
         for bit in 0..16 {
             let mut slot = sweep(2000.0);
-            slot.iter_mut().for_each(|x| x.q |= 1 << bit);
-            assert_eq!(check(&slot), Err(SampleFault::Stuck { i: 0, q: 1 << bit }));
+            channel(&mut slot, true).for_each(|x| *x |= 1 << bit);
+            assert_eq!(check(&slot, &PAPER), Err(SampleFault::Stuck { i: 0, q: 1 << bit }));
             let mut slot = sweep(2000.0);
-            slot.iter_mut().for_each(|x| x.i &= !(1 << bit));
-            assert_eq!(check(&slot), Err(SampleFault::Stuck { i: 1 << bit, q: 0 }));
+            channel(&mut slot, false).for_each(|x| *x &= !(1 << bit));
+            assert_eq!(check(&slot, &PAPER), Err(SampleFault::Stuck { i: 1 << bit, q: 0 }));
         }
-        assert!(matches!(check(&sweep(4e4)), Err(SampleFault::Saturated { values: 500.. })));
+        assert!(matches!(check(&sweep(4e4), &PAPER), Err(SampleFault::Saturated { values: 60.. })));
         let mut slot = sweep(5000.0);
-        slot.iter_mut().for_each(|x| x.i += 2500);
-        assert!(matches!(check(&slot), Err(SampleFault::Offset { i: 2300..2700, q: -200..200 })));
+        channel(&mut slot, false).for_each(|x| *x += 3500);
+        assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Offset { i: 2500..4500, q: -1000..1000 })));
+        // a real sensor of 12 bits
+        let real: Vec<i16> = sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
+        assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
+        let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
+        assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
     }
 
     /// Samples that move every bit about these means.
-    fn about(i: i16, q: i16) -> Slot {
-        core::array::from_fn(|n| {
-            let swing = 31 * (n as i16 / 2) + 1;
-            let swing = if n % 2 == 0 { swing } else { -swing };
-            Iq { i: i + swing, q: q - swing }
-        })
+    fn about(i: i16, q: i16) -> Vec<i16> {
+        let pair = |n: usize| {
+            let swing = 31 * (n as i16 / 16) + 1;
+            let swing = if n / 8 % 2 == 0 { swing } else { -swing };
+            [i + swing, q - swing]
+        };
+        (0..1000).flat_map(pair).collect()
     }
 
     #[test]
-    fn the_limits_are_the_last_values_that_are_taken() {
-        let offset = |i, q| Err(SampleFault::Offset { i, q });
-        for (i, q, found) in [
-            (2048, 0, Ok(())),
-            (0, -2048, Ok(())),
-            (-2048, 2048, Ok(())),
-            (2049, 0, offset(2049, 0)),
-            (-2049, 1, offset(-2049, 1)),
-            (0, 2049, offset(0, 2049)),
-            (7, -2049, offset(7, -2049)),
-        ] {
-            assert_eq!(check(&about(i, q)), found, "{i}, {q}");
+    fn means_beyond_the_limit_are_found_on_either_side() {
+        for (i, q) in [(1800, 0), (0, -1800), (-1800, 1800)] {
+            assert_eq!(check(&about(i, q), &PAPER), Ok(()), "{i}, {q}");
         }
-        for (at_i, at_q) in [(20, 0), (0, 20), (10, 10)] {
-            for end in [i16::MAX, i16::MIN] {
-                let mut slot = about(0, 0);
-                slot.iter_mut().take(at_i).for_each(|x| x.i = end);
-                slot.iter_mut().skip(500).take(at_q).for_each(|x| x.q = end);
-                assert_eq!(check(&slot), Ok(()));
-                slot[300].q = end;
-                assert_eq!(check(&slot), Err(SampleFault::Saturated { values: 21 }));
-            }
+        for (i, q) in [(2300, 0), (-2300, 1), (0, 2300), (7, -2300)] {
+            assert!(matches!(check(&about(i, q), &PAPER), Err(SampleFault::Offset { .. })), "{i}, {q}");
         }
     }
 
     #[test]
     fn every_fault_says_what_it_is() {
         for (fault, words) in [
-            (SampleFault::Silent, "all samples are the same"),
+            (SampleFault::Silent, "the samples are the same"),
             (
                 SampleFault::Stuck { i: 1, q: 0x8000 },
                 "bits never move: 0x0001 in phase, 0x8000 in quadrature",

@@ -3,12 +3,13 @@
 
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
-use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot, ZERO_BEAT};
+use sdp3_core::config::RadarConfig;
+use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::dsn::Model;
-use sdp3_core::dsn::model::crc32;
+use sdp3_core::crc32::crc32;
 use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
-use sdp3_core::pipeline::Buffers;
+use sdp3_core::pipeline::PipelineBuffers;
 use sdp3_core::signal::front_end::FrontEndBuffers;
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{self, Numbers, Size};
@@ -36,19 +37,17 @@ pub fn altered(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
     file
 }
 
+/// Values of a slot of the paper's radar.
+pub const VALUES: usize = RadarConfig::PAPER.values_per_slot();
+
 /// Slots of seeded noise.
-pub fn noise_slots(count: usize, seed: u64) -> Vec<Slot> {
+pub fn noise_slots(count: usize, seed: u64) -> Vec<[i16; VALUES]> {
     let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
-    let mut samples = [0; 2 * SLOT_SAMPLES];
-    (0..count).map(|_| (noise(&mut random, &mut samples), slot(&samples)).1).collect()
+    let mut slot = [0; VALUES];
+    (0..count).map(|_| (noise(&mut random, &mut slot), slot).1).collect()
 }
 
-/// Interleaved samples as the core takes them.
-pub fn slot(samples: &[i16]) -> Slot {
-    core::array::from_fn(|n| Iq { i: samples[2 * n], q: samples[2 * n + 1] })
-}
-
-/// A receiver's memory, element by element.
+/// A pipeline's memory, element by element.
 #[derive(Clone)]
 pub struct Memory {
     pub beats: Vec<Beat>,
@@ -56,23 +55,23 @@ pub struct Memory {
     pub levels: Vec<i16>,
     pub image: Vec<i8>,
     pub scratch: Vec<i8>,
-    pub eights: Vec<I16x8>,
+    pub vectors: Vec<I16x8>,
     pub words: Vec<i32>,
 }
 
 impl Memory {
-    /// Exactly what a model's receiver borrows.
+    /// Exactly what a model's pipeline borrows.
     pub fn of(model: &Model<'_>) -> Self {
-        let tiles = WinogradSizes::of(model);
+        let sizes = WinogradSizes::of(model);
         Memory {
             scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
-            eights: vec![I16x8::ZERO; tiles.eights],
-            words: vec![0; tiles.words],
+            vectors: vec![I16x8::ZERO; sizes.vectors],
+            words: vec![0; sizes.words],
             ..Self::of_front_end(model.sensing_slots(), model.frames())
         }
     }
 
-    /// What the street up to an image of so many frames borrows.
+    /// What the front end of an image of so many frames borrows.
     pub fn of_front_end(slots: usize, frames: usize) -> Self {
         Memory {
             beats: vec![ZERO_BEAT; slots],
@@ -80,21 +79,22 @@ impl Memory {
             levels: vec![0; ROWS * frames],
             image: vec![0; ROWS * frames],
             scratch: Vec::new(),
-            eights: Vec::new(),
+            vectors: Vec::new(),
             words: Vec::new(),
         }
     }
 
-    pub fn view(&mut self) -> Buffers<'_> {
-        Buffers {
+    pub fn view(&mut self) -> PipelineBuffers<'_> {
+        PipelineBuffers {
             front_end: FrontEndBuffers {
+                reference: &mut [],
                 beats: &mut self.beats,
                 slow_time: &mut self.slow_time,
                 levels: &mut self.levels,
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
-            tiles: WinogradMemory { eights: &mut self.eights, words: &mut self.words },
+            kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
 }
@@ -109,6 +109,6 @@ pub const SHORTER: [(&str, Shorten); 7] = [
     ("levels", |m| _ = m.levels.pop()),
     ("image", |m| _ = m.image.pop()),
     ("scratch", |m| _ = m.scratch.pop()),
-    ("eights", |m| _ = m.eights.pop()),
+    ("vectors", |m| _ = m.vectors.pop()),
     ("words", |m| _ = m.words.pop()),
 ];

@@ -18,7 +18,7 @@ mod firmware {
     use sdp3_core::dsn::{Model, scratch_bytes};
     use sdp3_core::pipeline::{Memory, Receiver};
     use sdp3_core::probe::Probe;
-    use sdp3_core::scheduler::{Plan, RECEIVERS, Sequencer, SlotUse};
+    use sdp3_core::scheduler::{Plan, USERS, Sequencer, SlotUse};
     use sdp3_core::selftest;
     use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
@@ -236,14 +236,14 @@ mod firmware {
         let mut words = [0; 4];
         words.iter_mut().for_each(|word| *word = file.word().unwrap_or(0));
         let [period, spacing, sensing, receivers] = words;
-        let mut shares = [0; RECEIVERS];
+        let mut shares = [0; USERS];
         let Some(shares) = shares.get_mut(..receivers as usize) else { fail("too many receivers") };
         shares.iter_mut().for_each(|share| *share = file.word().unwrap_or(0));
         let mut digest = Digest::new();
         if let Ok(plan) = Plan::new(period, spacing, sensing, shares) {
             let mut sequencer = Sequencer::new(&plan);
             for _ in 0..period {
-                match sequencer.next() {
+                match sequencer.next_slot() {
                     SlotUse::Communication(k) => digest.value([k]),
                     _ => digest.value([u8::MAX]),
                 }

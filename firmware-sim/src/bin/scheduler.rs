@@ -23,7 +23,7 @@ mod firmware {
         let before = instructions();
         let mut heard = 0_u32;
         for _ in 0..plan.period() {
-            if let SlotUse::Communication(k) = sequencer.next() {
+            if let SlotUse::Communication(k) = sequencer.next_slot() {
                 heard = heard.wrapping_add(u32::from(k));
             }
         }
@@ -39,7 +39,7 @@ mod firmware {
         for _ in 0..churn::PERIODS {
             churn.between(&mut rng);
             let before = instructions();
-            let first = churn.scheduler.next();
+            let first = churn.scheduler.next_slot();
             let between = instructions();
             core::hint::black_box(first);
             if churn.scheduler.position() > 0 {
@@ -48,7 +48,7 @@ mod firmware {
             let counts = [between.wrapping_sub(before), instructions().wrapping_sub(between)];
             most.iter_mut().zip(counts).for_each(|(most, count)| *most = count.max(*most));
             while churn.scheduler.position() > 0 {
-                churn.scheduler.next();
+                churn.scheduler.next_slot();
             }
         }
         most

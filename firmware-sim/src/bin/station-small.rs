@@ -12,7 +12,7 @@ mod firmware {
     use sdp3_core::memory_for;
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::exit;
-    use sdp3_firmware_sim::station::run;
+    use sdp3_firmware_sim::station::{run, slot_interrupt};
 
     static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
     const SHAPE: Shape = match Shape::of(MODEL) {
@@ -24,6 +24,12 @@ mod firmware {
 
     // 40 KiB are left for the stack and everything else
     const _: () = assert!(Small::BYTES <= 24 * 1024 && Small::BYTES == SHAPE.required_bytes());
+
+    #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_tick() {
+        slot_interrupt();
+    }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]

@@ -12,13 +12,19 @@ mod firmware {
     use sdp3_core::pipeline::StandardMemory;
     use sdp3_firmware_sim::rt::Single;
     use sdp3_firmware_sim::semihosting::exit;
-    use sdp3_firmware_sim::station::run;
+    use sdp3_firmware_sim::station::{run, slot_interrupt};
 
     static MODEL: &[u8] = sdp3_testkit::models::DSN_1000;
     static MEMORY: Single<StandardMemory> = Single::new(StandardMemory::new());
 
     // 48 KiB are left for the stack and everything else
     const _: () = assert!(StandardMemory::BYTES <= 144 * 1024);
+
+    #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_tick() {
+        slot_interrupt();
+    }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]

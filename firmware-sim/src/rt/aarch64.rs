@@ -1,9 +1,4 @@
-//! AArch64 at EL1: reset, vectors, semihosting halt, generic timer through the GIC, cycle counter.
-//!
-//! Under `-icount shift=0` QEMU's processor cycle counter runs at one a nanosecond, and an instruction takes one: it
-//! counts instructions.
-
-use core::sync::atomic::{AtomicU32, Ordering};
+//! AArch64 at EL1: start-up, vectors, semihosting halt, generic timer through the GIC as free-running counter and slot timer.
 
 core::arch::global_asm!(
     ".section .vectors, \"ax\"",
@@ -18,7 +13,26 @@ core::arch::global_asm!(
     "add x0, x0, :lo12:exceptions",
     "msr vbar_el1, x0",
     "isb",
-    "bl firmware_main",
+    "adrp x0, _data_start",
+    "add x0, x0, :lo12:_data_start",
+    "adrp x1, _data_end",
+    "add x1, x1, :lo12:_data_end",
+    "adrp x2, _data_load",
+    "add x2, x2, :lo12:_data_load",
+    "1: cmp x0, x1",
+    "b.hs 2f",
+    "ldr x3, [x2], #8",
+    "str x3, [x0], #8",
+    "b 1b",
+    "2: adrp x0, _bss_start",
+    "add x0, x0, :lo12:_bss_start",
+    "adrp x1, _bss_end",
+    "add x1, x1, :lo12:_bss_end",
+    "3: cmp x0, x1",
+    "b.hs 4f",
+    "str xzr, [x0], #8",
+    "b 3b",
+    "4: bl firmware_main",
     "b .",
     ".balign 2048",
     "exceptions:",
@@ -100,24 +114,42 @@ const GICC: *mut u32 = 0x0801_0000 as *mut u32;
 /// Private interrupt of the EL1 physical timer.
 const TIMER: u32 = 30;
 
-static PERIOD: AtomicU32 = AtomicU32::new(0);
-
 #[unsafe(no_mangle)]
 extern "C" fn firmware_interrupt() {
     // SAFETY: acknowledges and ends the one interrupt that is enabled.
     unsafe {
         let which = GICC.add(3).read_volatile();
-        set_alarm();
-        super::tick();
+        super::timer_interrupt();
         GICC.add(4).write_volatile(which);
     }
 }
 
-/// The next interrupt, one period from now.
-fn set_alarm() {
-    let ticks = u64::from(PERIOD.load(Ordering::Relaxed));
+/// Runs `f` with interrupts masked.
+pub fn masked<R>(f: impl FnOnce() -> R) -> R {
+    let before: u64;
+    // SAFETY: sets and restores DAIF; no `nomem`, so that no access moves out.
+    unsafe { core::arch::asm!("mrs {}, daif", "msr daifset, #2", out(reg) before) };
+    let result = f();
+    // SAFETY: as above.
+    unsafe { core::arch::asm!("msr daif, {}", in(reg) before) };
+    result
+}
+
+/// The generic timer's counter is never off.
+pub fn start_counter() {}
+
+/// The generic timer's counter.
+pub fn ticks() -> u64 {
+    let count: u64;
+    // SAFETY: reads the counter, not ahead of time.
+    unsafe { core::arch::asm!("isb", "mrs {}, cntpct_el0", out(reg) count) };
+    count
+}
+
+/// The next interrupt, at a value of the counter.
+pub fn set_alarm(at: u64) {
     // SAFETY: the timer belongs to this module.
-    unsafe { core::arch::asm!("msr cntp_tval_el0, {}", in(reg) ticks) };
+    unsafe { core::arch::asm!("msr cntp_cval_el0, {}", in(reg) at) };
 }
 
 /// The semihosting trap.
@@ -132,10 +164,8 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every so many instructions: 16 a tick of the 62.5 MHz timer.
-pub fn start_ticks(instructions: u32) {
-    PERIOD.store((instructions / 16).max(1), Ordering::Relaxed);
-    set_alarm();
+/// Allows the timer's interrupt.
+pub fn enable_interrupt() {
     // SAFETY: enables the timer's interrupt, whose handler is this module's.
     unsafe {
         GICD.write_volatile(1);
@@ -146,23 +176,16 @@ pub fn start_ticks(instructions: u32) {
     }
 }
 
-pub fn start_counter() {
-    // SAFETY: enables the cycle counter, 64 bits wide.
-    unsafe {
-        core::arch::asm!("msr pmcntenset_el0, {}", "msr pmcr_el0, {}", "isb", in(reg) 1_u64 << 31, in(reg) 0x41_u64);
-    }
-}
-
-/// The cycle counter: see the module.
-pub fn instructions() -> u64 {
-    let count: u64;
-    // SAFETY: reads a counter.
-    unsafe { core::arch::asm!("mrs {}, pmccntr_el0", out(reg) count) };
-    count
-}
-
 /// Sleeps until an interrupt has been served.
 pub fn wait() {
     // SAFETY: a hint.
     unsafe { core::arch::asm!("wfi") };
+}
+
+/// Resets the machine; its memory stays as it is.
+pub fn reset() -> ! {
+    loop {
+        // SAFETY: PSCI's SYSTEM_RESET, by the conduit of the emulated machine.
+        unsafe { core::arch::asm!("hvc #0", in("x0") 0x8400_0009_u64) };
+    }
 }

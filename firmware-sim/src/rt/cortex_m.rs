@@ -1,4 +1,4 @@
-//! Cortex-M: vectors, semihosting breakpoint, SysTick as timer and instruction counter.
+//! Cortex-M: vectors, start-up, semihosting breakpoint, SysTick as slot timer, a timer of the board as free-running counter.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -14,7 +14,32 @@ core::arch::global_asm!(
     ".global reset",
     ".thumb_func",
     "reset:",
-    "ldr r0, =0xE000ED88", // CPACR: full access to the FPU, where there is one
+    "ldr r0, =_stack_top",
+    "mov sp, r0",
+);
+
+// an exception if the stack grows into the statics
+#[cfg(armv8m)]
+core::arch::global_asm!(".section .text.reset, \"ax\"", "ldr r0, =_stack_limit", "msr msplim, r0");
+
+core::arch::global_asm!(
+    ".section .text.reset, \"ax\"",
+    "ldr r0, =_data_start",
+    "ldr r1, =_data_end",
+    "ldr r2, =_data_load",
+    "1: cmp r0, r1",
+    "bhs 2f",
+    "ldr r3, [r2], #4",
+    "str r3, [r0], #4",
+    "b 1b",
+    "2: ldr r0, =_bss_start",
+    "ldr r1, =_bss_end",
+    "movs r3, #0",
+    "3: cmp r0, r1",
+    "bhs 4f",
+    "str r3, [r0], #4",
+    "b 3b",
+    "4: ldr r0, =0xE000ED88", // CPACR: full access to the FPU, where there is one
     "ldr r1, [r0]",
     "orr r1, r1, #0xF00000",
     "str r1, [r0]",
@@ -24,24 +49,53 @@ core::arch::global_asm!(
     "b .",
     ".global fault",
     ".thumb_func",
-    "fault:",
+    "fault:", // on a stack of its own: the one before may be exhausted
+    "ldr r0, =_stack_top",
+    "mov sp, r0",
     "bl firmware_fault",
     "b .",
 );
 
 /// SysTick: control, reload value, current value.
 const SYSTICK: [*mut u32; 3] = [0xE000_E010 as *mut u32, 0xE000_E014 as *mut u32, 0xE000_E018 as *mut u32];
-/// Ticks of the counter before it begins again.
-const TURN: u32 = 1 << 24;
-/// Virtual picoseconds of one instruction under `-icount shift=6`.
-const INSTRUCTION_PS: u64 = 64_000;
+/// Fewest and most ticks of SysTick: it is read before it has counted down, and has 24 bits.
+const SHORTEST: u64 = 32;
+const LONGEST: u64 = 1 << 24;
+/// Application interrupt and reset control.
+const AIRCR: *mut u32 = 0xE000_ED0C as *mut u32;
 
+/// The free-running counter, of 32 bits: the register whose bit 0 enables it, its value, which must run over its whole range,
+/// and what makes that count upwards. It ticks at the rate of SysTick.
+struct Counter {
+    control: *mut u32,
+    reload: Option<*mut u32>,
+    value: *const u32,
+    invert: u32,
+}
+
+/// CMSDK timer 0, which counts down.
+#[cfg(not(board = "an547"))]
+const COUNTER: Counter = {
+    const BASE: usize = if cfg!(board = "an505") { 0x5000_0000 } else { 0x4000_0000 };
+    Counter {
+        control: BASE as *mut u32,
+        reload: Some((BASE + 8) as *mut u32),
+        value: (BASE + 4) as *const u32,
+        invert: u32::MAX,
+    }
+};
+/// The system counter of the SSE-300, as its timer 0 shows the low word of it.
+#[cfg(board = "an547")]
+const COUNTER: Counter =
+    Counter { control: 0x5810_0000 as *mut u32, reload: None, value: 0x5800_0000 as *const u32, invert: 0 };
+
+/// The counter when it was last read, and its turns up to then.
+static LAST: AtomicU32 = AtomicU32::new(0);
 static TURNS: AtomicU32 = AtomicU32::new(0);
 
 #[unsafe(no_mangle)]
 extern "C" fn firmware_systick() {
-    TURNS.fetch_add(1, Ordering::Relaxed);
-    super::tick();
+    super::timer_interrupt();
 }
 
 /// The semihosting trap.
@@ -56,41 +110,70 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every so many instructions, at most 2^24 ticks of the machine's clock.
-pub fn start_ticks(instructions: u32) {
-    start(u64::from(instructions) * INSTRUCTION_PS / super::TICK_PS);
-}
-
-fn start(ticks: u64) {
-    let [control, reload, value] = SYSTICK;
-    // SAFETY: SysTick belongs to this module.
-    unsafe {
-        reload.write_volatile(ticks.clamp(1, u64::from(TURN)) as u32 - 1);
-        value.write_volatile(0);
-        control.write_volatile(7);
-    }
+/// Runs `f` with interrupts masked.
+pub fn masked<R>(f: impl FnOnce() -> R) -> R {
+    let before: u32;
+    // SAFETY: sets and restores PRIMASK; no `nomem`, so that no access moves out.
+    unsafe { core::arch::asm!("mrs {}, primask", "cpsid i", out(reg) before) };
+    let result = f();
+    // SAFETY: as above.
+    unsafe { core::arch::asm!("msr primask, {}", in(reg) before) };
+    result
 }
 
 pub fn start_counter() {
-    start(u64::from(TURN));
-}
-
-/// Turns and rest of SysTick, in picoseconds of virtual time, over those of one instruction.
-pub fn instructions() -> u64 {
-    let [_, _, value] = SYSTICK;
-    loop {
-        let turns = TURNS.load(Ordering::Relaxed);
-        // SAFETY: reads SysTick's value.
-        let left = unsafe { value.read_volatile() };
-        if TURNS.load(Ordering::Relaxed) == turns {
-            let ticks = u64::from(turns) * u64::from(TURN) + u64::from((TURN - left) % TURN);
-            return ticks * super::TICK_PS / INSTRUCTION_PS;
+    // SAFETY: the counter belongs to this module.
+    unsafe {
+        if COUNTER.control.read_volatile() & 1 == 1 {
+            return;
         }
+        if let Some(reload) = COUNTER.reload {
+            reload.write_volatile(u32::MAX);
+        }
+        COUNTER.control.write_volatile(1);
     }
 }
+
+/// The counter, its turns added, in ticks. To be called with interrupts masked, at least once a turn: SysTick's interrupt does.
+pub fn ticks() -> u64 {
+    // SAFETY: reads the counter.
+    let now = unsafe { COUNTER.value.read_volatile() } ^ COUNTER.invert;
+    let turns = TURNS.load(Ordering::Relaxed) + u32::from(now < LAST.load(Ordering::Relaxed));
+    LAST.store(now, Ordering::Relaxed);
+    TURNS.store(turns, Ordering::Relaxed);
+    u64::from(turns) << 32 | u64::from(now)
+}
+
+/// The next interrupt, at a value of the counter; before it, if that is too far. To be called with interrupts masked.
+///
+/// SysTick runs once: a reload value of zero, written when the counter has taken the other, stops it at the next zero.
+/// (QEMU would skip an interrupt of a sleeping processor whose timer runs on.)
+pub fn set_alarm(at: u64) {
+    let [control, reload, value] = SYSTICK;
+    // SAFETY: SysTick belongs to this module. It is loaded at the tick after its value was written.
+    unsafe {
+        control.write_volatile(0);
+        reload.write_volatile(at.saturating_sub(ticks()).clamp(SHORTEST, LONGEST) as u32 - 1);
+        value.write_volatile(0);
+        control.write_volatile(7);
+        while value.read_volatile() == 0 {}
+        reload.write_volatile(0);
+    }
+}
+
+/// SysTick needs nothing else.
+pub fn enable_interrupt() {}
 
 /// Sleeps until an interrupt has been served.
 pub fn wait() {
     // SAFETY: a hint.
     unsafe { core::arch::asm!("wfi") };
+}
+
+/// Resets the machine; its memory stays as it is.
+pub fn reset() -> ! {
+    loop {
+        // SAFETY: SYSRESETREQ.
+        unsafe { AIRCR.write_volatile(0x05FA_0004) };
+    }
 }

@@ -1,7 +1,13 @@
-//! Start-up, semihosting call, timer, instruction counter, stack paint and single-owner statics: all the unsafe code.
+//! Start-up, semihosting call, slot timer, instruction counter, stack paint and single-owner statics: all the unsafe code.
 //!
-//! Each unsafe block says why it is sound. QEMU loads the ELF's segments and starts with zeroed memory, so nothing is
-//! copied or cleared. A processor family has one file of its own.
+//! Each unsafe block says why it is sound. Start-up relies on no loader: it sets the stack (and its limit, where the processor
+//! has one), copies the initial values of `.data` from code memory, clears `.bss`, leaves `.uninit` alone, enables the FPU and
+//! calls `firmware_main`. A static that is to survive a reset is put there by `#[unsafe(link_section = ".uninit.NAME")]`.
+//! A processor family has one file of its own.
+//!
+//! The virtual clock: the emulator advances time by a constant amount an instruction, so that a free-running counter of the
+//! machine counts instructions and a timer that is compared with it interrupts every so many. All of it is derived from that
+//! one counter. Its resolution is one tick: 0.5 to 0.8 instructions on Cortex-M, 1.6 on RISC-V, 1 on AArch64.
 #![allow(unsafe_code)]
 
 #[cfg_attr(target_arch = "arm", path = "cortex_m.rs")]
@@ -12,10 +18,10 @@ mod family;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use family::trap;
-pub use family::{start_ticks, wait};
+pub use family::{reset, wait};
 
 unsafe extern "C" {
-    static mut _bss_end: u32;
+    static mut _stack_limit: u32;
     static mut _stack_top: u32;
     /// The program's share of a timer interrupt; nothing where it has none (`memory/sections.ld`).
     fn firmware_tick();
@@ -24,22 +30,27 @@ unsafe extern "C" {
 #[unsafe(no_mangle)]
 extern "C" fn firmware_no_tick() {}
 
-/// Called by every timer interrupt.
-fn tick() {
-    // SAFETY: the program's handler, or the one above.
-    unsafe { firmware_tick() };
-}
+/// Virtual picoseconds of a tick of the counter and of an instruction, in lowest terms: see `machines`.
+const TICK: u64 = picoseconds(env!("SDP3_TICK_PS")) / COMMON;
+const INSTRUCTION: u64 = picoseconds(env!("SDP3_INSTRUCTION_PS")) / COMMON;
+const COMMON: u64 = {
+    let (mut a, mut b) = (picoseconds(env!("SDP3_TICK_PS")), picoseconds(env!("SDP3_INSTRUCTION_PS")));
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+};
 
-/// Picoseconds of a tick of the timer that counts instructions: see `machines`.
-#[cfg(target_arch = "arm")]
-const TICK_PS: u64 = picoseconds(env!("SDP3_TICK_PS"));
-
-#[cfg(target_arch = "arm")]
 const fn picoseconds(text: &str) -> u64 {
     match u64::from_str_radix(text, 10) {
         Ok(number) => number,
-        Err(_) => panic!("SDP3_TICK_PS is no number"),
+        Err(_) => panic!("a duration is no number"),
     }
+}
+
+/// Instructions in so many ticks.
+fn from_ticks(ticks: u64) -> u64 {
+    ticks * TICK / INSTRUCTION
 }
 
 /// Semihosting call; the result of the emulator.
@@ -55,17 +66,114 @@ pub(crate) fn write0(text: &[u8; 128]) {
     unsafe { trap(0x04, text.as_ptr() as usize) };
 }
 
-/// Starts the counter behind [`instructions`]; not together with [`start_ticks`].
-pub fn start_counter() {
-    family::start_counter();
+/// The slot timer, in ticks of the counter.
+struct Timer {
+    /// When the current slot began by the clock: it may have been later.
+    due: u64,
+    /// When the next one begins; never, before [`start_ticks`].
+    next: u64,
+    /// A slot: whole ticks, and the rest in parts of a tick, of which it has [`TICK`].
+    period: (u64, u64),
+    /// Parts of a tick left over from the slots before.
+    rest: u64,
+    /// Slots begun.
+    slots: u32,
+    /// Ticks spent in interrupts.
+    interrupted: u64,
 }
 
-/// Instructions executed since [`start_counter`], 64 bits, under the `-icount` of `machines`.
+struct TimerCell(UnsafeCell<Timer>);
+
+// SAFETY: only `timer` uses it, with interrupts masked, on one core.
+unsafe impl Sync for TimerCell {}
+
+static TIMER: TimerCell = TimerCell(UnsafeCell::new(Timer {
+    due: 0,
+    next: u64::MAX,
+    period: (u64::MAX, 0),
+    rest: 0,
+    slots: 0,
+    interrupted: 0,
+}));
+
+/// Lets `f` use the timer, and tells it the counter, with interrupts masked. It must not call this function.
+fn timer<R>(f: impl FnOnce(&mut Timer, u64) -> R) -> R {
+    // SAFETY: interrupts are masked and `f` is not nested: this is the only reference.
+    family::masked(|| f(unsafe { &mut *TIMER.0.get() }, family::ticks()))
+}
+
+/// Called by every timer interrupt. One that comes before the next slot is due only keeps the counter's high word.
+fn timer_interrupt() {
+    let (begins, entered) = timer(|timer, now| {
+        let begins = now >= timer.next;
+        if begins {
+            timer.due = timer.next;
+            timer.rest += timer.period.1;
+            timer.next = timer.next.saturating_add(timer.period.0);
+            if timer.rest >= TICK {
+                timer.rest -= TICK;
+                timer.next += 1;
+            }
+            timer.slots = timer.slots.wrapping_add(1);
+        }
+        family::set_alarm(timer.next);
+        (begins, now)
+    });
+    if begins {
+        // SAFETY: the program's handler, or the one above.
+        unsafe { firmware_tick() };
+    }
+    timer(|timer, now| timer.interrupted += now - entered);
+}
+
+/// Starts the counter behind [`instructions`].
+pub fn start_counter() {
+    family::start_counter();
+    timer(|timer, _| family::set_alarm(timer.next));
+    family::enable_interrupt();
+}
+
+/// Calls `firmware_tick` every so many instructions, at most 2^24 ticks of the counter; starts the counter if need be.
 ///
-/// Cortex-M: SysTick at 25 MHz has a resolution of 0.6 instructions (20 MHz: 0.8; 32 MHz: 0.5); its turns are counted
-/// by an interrupt of some twenty instructions every 2^24 ticks. RISC-V and AArch64: exact.
+/// Interrupt k is due k times the period after this call, rounded down to a tick: there is no drift. One that is served late
+/// does not move the next, and none is left out.
+pub fn start_ticks(instructions: u32) {
+    start_counter();
+    timer(|timer, now| {
+        let length = u64::from(instructions.max(1)) * INSTRUCTION;
+        timer.period = (length / TICK, length % TICK);
+        timer.rest = timer.period.1;
+        timer.next = now + timer.period.0;
+        timer.slots = 0;
+        family::set_alarm(timer.next);
+    });
+}
+
+/// Slots begun since [`start_ticks`].
+pub fn slots() -> u32 {
+    timer(|timer, _| timer.slots)
+}
+
+/// Instructions since the current slot was due. Within `firmware_tick`: how late it is.
+pub fn lateness() -> u64 {
+    timer(|timer, now| from_ticks(now - timer.due))
+}
+
+/// Whether the next slot is due: within `firmware_tick`, whether it has come too late or taken too long.
+pub fn pending() -> bool {
+    timer(|timer, now| now >= timer.next)
+}
+
+/// Instructions executed since [`start_counter`], those in interrupts and the time asleep included.
+///
+/// The counter has 64 bits; on Cortex-M an interrupt of some sixty instructions every 2^24 ticks counts the turns of its low word.
 pub fn instructions() -> u64 {
-    family::instructions()
+    from_ticks(family::masked(family::ticks))
+}
+
+/// As [`instructions`], without those of interrupts (but for the entry and exit of the family's assembly, some hundred each).
+pub fn foreground_instructions() -> u64 {
+    timer(|timer, now| from_ticks(now - timer.interrupted))
 }
 
 const PAINT: u32 = 0xACED_C0DE;
@@ -74,7 +182,7 @@ const PAINT: u32 = 0xACED_C0DE;
 #[inline(never)]
 pub fn paint_stack() {
     let here = 0_u32;
-    let bottom = &raw mut _bss_end;
+    let bottom = &raw mut _stack_limit;
     // a kilobyte below this frame is left alone
     let top = (&raw const here as usize).saturating_sub(1024);
     let words = top.saturating_sub(bottom as usize) / 4;
@@ -86,13 +194,22 @@ pub fn paint_stack() {
 
 /// Bytes of stack used since [`paint_stack`].
 pub fn stack_used() -> usize {
-    let (bottom, top) = (&raw const _bss_end, &raw const _stack_top as usize);
+    let (bottom, top) = (&raw const _stack_limit, &raw const _stack_top as usize);
     let mut k = 0;
     // SAFETY: reads memory between the statics and the stack's top.
     while unsafe { bottom.add(k).read_volatile() } == PAINT {
         k += 1;
     }
     top - (bottom as usize + 4 * k)
+}
+
+/// Sets a flag and returns what it was. A load and a store with interrupts masked: not every processor can swap.
+pub(crate) fn test_and_set(flag: &AtomicBool) -> bool {
+    family::masked(|| {
+        let before = flag.load(Ordering::Acquire);
+        flag.store(true, Ordering::Relaxed);
+        before
+    })
 }
 
 /// A static with one owner.
@@ -112,7 +229,7 @@ impl<T> Single<T> {
 
     /// The value, the first time.
     pub fn take(&'static self) -> Option<&'static mut T> {
-        if self.taken.swap(true, Ordering::AcqRel) {
+        if test_and_set(&self.taken) {
             return None;
         }
         // SAFETY: the flag lets exactly one caller pass, ever.
@@ -138,8 +255,8 @@ impl<T> Owned<T> {
 
     /// Hands the value over; a second one is dropped.
     pub fn give(&self, value: T) {
-        if !self.given.swap(true, Ordering::AcqRel) {
-            // SAFETY: the first and only giver; nobody is let in while `busy` is up, as it was from the beginning.
+        if !test_and_set(&self.given) {
+            // SAFETY: the first and only giver; nobody is let in while `busy` is set, as it was from the beginning.
             unsafe { *self.value.get() = Some(value) };
             self.busy.store(false, Ordering::Release);
         }
@@ -147,10 +264,10 @@ impl<T> Owned<T> {
 
     /// Lets the handler use it, if it has been given and nobody else is using it.
     pub fn with(&self, f: impl FnOnce(&mut T)) {
-        if self.busy.swap(true, Ordering::AcqRel) {
+        if test_and_set(&self.busy) {
             return;
         }
-        // SAFETY: `busy` was down and is up now: nobody else is here.
+        // SAFETY: `busy` was clear and is set now: nobody else is here.
         if let Some(value) = unsafe { &mut *self.value.get() } {
             f(value);
         }

@@ -1,6 +1,4 @@
-//! RV32: reset, trap entry, semihosting breakpoint, machine timer, retired instructions.
-
-use core::sync::atomic::{AtomicU32, Ordering};
+//! RV32: start-up, trap entry, semihosting breakpoint, machine timer as free-running counter and slot timer.
 
 core::arch::global_asm!(
     ".section .vectors, \"ax\"",
@@ -11,8 +9,23 @@ core::arch::global_asm!(
     "csrw mtvec, t0",
     "li t0, 0x2000", // mstatus.FS: the FPU on, where there is one
     "csrs mstatus, t0",
-    "call firmware_main",
-    "1: j 1b",
+    "la t0, _data_start",
+    "la t1, _data_end",
+    "la t2, _data_load",
+    "1: bgeu t0, t1, 2f",
+    "lw t3, 0(t2)",
+    "sw t3, 0(t0)",
+    "addi t0, t0, 4",
+    "addi t2, t2, 4",
+    "j 1b",
+    "2: la t0, _bss_start",
+    "la t1, _bss_end",
+    "3: bgeu t0, t1, 4f",
+    "sw zero, 0(t0)",
+    "addi t0, t0, 4",
+    "j 3b",
+    "4: call firmware_main",
+    "5: j 5b",
     ".align 2",
     "fault:",
     "addi sp, sp, -144",
@@ -118,7 +131,8 @@ const TIMER: usize = 1 << 31 | 7;
 const MTIME: *mut u32 = 0x0200_bff8 as *mut u32;
 const MTIMECMP: *mut u32 = 0x0200_4000 as *mut u32;
 
-static PERIOD: AtomicU32 = AtomicU32::new(0);
+/// The test finisher, which can reset the machine.
+const FINISHER: *mut u32 = 0x0010_0000 as *mut u32;
 
 unsafe extern "C" {
     /// What every exception but an interrupt ends in (`fault`).
@@ -130,21 +144,49 @@ extern "C" fn firmware_trap(cause: usize) {
     if cause != TIMER {
         firmware_fault();
     }
-    set_alarm();
-    super::tick();
+    super::timer_interrupt();
 }
 
-/// The next interrupt, one period from now.
-fn set_alarm() {
+/// Runs `f` with interrupts masked.
+pub fn masked<R>(f: impl FnOnce() -> R) -> R {
+    let before: usize;
+    // SAFETY: clears and restores mstatus.MIE; no `nomem`, so that no access moves out.
+    unsafe { core::arch::asm!("csrrci {}, mstatus, 8", out(reg) before) };
+    let result = f();
+    // SAFETY: as above.
+    unsafe { core::arch::asm!("csrs mstatus, {}", in(reg) before & 8) };
+    result
+}
+
+/// mtime is never off.
+pub fn start_counter() {}
+
+/// mtime, both words of one moment.
+pub fn ticks() -> u64 {
+    loop {
+        // SAFETY: reads the time.
+        let [high, low, after] =
+            unsafe { [MTIME.add(1).read_volatile(), MTIME.read_volatile(), MTIME.add(1).read_volatile()] };
+        if high == after {
+            return u64::from(high) << 32 | u64::from(low);
+        }
+    }
+}
+
+/// The next interrupt, at a value of the counter.
+pub fn set_alarm(at: u64) {
     // SAFETY: the timer belongs to this module; a high word of all ones keeps the alarm silent while it is set.
     unsafe {
-        let high = MTIME.add(1).read_volatile();
-        let now = u64::from(high) << 32 | u64::from(MTIME.read_volatile());
-        let next = now.wrapping_add(u64::from(PERIOD.load(Ordering::Relaxed)));
         MTIMECMP.add(1).write_volatile(u32::MAX);
-        MTIMECMP.write_volatile(next as u32);
-        MTIMECMP.add(1).write_volatile((next >> 32) as u32);
+        MTIMECMP.write_volatile(at as u32);
+        MTIMECMP.add(1).write_volatile((at >> 32) as u32);
     }
+}
+
+/// Allows the machine timer interrupt.
+pub fn enable_interrupt() {
+    // SAFETY: its handler is this module's.
+    unsafe { core::arch::asm!("csrs mie, {}", "csrsi mstatus, 8", in(reg) 0x80) };
 }
 
 /// The semihosting trap.
@@ -171,32 +213,16 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
     result
 }
 
-/// An interrupt every so many instructions: 100 a tick of the 10 MHz timer.
-pub fn start_ticks(instructions: u32) {
-    PERIOD.store((instructions / 100).max(1), Ordering::Relaxed);
-    set_alarm();
-    // SAFETY: allows the machine timer interrupt; its handler is this module's.
-    unsafe { core::arch::asm!("csrs mie, {}", "csrsi mstatus, 8", in(reg) 0x80) };
-}
-
-pub fn start_counter() {}
-
-/// minstret, both words of one moment.
-pub fn instructions() -> u64 {
-    loop {
-        let (before, low, after): (u32, u32, u32);
-        // SAFETY: reads two counters.
-        unsafe {
-            core::arch::asm!("csrr {}, minstreth", "csrr {}, minstret", "csrr {}, minstreth", out(reg) before, out(reg) low, out(reg) after);
-        }
-        if before == after {
-            return u64::from(before) << 32 | u64::from(low);
-        }
-    }
-}
-
 /// Sleeps until an interrupt has been served.
 pub fn wait() {
     // SAFETY: a hint.
     unsafe { core::arch::asm!("wfi") };
+}
+
+/// Resets the machine; its memory stays as it is.
+pub fn reset() -> ! {
+    loop {
+        // SAFETY: the finisher's code for a reset.
+        unsafe { FINISHER.write_volatile(0x7777) };
+    }
 }

@@ -8,7 +8,7 @@ use sdp3::predictor::receiver::OwnedBuffers;
 use sdp3_core::dsn::Model as Parsed;
 use sdp3_core::dims::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
 use sdp3_core::probe::Probe;
-use sdp3_core::scheduler::{RECEIVERS, Sensing, SlotUse};
+use sdp3_core::scheduler::{USERS, SensingLayout, SlotUse};
 
 /// Raw slots of an array [slow time, 1000, 2].
 fn slots(array: &PyReadonlyArray3<'_, i16>) -> PyResult<Vec<Slot>> {
@@ -47,12 +47,12 @@ fn number(slot: SlotUse) -> i8 {
 impl Scheduler {
     #[new]
     fn new(period: u32, spacing: u32, sensing: u32, rates: Vec<u32>) -> PyResult<Self> {
-        let sensing = Sensing::new(period, spacing, sensing).map_err(refused)?;
-        if rates.is_empty() || rates.len() > RECEIVERS {
+        let sensing = SensingLayout::new(period, spacing, sensing).map_err(refused)?;
+        if rates.is_empty() || rates.len() > USERS {
             let n = rates.len();
-            return Err(refused(format!("rates: {n} receivers are outside the legal range: 1..={RECEIVERS}")));
+            return Err(refused(format!("rates: {n} receivers are outside the legal range: 1..={USERS}")));
         }
-        let mut all = [0; RECEIVERS];
+        let mut all = [0; USERS];
         all.iter_mut().zip(rates).for_each(|(to, rate)| *to = rate);
         Ok(Scheduler(sdp3_core::scheduler::Scheduler::new(sensing, all)))
     }
@@ -74,8 +74,8 @@ impl Scheduler {
     }
 
     fn set_rate(&mut self, receiver: usize, rate: u32) -> PyResult<()> {
-        if receiver >= RECEIVERS {
-            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0..{RECEIVERS}")));
+        if receiver >= USERS {
+            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0..{USERS}")));
         }
         self.0.set_rate(receiver, rate);
         Ok(())
@@ -97,7 +97,7 @@ impl Scheduler {
 
     #[getter]
     fn longest_waits(&self) -> Vec<Option<u32>> {
-        (0..RECEIVERS).map(|k| self.0.plan().longest_wait(k)).collect()
+        (0..USERS).map(|k| self.0.plan().longest_wait(k)).collect()
     }
 }
 

@@ -256,7 +256,7 @@ pub fn play_schedule(suite: &Suite) -> Vec<u8> {
     let Ok(plan) = Plan::new(s.period, s.spacing, s.sensing, &s.shares) else { return Vec::new() };
     let mut sequencer = Sequencer::new(&plan);
     (0..s.period)
-        .map(|_| match sequencer.next() {
+        .map(|_| match sequencer.next_slot() {
             SlotUse::Communication(k) => k,
             _ => u8::MAX,
         })

@@ -44,7 +44,7 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
     let mut waits = vec![0; receivers];
     for _ in 0..plan.period() {
         waits.iter_mut().for_each(|wait| *wait += 1);
-        let slot = sequencer.next();
+        let slot = sequencer.next_slot();
         match slot {
             SlotUse::Communication(k) => {
                 let k = usize::from(k);

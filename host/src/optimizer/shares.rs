@@ -2,7 +2,7 @@
 //!
 //! The core divides by rates of 31 bits; receivers whose products differ by less than that may still trade a slot.
 
-use sdp3_core::scheduler::{RECEIVERS, apportion};
+use sdp3_core::scheduler::{USERS, apportion};
 
 /// Rates in units that fill 31 bits: ratios to 1e-9.
 pub fn integer_rates(slot_bits: &[f64]) -> Vec<u32> {
@@ -13,7 +13,7 @@ pub fn integer_rates(slot_bits: &[f64]) -> Vec<u32> {
 /// N_c,k with the largest worst `share x rate`, and that product in bits. At most eight receivers.
 pub fn divide(slot_bits: &[f64], slots: u32) -> (Vec<u32>, f64) {
     let mut shares = vec![0; slot_bits.len()];
-    apportion(&integer_rates(slot_bits), &[0; RECEIVERS][..shares.len()], slots, &mut shares);
+    apportion(&integer_rates(slot_bits), &[0; USERS][..shares.len()], slots, &mut shares);
     let bits = |shares: &[u32], k: usize| f64::from(shares[k]) * slot_bits[k];
     loop {
         let worst = (0..shares.len()).min_by(|&i, &j| bits(&shares, i).total_cmp(&bits(&shares, j)));

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::supervision::watch::{Fault, WORDS, Watch};
-use sdp3_core::scheduler::{RECEIVERS, Sensing};
+use sdp3_core::scheduler::{USERS, Sensing};
 use sdp3_core::state::State;
 use sdp3_fuzz::Bytes;
 
@@ -20,7 +20,7 @@ fuzz_target!(|data: &[u8]| {
     let mut memory = [0; WORDS];
     while !bytes.is_empty() {
         match bytes.u8() {
-            0..16 => _ = watch.set_rate(usize::from(bytes.u8()) % (RECEIVERS + 1), bytes.u32()),
+            0..16 => _ = watch.set_rate(usize::from(bytes.u8()) % (USERS + 1), bytes.u32()),
             16..32 => _ = watch.set_sensing(sensing(&mut bytes)),
             32..48 => _ = watch.lose(),
             48..56 => _ = watch.end_sensing(),
@@ -47,7 +47,7 @@ fuzz_target!(|data: &[u8]| {
                     let skipped = if let Some(Fault::Skipped { slots, .. }) = step.fault { slots } else { 0 };
                     assert!(!step.begins || watch.scheduler().position() <= 1 + skipped);
                     if step.fault == Some(Fault::Forgotten) {
-                        watch.configure(sensing(&mut bytes), [1; RECEIVERS]);
+                        watch.configure(sensing(&mut bytes), [1; USERS]);
                     }
                 }
                 // after three slots in order nothing is told any more, but what lay in wait for the next period

@@ -3,14 +3,14 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::scheduler::layout::LONGEST_PERIOD;
-use sdp3_core::scheduler::{Plan, RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{Plan, USERS, Scheduler, SensingLayout, SlotUse};
 use sdp3_fuzz::Bytes;
 
 /// Sensing of a period of at most 256 slots.
-fn sensing(bytes: &mut Bytes<'_>) -> Sensing {
+fn sensing(bytes: &mut Bytes<'_>) -> SensingLayout {
     let (period, spacing) = (1 + u32::from(bytes.u8()), u32::from(bytes.u8()) % 6);
     let slots = u32::from(bytes.u8()) % (period / (spacing + 1) + 1);
-    Sensing::new(period, spacing, slots).expect("it fits")
+    SensingLayout::new(period, spacing, slots).expect("it fits")
 }
 
 /// A rate of any magnitude, 0 among them.
@@ -21,14 +21,14 @@ fn rate(bytes: &mut Bytes<'_>) -> u32 {
 /// A period as it is played.
 struct Period {
     plan: Plan,
-    served: [u32; RECEIVERS],
+    served: [u32; USERS],
     sensed: u32,
     ended: bool,
 }
 
 impl Period {
     fn of(plan: &Plan) -> Self {
-        Period { plan: plan.clone(), served: [0; RECEIVERS], sensed: 0, ended: false }
+        Period { plan: plan.clone(), served: [0; USERS], sensed: 0, ended: false }
     }
 
     fn slot(&mut self, j: u32, slot: SlotUse) {
@@ -51,10 +51,10 @@ fn play(bytes: &mut Bytes<'_>) {
     let mut period = Period::of(scheduler.plan());
     while !bytes.is_empty() {
         match bytes.u8() {
-            0..32 => scheduler.set_rate(usize::from(bytes.u8()) % (RECEIVERS + 1), rate(bytes)),
-            32..48 => scheduler.set_sensing(sensing(bytes)),
-            48..64 => _ = scheduler.set_sensing_slots(bytes.u32() >> (bytes.u8() % 32)),
-            64..96 => scheduler.lose(),
+            0..32 => scheduler.planner_mut().set_rate(usize::from(bytes.u8()) % (USERS + 1), rate(bytes)),
+            32..48 => scheduler.planner_mut().set_layout(sensing(bytes)),
+            48..64 => _ = scheduler.planner_mut().set_sensing_slots(bytes.u32() >> (bytes.u8() % 32)),
+            64..96 => scheduler.on_lost(),
             96..112 => {
                 period.ended |= scheduler.position() > 0 && scheduler.sensing_left() > 0;
                 scheduler.end_sensing();
@@ -62,10 +62,10 @@ fn play(bytes: &mut Bytes<'_>) {
             count => {
                 for _ in 0..count - 100 {
                     let j = scheduler.position() + 1;
-                    let slot = scheduler.next();
+                    let slot = scheduler.next_slot();
                     if j == 1 {
                         period = Period::of(scheduler.plan());
-                        let boundary = scheduler.boundary();
+                        let boundary = scheduler.report();
                         assert!(boundary.replanned || boundary.changes.lost == 0);
                     }
                     period.slot(j, slot);
@@ -78,22 +78,22 @@ fn play(bytes: &mut Bytes<'_>) {
 /// Periods up to the longest, rates up to the largest.
 fn stretch(bytes: &mut Bytes<'_>) {
     let (period, spacing, slots) = (bytes.u32() % (LONGEST_PERIOD + 2), bytes.u32(), bytes.u32());
-    let Ok(sensing) = Sensing::new(period, spacing >> (spacing % 32), slots >> (slots % 32)) else { return };
+    let Ok(sensing) = SensingLayout::new(period, spacing >> (spacing % 32), slots >> (slots % 32)) else { return };
     let mut scheduler = Scheduler::new(sensing, std::array::from_fn(|_| rate(bytes)));
     let others = |plan: &Plan| plan.shares().iter().sum::<u32>();
     let plan = scheduler.plan();
-    assert!(others(plan) == sensing.others() || others(plan) == 0);
+    assert!(others(plan) == sensing.data_slots() || others(plan) == 0);
     for _ in 0..bytes.u8() {
-        scheduler.next();
+        scheduler.next_slot();
         if bytes.u8() < 32 {
-            scheduler.lose();
+            scheduler.on_lost();
         }
     }
     scheduler.end_sensing();
-    (0..RECEIVERS).for_each(|k| {
+    (0..USERS).for_each(|k| {
         let _ = scheduler.plan().longest_wait(k);
     });
-    scheduler.next();
+    scheduler.next_slot();
 }
 
 fuzz_target!(|data: &[u8]| {

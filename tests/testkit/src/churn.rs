@@ -4,7 +4,7 @@
 
 use rand_core::Rng;
 use sdp3_core::digest::Digest;
-use sdp3_core::scheduler::{RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{USERS, Scheduler, SensingLayout, SlotUse};
 
 /// Digest of [`run`] over [`PERIODS`] for `rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3)`.
 pub const KNOWN_ANSWER: u64 = 0x2645_ab31_0824_de99;
@@ -17,7 +17,7 @@ pub const PERIODS: u32 = 200;
 pub struct Churn {
     /// The scheduler.
     pub scheduler: Scheduler,
-    rates: [u32; RECEIVERS],
+    rates: [u32; USERS],
     /// Slots lost in this period, of 2^16.
     loss: u32,
     /// Slot after which sensing ends; 0: never.
@@ -25,7 +25,7 @@ pub struct Churn {
 }
 
 /// A layout with no, some or all of the possible sensing slots; `None` if the draw is illegal.
-fn layout(rng: &mut impl Rng) -> Option<Sensing> {
+fn layout(rng: &mut impl Rng) -> Option<SensingLayout> {
     let word = rng.next_u32();
     let period = 20 + word % 381;
     let spacing = (word >> 9) % 5;
@@ -35,7 +35,7 @@ fn layout(rng: &mut impl Rng) -> Option<Sensing> {
         1 => most,
         _ => (word >> 16) % (most + 1),
     };
-    Sensing::new(period, spacing, slots).ok()
+    SensingLayout::new(period, spacing, slots).ok()
 }
 
 /// A rate of 1 to 28 bits.
@@ -46,7 +46,7 @@ fn rate(rng: &mut impl Rng) -> u32 {
 impl Churn {
     /// A scheduler of three users with rates from `rng`.
     pub fn new(rng: &mut impl Rng) -> Self {
-        let mut rates = [0; RECEIVERS];
+        let mut rates = [0; USERS];
         rates.iter_mut().take(3).for_each(|slot| *slot = rate(rng));
         let first = loop {
             if let Some(layout) = layout(rng) {
@@ -57,7 +57,7 @@ impl Churn {
     }
 
     /// Rates as last set.
-    pub fn rates(&self) -> [u32; RECEIVERS] {
+    pub fn rates(&self) -> [u32; USERS] {
         self.rates
     }
 
@@ -70,12 +70,12 @@ impl Churn {
                 1 if *own > 0 => *own = rate(rng),
                 _ => continue,
             }
-            self.scheduler.set_rate(k, *own);
+            self.scheduler.planner_mut().set_rate(k, *own);
         }
         if word >> 30 == 0
             && let Some(layout) = layout(rng)
         {
-            self.scheduler.set_sensing(layout);
+            self.scheduler.planner_mut().set_layout(layout);
         }
         self.loss = if (word >> 28).is_multiple_of(2) { (word >> 16) % 6554 } else { 0 };
         self.end = if (word >> 26).is_multiple_of(4) { 1 + rng.next_u32() % 400 } else { 0 };
@@ -84,7 +84,7 @@ impl Churn {
     /// Draws and applies what happens after a slot; not after the last slot of a period.
     pub fn during(&mut self, rng: &mut impl Rng) {
         if self.loss > 0 && rng.next_u32() >> 16 < self.loss {
-            self.scheduler.lose();
+            self.scheduler.on_lost();
         }
         if self.scheduler.position() == self.end {
             self.scheduler.end_sensing();
@@ -99,7 +99,7 @@ pub fn run(rng: &mut impl Rng, periods: u32) -> Digest {
     for _ in 0..periods {
         churn.between(rng);
         loop {
-            let slot = churn.scheduler.next();
+            let slot = churn.scheduler.next_slot();
             digest.value([match slot {
                 SlotUse::Communication(k) => k,
                 SlotUse::Sensing => 254,
@@ -110,7 +110,7 @@ pub fn run(rng: &mut impl Rng, periods: u32) -> Digest {
             }
             churn.during(rng);
         }
-        let boundary = churn.scheduler.boundary();
+        let boundary = churn.scheduler.report();
         let c = boundary.changes;
         let flags = [c.joined, c.left, c.rates, u8::from(c.sensing), u8::from(boundary.replanned)];
         digest.value(flags);

@@ -9,6 +9,7 @@ pub use crate::dims::{FixedBins, Spectrum};
 use crate::math::{bessel_i0f, sqrtf};
 use crate::probe::Probe;
 use crate::signal::logarithm::level;
+pub(crate) use fixed::{BUTTERFLY_BITS, FULL_SHIFT, HALF_SHIFT, HIGH_PRODUCT_BITS, STAGES};
 pub use fixed::{FixedSpectrum, FixedStft};
 
 /// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
@@ -31,7 +32,7 @@ pub trait Stft {
     /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
     fn level(spectrum: &Self::Spectrum, first: usize, count: usize) -> i16;
     /// Shows a spectrum to an observer.
-    fn show(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
+    fn probe(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
 }
 
 /// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
@@ -100,7 +101,7 @@ impl Stft for FloatStft {
         level(power)
     }
 
-    fn show(spectrum: &Spectrum, k: usize, probe: &mut impl Probe) {
+    fn probe(spectrum: &Spectrum, k: usize, probe: &mut impl Probe) {
         probe.frame(k, spectrum);
     }
 }

@@ -8,7 +8,7 @@ mod helium;
 #[cfg(arm_mve)]
 pub use helium::Helium;
 
-use crate::dims::{BEATS, Iq, Slot};
+use crate::simd::conj_mac::{Iq, portable};
 use crate::simd::dual_mac::{DualMac, I16x8, Points, Sums, plain_products};
 use core::arch::{asm, global_asm};
 
@@ -139,39 +139,49 @@ impl DualMac for Dsp {
     }
 }
 
-// I16x8 blocks of 125 samples, four at a time and the last alone. r0: samples, r1: reference, on the stack: where sums go,
-// and their end. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
+// Sums of products with the conjugate reference: eight blocks of 125 samples, unrolled, or one block of any length, four
+// samples at a time. r0: samples, r1: reference. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
+// sdp3_conj_mac_8x125: r2: where sums go. sdp3_conj_mac_block: r2: fours of samples, r3: single ones, on the stack: where sums go.
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
-    ".macro sdp3_mix x, s",
+    ".macro sdp3_conj_mac x, s",
     "smlald r2, r3, \\x, \\s",
     "smlsldx r4, r5, \\s, \\x",
     ".endm",
-    ".pushsection .text.sdp3_mix_blocks, \"ax\", %progbits",
-    ".global sdp3_mix_blocks",
-    ".type sdp3_mix_blocks, %function",
-    ".p2align 2",
-    ".thumb_func",
-    "sdp3_mix_blocks:",
-    "push {{r4-r11, lr}}",
-    "add r3, r2, #128",
-    "push {{r2, r3}}",
-    "1:",
+    ".macro sdp3_conj_mac_four",
+    "ldmia r0!, {{r6-r9}}",
+    "ldmia r1!, {{r10-r12, lr}}",
+    "sdp3_conj_mac r6, r10",
+    "sdp3_conj_mac r7, r11",
+    "sdp3_conj_mac r8, r12",
+    "sdp3_conj_mac r9, lr",
+    ".endm",
+    ".macro sdp3_conj_mac_one",
+    "ldr r6, [r0], #4",
+    "ldr r10, [r1], #4",
+    "sdp3_conj_mac r6, r10",
+    ".endm",
+    ".macro sdp3_zero_sums",
     "movs r2, #0",
     "movs r3, #0",
     "movs r4, #0",
     "movs r5, #0",
+    ".endm",
+    ".pushsection .text.sdp3_conj_mac_8x125, \"ax\", %progbits",
+    ".global sdp3_conj_mac_8x125",
+    ".type sdp3_conj_mac_8x125, %function",
+    ".p2align 2",
+    ".thumb_func",
+    "sdp3_conj_mac_8x125:",
+    "push {{r4-r11, lr}}",
+    "add r3, r2, #128",
+    "push {{r2, r3}}",
+    "1:",
+    "sdp3_zero_sums",
     ".rept 31",
-    "ldmia r0!, {{r6-r9}}",
-    "ldmia r1!, {{r10-r12, lr}}",
-    "sdp3_mix r6, r10",
-    "sdp3_mix r7, r11",
-    "sdp3_mix r8, r12",
-    "sdp3_mix r9, lr",
+    "sdp3_conj_mac_four",
     ".endr",
-    "ldr r6, [r0], #4",
-    "ldr r10, [r1], #4",
-    "sdp3_mix r6, r10",
+    "sdp3_conj_mac_one",
     "pop {{r6, r7}}",
     "stmia r6!, {{r2-r5}}",
     "push {{r6, r7}}",
@@ -179,22 +189,68 @@ global_asm!(
     "bne 1b",
     "add sp, sp, #8",
     "pop {{r4-r11, pc}}",
-    ".size sdp3_mix_blocks, . - sdp3_mix_blocks",
+    ".size sdp3_conj_mac_8x125, . - sdp3_conj_mac_8x125",
+    ".popsection",
+    ".pushsection .text.sdp3_conj_mac_block, \"ax\", %progbits",
+    ".global sdp3_conj_mac_block",
+    ".type sdp3_conj_mac_block, %function",
+    ".p2align 2",
+    ".thumb_func",
+    "sdp3_conj_mac_block:",
+    "push {{r4-r11, lr}}",
+    "push {{r2, r3}}", // fours, ones
+    "sdp3_zero_sums",
+    "1:",
+    "ldr r6, [sp]",
+    "subs r6, r6, #1",
+    "bmi 2f",
+    "str r6, [sp]",
+    "sdp3_conj_mac_four",
+    "b 1b",
+    "2:",
+    "ldr r6, [sp, #4]",
+    "subs r6, r6, #1",
+    "bmi 3f",
+    "str r6, [sp, #4]",
+    "sdp3_conj_mac_one",
+    "b 2b",
+    "3:",
+    "ldr r6, [sp, #44]", // behind two words and nine registers
+    "stmia r6!, {{r2-r5}}",
+    "add sp, sp, #8",
+    "pop {{r4-r11, pc}}",
+    ".size sdp3_conj_mac_block, . - sdp3_conj_mac_block",
     ".popsection",
 );
 
 unsafe extern "C" {
-    fn sdp3_mix_blocks(samples: *const Iq, reference: *const Iq, sums: *mut [[i64; 2]; BEATS]);
+    fn sdp3_conj_mac_8x125(samples: *const Iq, reference: *const Iq, sums: *mut [[i64; 2]; 8]);
+    fn sdp3_conj_mac_block(
+        samples: *const Iq,
+        reference: *const Iq,
+        fours: usize,
+        ones: usize,
+        sums: *mut [i64; 2],
+    );
 }
 
-/// [`crate::simd::conj_mac::plain`] by dual multiply-accumulates with 64-bit sums.
+/// [`crate::simd::conj_mac::portable`] by dual multiply-accumulates with 64-bit sums, for samples that begin at a word.
 #[inline]
-pub fn conj_mac(samples: &Slot, reference: &Slot) -> [[i64; 2]; BEATS] {
-    let mut sums = [[0; 2]; BEATS];
-    // SAFETY: it reads 1000 samples, words of in-phase and quadrature, of each and writes 128 bytes, which is what the sums
-    // are; all are aligned to words.
-    unsafe { sdp3_mix_blocks(samples.as_ptr(), reference.as_ptr(), &mut sums) };
-    sums
+pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+    if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
+        return portable(samples, reference, block, sums);
+    }
+    if let (1000, 1000, 125, Some(sums)) =
+        (samples.len(), reference.len(), block, sums.first_chunk_mut::<8>())
+    {
+        // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
+        return unsafe { sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums) };
+    }
+    let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
+    for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
+        // SAFETY: it reads `block` samples of each and writes 16 bytes; samples are words and the first begins at a word.
+        unsafe { sdp3_conj_mac_block(samples.as_ptr(), reference.as_ptr(), block / 4, block % 4, sum) };
+    }
 }
 
 // not `pure`: kept in the order of the source, they need fewer registers at a time

@@ -185,7 +185,7 @@ fn speeds(plan: &Plan, found: &Campaign, took: f64) -> String {
     };
     let begun = Instant::now();
     let mut sequencer = Sequencer::new(plan);
-    (0..periods * plan.period()).for_each(|_| hear(sequencer.next()));
+    (0..periods * plan.period()).for_each(|_| hear(sequencer.next_slot()));
     let core = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     plain::play(plan, periods, &mut hear);

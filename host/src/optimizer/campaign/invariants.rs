@@ -3,7 +3,7 @@
 //! Slots add up; sensing slots lie where the plan says, up to where sensing was ended; without an end every receiver has exactly its
 //! share; nobody there goes without a slot; no wait is longer than its bound, which where plans meet is both plans' together.
 
-use sdp3_core::scheduler::{Plan, RECEIVERS};
+use sdp3_core::scheduler::{Plan, USERS};
 
 /// Failures named in full; more are only counted by their number.
 const NAMED: usize = 20;
@@ -14,12 +14,12 @@ pub struct Invariants {
     /// Slots played.
     now: u64,
     /// Slot of each receiver's last turn; `None` after a period in which it had no share.
-    last: [Option<u64>; RECEIVERS],
+    last: [Option<u64>; USERS],
     /// Longest wait of the period, and of all.
-    waited: [u64; RECEIVERS],
-    longest: [(u32, u32); RECEIVERS],
+    waited: [u64; USERS],
+    longest: [(u32, u32); USERS],
     /// Bound of this period's plan and of the one before.
-    bounds: [(u32, u32); RECEIVERS],
+    bounds: [(u32, u32); USERS],
     start: u64,
     sensed: u32,
     step: u32,
@@ -31,10 +31,10 @@ impl Invariants {
     pub fn new() -> Self {
         Invariants {
             now: 0,
-            last: [None; RECEIVERS],
-            waited: [0; RECEIVERS],
-            longest: [(0, 0); RECEIVERS],
-            bounds: [(0, 0); RECEIVERS],
+            last: [None; USERS],
+            waited: [0; USERS],
+            longest: [(0, 0); USERS],
+            bounds: [(0, 0); USERS],
             start: 0,
             sensed: 0,
             step: 1,
@@ -45,7 +45,7 @@ impl Invariants {
     /// Before a period's first slot.
     pub fn begin(&mut self) {
         self.start = self.now;
-        (self.sensed, self.drifted, self.waited) = (0, false, [0; RECEIVERS]);
+        (self.sensed, self.drifted, self.waited) = (0, false, [0; USERS]);
     }
 
     /// The period's plan, after its first slot was decided and before it is played.
@@ -79,7 +79,7 @@ impl Invariants {
         &mut self,
         period: u32,
         plan: &Plan,
-        (served, sensed, idle): (&[u32; RECEIVERS], u32, u32),
+        (served, sensed, idle): (&[u32; USERS], u32, u32),
         ended: bool,
         broken: &mut Vec<String>,
     ) {
@@ -103,7 +103,7 @@ impl Invariants {
         if idle > 0 && present > 0 {
             fail(format!("{idle} idle slots with {present} receivers"));
         }
-        for k in 0..RECEIVERS {
+        for k in 0..USERS {
             let share = plan.shares().get(k).copied().unwrap_or(0);
             if !ended && served[k] != share {
                 fail(format!("receiver {} had {} slots instead of {share}", k + 1, served[k]));
@@ -124,7 +124,7 @@ impl Invariants {
     }
 
     /// Longest wait of every receiver and the largest bound that held.
-    pub fn waits(&self) -> [(u32, u32); RECEIVERS] {
+    pub fn waits(&self) -> [(u32, u32); USERS] {
         self.longest
     }
 }

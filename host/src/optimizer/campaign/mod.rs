@@ -16,7 +16,7 @@ use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
 use invariants::Invariants;
 use radar::Radar;
-use sdp3_core::scheduler::{PlanError, RECEIVERS, Scheduler, Sensing, SlotUse};
+use sdp3_core::scheduler::{PlanError, USERS, Scheduler, SensingLayout, SlotUse};
 use trace::Trace;
 use world::World;
 
@@ -61,14 +61,14 @@ impl Loop<'_, '_> {
 
     fn begin(&mut self) -> SlotUse {
         match self {
-            Loop::Schedule(scheduler) => scheduler.next(),
+            Loop::Schedule(scheduler) => scheduler.next_slot(),
             Loop::Station(radar) => radar.station.begin(),
         }
     }
 
     fn lose(&mut self, slot: SlotUse) {
         match self {
-            Loop::Schedule(scheduler) => scheduler.lose(),
+            Loop::Schedule(scheduler) => scheduler.on_lost(),
             Loop::Station(radar) => radar.station.lose(slot),
         }
     }
@@ -81,15 +81,15 @@ impl Loop<'_, '_> {
 /// [`PlanError`] if N_s does not fit.
 pub fn scheduler(scenario: &Scenario, settings: &Settings, world: &World) -> Result<Scheduler, PlanError> {
     let f = &scenario.frame;
-    let sensing = Sensing::new(f.period_slots, f.spacing_slots, settings.sensing_slots)?;
+    let sensing = SensingLayout::new(f.period_slots, f.spacing_slots, settings.sensing_slots)?;
     Ok(Scheduler::new(sensing, rates(world)))
 }
 
 /// The present receivers' bits per slot in the core's units.
-fn rates(world: &World) -> [u32; RECEIVERS] {
-    let present: Vec<usize> = (0..RECEIVERS).filter(|&k| world.present[k]).collect();
+fn rates(world: &World) -> [u32; USERS] {
+    let present: Vec<usize> = (0..USERS).filter(|&k| world.present[k]).collect();
     let bits: Vec<f64> = present.iter().map(|&k| world.slot_bit[k]).collect();
-    let mut rates = [0; RECEIVERS];
+    let mut rates = [0; USERS];
     present.into_iter().zip(integer_rates(&bits)).for_each(|(k, rate)| rates[k] = rate);
     rates
 }
@@ -108,7 +108,7 @@ pub fn play(
         decisions: 0,
         sensing_slots: 0,
         idle_slots: 0,
-        receivers: vec![CampaignReceiver::default(); RECEIVERS],
+        receivers: vec![CampaignReceiver::default(); USERS],
         replans: Replans::default(),
         recognitions: None,
         timeline: Vec::new(),
@@ -125,7 +125,7 @@ pub fn play(
         }
         let traced = period < settings.traced;
         invariants.begin();
-        let mut served = [0_u32; RECEIVERS];
+        let mut served = [0_u32; USERS];
         let (mut sensed, mut idle, mut position) = (0_u32, 0_u32, 0_u32);
         let mut ended = false;
         loop {
@@ -134,14 +134,14 @@ pub fn play(
             if position == 1 {
                 let scheduler = slots.scheduler();
                 invariants.plan(scheduler.plan());
-                count(&mut found.replans, scheduler.boundary());
-                trace.boundary(period, scheduler.boundary(), scheduler.plan());
+                count(&mut found.replans, scheduler.report());
+                trace.boundary(period, scheduler.report(), scheduler.plan());
             }
             let lost = until_loss == 0;
             until_loss = if lost { world.slots_until_loss(settings.loss) } else { until_loss - 1 };
             match slot {
                 SlotUse::Communication(k) => {
-                    let k = usize::from(k) % RECEIVERS;
+                    let k = usize::from(k) % USERS;
                     served[k] += 1;
                     invariants.serve(k, position);
                     if !lost {
@@ -195,11 +195,11 @@ pub fn play(
         let changed = world.change(settings, scenario);
         let scheduler = slots.scheduler();
         if changed.rates {
-            rates(&world).into_iter().enumerate().for_each(|(k, rate)| scheduler.set_rate(k, rate));
+            rates(&world).into_iter().enumerate().for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
         }
         if let Some(n) = changed.sensing_slots {
             // one of the scenario's: it fits
-            let _ = scheduler.set_sensing_slots(n);
+            let _ = scheduler.planner_mut().set_sensing_slots(n);
         }
     }
     for (r, (wait, bound)) in found.receivers.iter_mut().zip(invariants.waits()) {
@@ -209,7 +209,7 @@ pub fn play(
     found
 }
 
-fn count(replans: &mut Replans, boundary: sdp3_core::scheduler::Boundary) {
+fn count(replans: &mut Replans, boundary: sdp3_core::scheduler::PeriodReport) {
     let c = boundary.changes;
     replans.boundaries += 1;
     replans.replanned += u64::from(boundary.replanned);

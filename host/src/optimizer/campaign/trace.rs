@@ -5,7 +5,7 @@
 //! a few megabytes of memory.
 
 use crate::scenario::Frame;
-use sdp3_core::scheduler::{Boundary, Plan, RECEIVERS, SlotUse};
+use sdp3_core::scheduler::{PeriodReport, Plan, USERS, SlotUse};
 use std::fmt::Write;
 
 /// A trace being written.
@@ -36,11 +36,11 @@ impl Trace {
         let name = |track: u32| match track {
             0 => "plan".to_owned(),
             SENSING => "sensing".to_owned(),
-            k if k as usize <= RECEIVERS + 1 => format!("receiver {}", k - SENSING),
+            k if k as usize <= USERS + 1 => format!("receiver {}", k - SENSING),
             _ => "idle".to_owned(),
         };
         trace.events += "{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":1,\"tid\":0,\"args\":{\"name\":\"base station\"}}";
-        for track in 0..=RECEIVERS as u32 + 2 {
+        for track in 0..=USERS as u32 + 2 {
             let _ = write!(
                 trace.events,
                 ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{track},\"args\":{{\"name\":\"{}\"}}}}",
@@ -60,7 +60,7 @@ impl Trace {
         let track = match slot {
             SlotUse::Sensing => SENSING,
             SlotUse::Communication(k) => SENSING + 1 + u32::from(k),
-            SlotUse::Idle => RECEIVERS as u32 + 2,
+            SlotUse::Idle => USERS as u32 + 2,
         };
         match &mut self.open {
             Some((open, first, slots)) if *open == track && *first + *slots == at => *slots += 1,
@@ -82,7 +82,7 @@ impl Trace {
         let Some((track, first, slots)) = self.open.take() else { return };
         let (ts, dur) = (first as f64 * self.slot_us, slots as f64 * self.slot_us);
         let name = if track == SENSING { "sense" } else { "send" };
-        let name = if track as usize == RECEIVERS + 2 { "idle" } else { name };
+        let name = if track as usize == USERS + 2 { "idle" } else { name };
         let _ = write!(
             self.events,
             ",\n{{\"name\":\"{name}\",\"ph\":\"X\",\"pid\":1,\"tid\":{track},\"ts\":{ts},\"dur\":{dur}}}"
@@ -90,7 +90,7 @@ impl Trace {
     }
 
     /// A period begins.
-    pub fn boundary(&mut self, period: u32, boundary: Boundary, plan: &Plan) {
+    pub fn boundary(&mut self, period: u32, boundary: PeriodReport, plan: &Plan) {
         if !boundary.replanned || period >= PERIODS {
             return;
         }
@@ -113,7 +113,7 @@ impl Trace {
     }
 
     /// A period ends, having delivered so many bits to each receiver.
-    pub fn period(&mut self, period: u32, delivered_bit: &[f64; RECEIVERS]) {
+    pub fn period(&mut self, period: u32, delivered_bit: &[f64; USERS]) {
         if period >= PERIODS {
             return;
         }

@@ -6,7 +6,7 @@ use crate::results::CampaignReceiver;
 use crate::scenario::Scenario;
 use crate::simulator::channel::link::response;
 use crate::simulator::random::Random;
-use sdp3_core::scheduler::RECEIVERS;
+use sdp3_core::scheduler::USERS;
 
 /// Stream number of everything random here.
 const STREAM: u64 = 203;
@@ -24,15 +24,15 @@ const PACKETS: f64 = 20.0;
 #[derive(Debug, Clone)]
 pub struct World {
     /// Who is there.
-    pub present: [bool; RECEIVERS],
+    pub present: [bool; USERS],
     /// Bits one slot carries to each receiver now.
-    pub slot_bit: [f64; RECEIVERS],
+    pub slot_bit: [f64; USERS],
     /// Bits per slot of the channels that are drawn from, `[receiver][draw]`.
     channels: Vec<Vec<f64>>,
     random: Random,
-    queue: [f64; RECEIVERS],
-    offered: [f64; RECEIVERS],
-    delivered: [f64; RECEIVERS],
+    queue: [f64; USERS],
+    offered: [f64; USERS],
+    delivered: [f64; USERS],
     /// Mean arrivals of a period in bits at a load of 1.
     fair_bit: f64,
     full: bool,
@@ -54,7 +54,7 @@ impl World {
         let (room, station) = (scenario.room.size_m, scenario.radar.position_m);
         let mut places = scenario.communication.cases[scenario.trade.case as usize - 1].clone();
         let there = places.len();
-        while places.len() < RECEIVERS {
+        while places.len() < USERS {
             let place = [room[0] * random.uniform(), room[1] * random.uniform(), station[2]];
             if (place[0] - station[0]).hypot(place[1] - station[1]) >= 0.5 {
                 places.push(place);
@@ -76,7 +76,7 @@ impl World {
             .map(|(k, place)| stated(k).unwrap_or_else(|| bits(place)))
             .collect();
         let present = std::array::from_fn(|k| k < there);
-        let mut slot_bit = [0.0; RECEIVERS];
+        let mut slot_bit = [0.0; USERS];
         slot_bit.iter_mut().zip(&channels).for_each(|(bit, all)| *bit = draw(all, &mut random));
         let others = f64::from(scenario.frame.period_slots - settings.sensing_slots);
         let fair_bit = others / slot_bit.iter().take(there).map(|bit| 1.0 / bit).sum::<f64>();
@@ -85,9 +85,9 @@ impl World {
             slot_bit,
             channels,
             random,
-            queue: [0.0; RECEIVERS],
-            offered: [0.0; RECEIVERS],
-            delivered: [0.0; RECEIVERS],
+            queue: [0.0; USERS],
+            offered: [0.0; USERS],
+            delivered: [0.0; USERS],
             fair_bit,
             full: settings.load.is_none(),
         }
@@ -104,7 +104,7 @@ impl World {
     /// Arrivals of a period: a Poisson number of packets for everybody there.
     pub fn arrive(&mut self, settings: &Settings) {
         let Some(load) = settings.load else { return };
-        for k in 0..RECEIVERS {
+        for k in 0..USERS {
             if self.present[k] {
                 let bits = f64::from(poisson(&mut self.random, PACKETS)) * load * self.fair_bit / PACKETS;
                 self.queue[k] += bits;
@@ -121,7 +121,7 @@ impl World {
     }
 
     /// Bits delivered in the period that ends, taken over into the totals.
-    pub fn drain(&mut self, receivers: &mut [CampaignReceiver]) -> [f64; RECEIVERS] {
+    pub fn drain(&mut self, receivers: &mut [CampaignReceiver]) -> [f64; USERS] {
         let delivered = std::mem::take(&mut self.delivered);
         for (k, r) in receivers.iter_mut().enumerate() {
             r.delivered_bit += delivered[k];
@@ -136,7 +136,7 @@ impl World {
         let period_s = scenario.frame.slot_s * f64::from(scenario.frame.period_slots);
         let fades = -libm::expm1(-period_s / settings.coherence_s);
         let mut rates = false;
-        for k in 0..RECEIVERS {
+        for k in 0..USERS {
             if self.random.uniform() < fades {
                 self.slot_bit[k] = draw(&self.channels[k], &mut self.random);
                 rates |= self.present[k];

@@ -21,7 +21,7 @@ const STREAM: u64 = 201;
 /// Memory of the models that have one: the paper's.
 const RHO: f64 = 0.997;
 /// Receivers dropped for the consistency statistics.
-const RECEIVERS: u64 = 120;
+const USERS: u64 = 120;
 /// People drawn for the motion statistics.
 const PEOPLE: u64 = 12;
 /// Slots of a recording: 1 s at the default frame.
@@ -192,7 +192,7 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
 /// Large- and small-scale consistency: receivers walk 0.6 m at 1 m/s, a slot every millimetre.
 fn consistency(scenario: &Scenario, seed: u64) -> (f64, f64) {
     let station = scenario.radar.position_m;
-    let walks: Vec<(Vec<Look>, Look, Look)> = (0..RECEIVERS)
+    let walks: Vec<(Vec<Look>, Look, Look)> = (0..USERS)
         .into_par_iter()
         .map(|index| {
             let mut random = Random::new(seed, STREAM, 0, index);

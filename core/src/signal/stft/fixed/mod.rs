@@ -10,7 +10,7 @@ mod twiddles;
 use super::{FloatStft, Stft};
 use crate::dims::{Complex, FFT_LEN, FixedBins, ROWS};
 use crate::probe::Probe;
-use crate::signal::logarithm::{EMPTY, level_u64};
+use crate::signal::logarithm::{FLOOR, level_u64};
 use crate::simd::mulh::{mla_h, mulh};
 use twiddles::{RADIX4_TWIDDLES, TURNS_16, TURNS_64, to_q31};
 
@@ -18,6 +18,17 @@ use twiddles::{RADIX4_TWIDDLES, TURNS_16, TURNS_64, to_q31};
 const PARTS: usize = 4;
 /// Length of a part.
 const PART: usize = FFT_LEN / PARTS;
+
+/// Stages of radix 4 in a part.
+pub const STAGES: u32 = PART.ilog2() / 2;
+/// Bits by which a butterfly of radix 4 grows.
+pub const BUTTERFLY_BITS: u32 = 2;
+/// Bits that the upper word of a product with Q1.31 loses.
+pub const HIGH_PRODUCT_BITS: u32 = 1;
+/// Bits by which samples are taken larger where half of the transform's inputs are zero.
+pub const HALF_SHIFT: u32 = 3;
+/// The same where none is.
+pub const FULL_SHIFT: u32 = 2;
 
 /// Where bin k of a part lies after three stages of radix 4: its digits of two bits in reverse.
 static DIGIT_REVERSAL: [u8; PART] = places();
@@ -120,8 +131,8 @@ fn stage1_half(signal: &[Complex<i32>; 128], window: &[i32; FFT_LEN], r: usize, 
     let (window, _) = window.as_chunks::<PARTS>();
     let r = r % PARTS;
     for (n, turns) in TURNS_64.iter().enumerate() {
-        let a = sample::<3>(signal[n][r], window[n][r]);
-        let b = sample::<3>(signal[n + 16][r], window[n + 16][r]);
+        let a = sample::<HALF_SHIFT>(signal[n][r], window[n][r]);
+        let b = sample::<HALF_SHIFT>(signal[n + 16][r], window[n + 16][r]);
         let (u, v) = rotate_j(a, b);
         store::<16, PART>(part, n, [add(a, b), u, sub(a, b), v], turns);
     }
@@ -134,7 +145,7 @@ fn stage1_full(signal: &[Complex<i32>; FFT_LEN], window: &[i32; FFT_LEN], r: usi
     let (window, _) = window.as_chunks::<PARTS>();
     let r = r % PARTS;
     for (n, turns) in TURNS_64.iter().enumerate() {
-        let at = |k: usize| sample::<2>(signal[n + 16 * k][r], window[n + 16 * k][r]);
+        let at = |k: usize| sample::<FULL_SHIFT>(signal[n + 16 * k][r], window[n + 16 * k][r]);
         store::<16, PART>(part, n, butterfly([at(0), at(1), at(2), at(3)]), turns);
     }
 }
@@ -244,10 +255,10 @@ impl Stft for FixedStft {
             // a magnitude is below 2^30.5
             power = power.wrapping_add((re * re + im * im) as u64);
         }
-        if power == 0 { EMPTY } else { level_u64(power) }
+        if power == 0 { FLOOR } else { level_u64(power) }
     }
 
-    fn show(spectrum: &FixedSpectrum, k: usize, probe: &mut impl Probe) {
+    fn probe(spectrum: &FixedSpectrum, k: usize, probe: &mut impl Probe) {
         probe.fixed_frame(k, &spectrum.bins);
     }
 }

@@ -1,4 +1,4 @@
-//! Runs every processor-specific kernel beside its portable twin, on extreme and random inputs, and compares the bits.
+//! Compares kernels with processor instructions with their portable reference, bit for bit, on extreme and random inputs.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -39,7 +39,7 @@ mod firmware {
 
     fn same<T: PartialEq>(kernel: &str, round: usize, found: T, expected: T) {
         if found != expected {
-            println(format_args!("error: {kernel} differs from its portable twin in round {round}"));
+            println(format_args!("error: {kernel} differs from its portable reference in round {round}"));
             exit(1);
         }
     }
@@ -106,7 +106,7 @@ mod firmware {
         sums(&mut random);
         dechirping(&mut random);
         upper_words(&mut random);
-        println(format_args!("twins agree"));
+        println(format_args!("kernels agree"));
         exit(0)
     }
 }

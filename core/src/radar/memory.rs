@@ -1,0 +1,154 @@
+//! All memory of a radar module in one type that a `static` holds: made by the compiler, never on the stack.
+
+use super::{Filled, Report, SLOT_BUFFERS, Totals};
+use crate::error::Error;
+use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
+use crate::scheduler::Plan;
+use crate::signal::stft::NativeStft;
+use core::sync::atomic::AtomicU32;
+use heapless::spsc::{Consumer, Producer, Queue};
+
+/// The samples of one slot, where a DMA may write them: interleaved in-phase and quadrature, or real values.
+///
+/// It begins at a cache line of 32 bytes, and no other data shares its lines if `VALUES` is a multiple of 16. A DMA that does not
+/// see the data cache needs the buffer's lines cleaned before and invalidated after the transfer, and the static that holds the
+/// memory in a section that it reaches.
+#[derive(Debug)]
+#[repr(C, align(32))]
+pub struct SlotBuffer<const VALUES: usize>(pub [i16; VALUES]);
+
+/// A queue holds one element less than its size.
+type Buffers<const VALUES: usize> = Queue<&'static mut SlotBuffer<VALUES>, { SLOT_BUFFERS + 1 }>;
+
+/// All memory of a radar module; [`radar_memory!`](crate::radar_memory) names the type for a [`Shape`](crate::dsn::Shape).
+///
+/// `VALUES` of a slot buffer; the others as in [`PipelineMemory`].
+pub struct RadarMemory<
+    const VALUES: usize,
+    const REFERENCE: usize,
+    const BEATS: usize,
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const I16X8S: usize,
+    const WORDS: usize,
+    T: 'static = NativeStft,
+> {
+    pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
+    made: Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+    buffers: [SlotBuffer<VALUES>; SLOT_BUFFERS],
+    free: Buffers<VALUES>,
+    filled: Queue<Filled<VALUES>, { SLOT_BUFFERS + 1 }>,
+    reports: Queue<Report, REPORTS>,
+    plans: Queue<Plan, 2>,
+    totals: Queue<Totals, 2>,
+    release: AtomicU32,
+}
+
+/// Reports that may wait, and one.
+const REPORTS: usize = 9;
+
+/// The [`RadarMemory`] type for a constant [`Shape`](crate::dsn::Shape).
+#[macro_export]
+macro_rules! radar_memory {
+    ($shape:expr) => {
+        $crate::radar::RadarMemory<
+            { $shape.slot_values() },
+            { $shape.radar.reference_len() },
+            { $shape.beats() },
+            { $shape.sensing_slots },
+            { $shape.frames },
+            { $shape.scratch_bytes() },
+            { $shape.winograd_sizes().vectors },
+            { $shape.winograd_sizes().words },
+        >
+    };
+}
+
+/// The slot context's ends of the queues.
+pub(super) struct SlotEnds<const VALUES: usize> {
+    pub free: Consumer<'static, &'static mut SlotBuffer<VALUES>>,
+    pub filled: Producer<'static, Filled<VALUES>>,
+    pub reports: Producer<'static, Report>,
+    pub plans: Consumer<'static, Plan>,
+    pub totals: Consumer<'static, Totals>,
+    pub release: &'static AtomicU32,
+}
+
+/// The processing context's ends of the queues.
+pub(super) struct ProcessingEnds<const VALUES: usize> {
+    pub free: Producer<'static, &'static mut SlotBuffer<VALUES>>,
+    pub filled: Consumer<'static, Filled<VALUES>>,
+    pub reports: Consumer<'static, Report>,
+    pub plans: Producer<'static, Plan>,
+    pub totals: Producer<'static, Totals>,
+    pub release: &'static AtomicU32,
+}
+
+/// Where the pipeline is made.
+pub(super) struct PipelinePlace<T: 'static> {
+    buffers: PipelineBuffers<'static>,
+    made: &'static mut Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+}
+
+type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
+
+impl<T> PipelinePlace<T> {
+    pub fn make(
+        self,
+        make: impl FnOnce(PipelineBuffers<'static>) -> Result<Made<T>, Error>,
+    ) -> Result<&'static mut Made<T>, Error> {
+        Ok(self.made.insert(make(self.buffers)?))
+    }
+}
+
+impl<
+    const VALUES: usize,
+    const REFERENCE: usize,
+    const BEATS: usize,
+    const SLOTS: usize,
+    const FRAMES: usize,
+    const SCRATCH: usize,
+    const I16X8S: usize,
+    const WORDS: usize,
+    T,
+> RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>
+{
+    /// Bytes of this memory.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Memory for a `static`.
+    #[allow(clippy::new_without_default)] // a default would be made on the stack
+    pub const fn new() -> Self {
+        RadarMemory {
+            pipeline: PipelineMemory::new(),
+            made: None,
+            buffers: [const { SlotBuffer([0; VALUES]) }; SLOT_BUFFERS],
+            free: Queue::new(),
+            filled: Queue::new(),
+            reports: Queue::new(),
+            plans: Queue::new(),
+            totals: Queue::new(),
+            release: AtomicU32::new(0),
+        }
+    }
+
+    /// The place of the pipeline, and both ends of every queue, with all buffers free.
+    pub(super) fn split(
+        &'static mut self,
+    ) -> (PipelinePlace<T>, (SlotEnds<VALUES>, ProcessingEnds<VALUES>)) {
+        let RadarMemory { pipeline, made, buffers, free, filled, reports, plans, totals, release } = self;
+        let (mut free_in, free) = free.split();
+        for buffer in buffers {
+            let _ = free_in.enqueue(buffer); // one place for each
+        }
+        let (filled_in, filled) = filled.split();
+        let (reports_in, reports) = reports.split();
+        let (plans_in, plans) = plans.split();
+        let (totals_in, totals) = totals.split();
+        let slots = SlotEnds { free, filled: filled_in, reports: reports_in, plans, totals, release };
+        let processing =
+            ProcessingEnds { free: free_in, filled, reports, plans: plans_in, totals: totals_in, release };
+        (PipelinePlace { buffers: pipeline.view(), made }, (slots, processing))
+    }
+}

@@ -1,0 +1,350 @@
+//! The two contexts of a radar module on the host: the slot interrupt and the task take turns as the test says.
+
+use rand_core::SeedableRng;
+use sdp3_core::dsn::{Model, Shape};
+use sdp3_core::early_exit::EarlyExit;
+use sdp3_core::pipeline::Pipeline;
+use sdp3_core::radar::{Event, ProcessingContext, Progress, RadarModule, Settings, SlotAction, SlotContext};
+use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
+use sdp3_core::supervision::retained::Retained;
+use sdp3_core::supervision::{Fault, SampleFault};
+use sdp3_core::{Error, pipeline_memory, radar_memory};
+use sdp3_testkit::models::DSN_200;
+use sdp3_testkit::signals::noise;
+
+const SHAPE: Shape = Shape::of(DSN_200).expect("a model");
+const VALUES: usize = SHAPE.slot_values();
+type Memory = radar_memory!(SHAPE);
+type Slots = SlotContext<VALUES>;
+type Processing = ProcessingContext<VALUES>;
+
+const RATES: [u32; USERS] = [3, 2, 1, 0, 0, 0, 0, 0];
+
+fn layout() -> SensingLayout {
+    SensingLayout::new(1200, 3, 250).expect("a layout")
+}
+
+fn settings() -> Settings {
+    Settings { layout: layout(), rates: RATES, threshold: 2.0 }
+}
+
+fn retained() -> &'static Retained {
+    Box::leak(Box::new(Retained::new()))
+}
+
+fn make(retained: &'static Retained, settings: Settings) -> Result<(Slots, Processing), Error> {
+    let memory: &'static mut Memory = Box::leak(Box::new(Memory::new()));
+    let exit = EarlyExit::single(Model::parse(DSN_200)?);
+    Ok(RadarModule::new(&[exit], settings, memory, retained)?.split())
+}
+
+/// What a slot was used for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Use {
+    Sense,
+    Serve(u8),
+    Idle,
+}
+
+impl From<SlotUse> for Use {
+    fn from(slot: SlotUse) -> Self {
+        match slot {
+            SlotUse::Sensing => Use::Sense,
+            SlotUse::Communication(user) => Use::Serve(user),
+            SlotUse::Idle => Use::Idle,
+        }
+    }
+}
+
+/// A radio: numbers, samples, and polls after every slot.
+struct Radio {
+    slots: Slots,
+    processing: Processing,
+    number: u32,
+    rng: rand_xoshiro::Xoshiro128PlusPlus,
+    events: Vec<Event>,
+    polls: usize,
+}
+
+impl Radio {
+    fn new(first: u32) -> Self {
+        Self::with(make(retained(), settings()).expect("a module"), first)
+    }
+
+    fn with((slots, processing): (Slots, Processing), number: u32) -> Self {
+        let rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+        Radio { slots, processing, number, rng, events: Vec::new(), polls: 1000 }
+    }
+
+    fn poll(&mut self) {
+        for _ in 0..self.polls {
+            match self.processing.poll() {
+                Progress::Idle => return,
+                Progress::Busy => (),
+                Progress::Event(event) => self.events.push(event),
+            }
+        }
+    }
+
+    /// One slot with the next number, whose samples come if it senses.
+    fn slot(&mut self) -> Use {
+        let given = self.given(self.number);
+        self.number = self.number.wrapping_add(1);
+        if given == Use::Sense {
+            self.slots.samples_ready();
+        }
+        self.poll();
+        given
+    }
+
+    /// What a number is given, and noise in its buffer.
+    fn given(&mut self, number: u32) -> Use {
+        match self.slots.begin(number) {
+            SlotAction::Sense(buffer) => {
+                noise(&mut self.rng, &mut buffer.0);
+                Use::Sense
+            }
+            SlotAction::Serve(user) => Use::Serve(user),
+            SlotAction::Idle => Use::Idle,
+        }
+    }
+
+    fn play(&mut self, count: usize) -> Vec<Use> {
+        (0..count).map(|_| self.slot()).collect()
+    }
+
+    fn faults(&mut self) -> Vec<Fault> {
+        let faults = self.events.iter().filter_map(|event| match event {
+            Event::Fault(fault) => Some(*fault),
+            _ => None,
+        });
+        let faults = faults.collect();
+        self.events.clear();
+        faults
+    }
+
+    fn classified(&self) -> Vec<u32> {
+        let period = |event: &Event| match event {
+            Event::Classification { period, .. } => Some(*period),
+            _ => None,
+        };
+        self.events.iter().filter_map(period).collect()
+    }
+}
+
+/// The uses of so many periods without a fault.
+fn planned(periods: usize) -> Vec<Use> {
+    let mut scheduler = Scheduler::new(layout(), RATES);
+    (0..periods * 1200).map(|_| scheduler.next_slot().into()).collect()
+}
+
+/// Slots of each user.
+fn totals(uses: &[Use]) -> [usize; 3] {
+    [0, 1, 2].map(|user| uses.iter().filter(|&&slot| slot == Use::Serve(user)).count())
+}
+
+#[test]
+fn without_faults_it_is_the_scheduler_and_the_number_may_wrap() {
+    let mut radio = Radio::new(u32::MAX - 1500);
+    let mut scheduler = Scheduler::new(layout(), RATES);
+    for period in 0..3 {
+        // the only exit stops sensing at its 200 slots of 250
+        let (uses, mut expected) = (radio.play(1200), Vec::new());
+        while expected.len() < 1200 {
+            expected.push(Use::from(scheduler.next_slot()));
+            if expected.len() == 4 * 199 + 1 {
+                scheduler.end_sensing();
+            }
+        }
+        assert_eq!(uses[..797], expected[..797]);
+        assert_eq!(totals(&uses), totals(&expected), "the rest, in an order of its own");
+        assert!(!uses[797..].contains(&Use::Sense));
+        // other rates from the next period on
+        radio.processing.set_rate(1, 9 + period);
+        scheduler.planner_mut().set_rate(1, 9 + period);
+        radio.poll();
+    }
+    assert_eq!(radio.classified(), [1, 2, 3]);
+    assert_eq!(radio.faults(), []);
+}
+
+#[test]
+fn a_module_classifies_as_the_pipeline_does() {
+    let mut radio = Radio::new(0);
+    radio.play(1200);
+    type Alone = pipeline_memory!(SHAPE);
+    let mut memory = Box::new(Alone::new());
+    let exit = EarlyExit::single(Model::parse(DSN_200).unwrap());
+    let mut pipeline: Pipeline<'_, '_> = Pipeline::new([exit], 2.0, memory.view()).unwrap();
+    let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+    let mut slot = [0; VALUES];
+    for _ in 0..200 {
+        noise(&mut rng, &mut slot);
+        pipeline.push(&slot, &mut ()).unwrap();
+    }
+    let alone = pipeline.classify(&mut ()).unwrap();
+    let event = Event::Classification { period: 1, classification: alone };
+    assert!(radio.events.contains(&event), "{:?}", radio.events);
+}
+
+#[test]
+fn a_recognition_may_overlap_the_next_periods_sensing() {
+    // fifty slots behind the recording, and one step of processing a slot
+    let layout = SensingLayout::new(850, 3, 200).unwrap();
+    let mut radio = Radio::with(make(retained(), Settings { layout, ..settings() }).unwrap(), 0);
+    radio.polls = 1;
+    let uses = radio.play(4 * 850);
+    assert_eq!((radio.classified(), radio.faults()), (vec![1, 2, 3], vec![]));
+    assert_eq!(uses.iter().filter(|&&slot| slot == Use::Sense).count(), 800);
+}
+
+#[test]
+fn skipped_slots_are_lost_and_a_recording_with_a_gap_restarts() {
+    let whole = planned(1);
+    let mut radio = Radio::new(7);
+    assert_eq!(radio.play(10), whole[..10]);
+    radio.number += 6;
+    assert_eq!(radio.play(50), whole[16..66]);
+    let sensing = whole[10..16].iter().filter(|&&slot| slot == Use::Sense).count() as u32;
+    assert_eq!(radio.faults(), [Fault::SlotsSkipped { slots: 6, sensing }]);
+    // more than is played through
+    radio.number += 9;
+    assert_eq!(radio.play(10), whole[..10], "a new period");
+    assert_eq!(radio.faults(), [Fault::Outage { slots: 9 }]);
+    // 200 of 250 slots are needed: a gap at slot 60 ends the period's sensing
+    radio.play(4 * 60);
+    radio.number += 8;
+    let rest = radio.play(1200 - 10 - 4 * 60 - 8);
+    assert!(rest.iter().filter(|&&slot| slot == Use::Sense).count() < 5, "released");
+    assert!(!rest.contains(&Use::Idle));
+    assert_eq!(radio.classified(), []);
+    radio.play(1200);
+    assert_eq!(radio.classified().len(), 1);
+}
+
+#[test]
+fn numbers_out_of_order_never_move_the_schedule() {
+    let whole = planned(1);
+    let mut radio = Radio::new(0);
+    assert_eq!(radio.play(12), whole[..12]);
+    assert_eq!(radio.given(11), whole[11]);
+    assert_eq!(radio.given(3), Use::Idle);
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::SlotRepeated, Fault::SlotLate]);
+    assert_eq!(radio.play(8), whole[12..20]);
+    // the radio counts from another number: the second one shows it
+    assert_eq!(radio.given(0x8000_0000 + 20), Use::Idle);
+    radio.number = 0x8000_0000 + 21;
+    assert_eq!(radio.play(30), whole[..30]);
+    assert_eq!(radio.faults(), [Fault::SlotLate, Fault::CounterReset]);
+}
+
+#[test]
+fn samples_that_are_missing_or_unexpected_are_reported_once() {
+    let mut radio = Radio::new(0);
+    assert_eq!(radio.given(0), Use::Sense);
+    radio.number = 1;
+    radio.play(3);
+    assert_eq!(radio.faults(), [Fault::MissingSamples]);
+    radio.slots.samples_ready();
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::UnexpectedSamples]);
+    // a sensing slot again whose number is repeated: the same buffer
+    assert_eq!((radio.given(4), radio.given(4)), (Use::Sense, Use::Sense));
+    radio.slots.samples_ready();
+    assert_eq!(radio.given(4), Use::Idle, "its samples are there");
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::SlotRepeated, Fault::SlotRepeated]);
+    // a lost sensing slot begins the recording again, and nothing is missing
+    radio.number = 5;
+    radio.play(3);
+    assert_eq!(radio.given(8), Use::Sense);
+    radio.slots.lost();
+    radio.number = 9;
+    radio.play(4 * 205);
+    assert_eq!(radio.faults(), []);
+}
+
+#[test]
+fn without_a_poll_sensing_slots_are_lost_and_said_so() {
+    let mut radio = Radio::new(0);
+    radio.polls = 0;
+    let uses = radio.play(40);
+    assert_eq!(uses.iter().filter(|&&slot| slot == Use::Sense).count(), 4, "as many as there are buffers");
+    radio.polls = 1000;
+    radio.play(1);
+    let faults = radio.faults();
+    assert_eq!(faults, [Fault::Overrun; 7]);
+}
+
+#[test]
+fn samples_that_cannot_be_trusted_are_not_used() {
+    let mut radio = Radio::new(0);
+    radio.play(4 * 20);
+    let SlotAction::Sense(buffer) = radio.slots.begin(80) else { panic!("slot 80 senses") };
+    buffer.0.fill(5);
+    radio.slots.samples_ready();
+    radio.number = 81;
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::Samples(SampleFault::Silent)]);
+    // 229 sensing slots are left: enough for another recording
+    radio.play(4 * 205);
+    assert_eq!(radio.classified(), [1]);
+}
+
+#[test]
+fn any_flipped_bit_of_the_state_is_found_and_played_over() {
+    let whole = planned(1);
+    for at in 0..Retained::LEN {
+        for bit in [0, 7, 15, 31] {
+            let kept = retained();
+            let mut radio = Radio::with(make(kept, settings()).unwrap(), 0);
+            radio.processing.set_rate(0, 3);
+            assert_eq!(radio.play(9), whole[..9]);
+            kept.flip(at, 1 << bit);
+            assert_eq!(radio.play(60), whole[9..69], "word {at}, bit {bit}");
+            let newest = at / (Retained::LEN / 2) == 1; // ten saves: the last, number 9, is the second copy
+            let expected = if newest { vec![Fault::StateRepaired] } else { vec![] };
+            assert_eq!(radio.faults(), expected, "word {at}, bit {bit}");
+        }
+    }
+}
+
+#[test]
+fn with_both_copies_damaged_a_new_period_follows() {
+    let kept = retained();
+    let mut radio = Radio::with(make(kept, settings()).unwrap(), 0);
+    radio.play(5);
+    kept.flip(3, 1);
+    kept.flip(3 + Retained::LEN / 2, 1);
+    let uses = radio.play(30);
+    assert_eq!(radio.faults(), [Fault::StateLost]);
+    let idle = uses.iter().take_while(|&&slot| slot == Use::Idle).count();
+    assert!((1..3).contains(&idle), "{uses:?}");
+    assert_eq!(uses[idle..], planned(1)[..30 - idle]);
+    radio.play(1200);
+    assert_eq!(radio.classified(), [1]);
+}
+
+#[test]
+fn a_reset_goes_on_from_retained_memory() {
+    let whole = planned(1);
+    let kept = retained();
+    let mut radio = Radio::with(make(kept, settings()).unwrap(), 100);
+    radio.play(10);
+    let mut back = Radio::with(make(kept, settings()).unwrap(), 112);
+    assert_eq!(back.play(60), whole[12..72], "two slots have passed");
+    assert!(matches!(back.faults()[..], [Fault::SlotsSkipped { slots: 2, .. }]));
+    back.play(4 * 210);
+    assert_eq!(back.classified(), [1], "the recording began again");
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let with = |layout: SensingLayout| make(retained(), Settings { layout, ..settings() }).err();
+    let few = SensingLayout::new(1200, 3, 199).unwrap();
+    assert_eq!(with(few), Some(Error::SensingSlots { need: 200, have: 199 }));
+    let all = SensingLayout::new(200, 0, 200).unwrap();
+    assert!(matches!(with(all), Some(Error::Deadline { .. })));
+    assert_eq!(with(SensingLayout::new(4000, 3, 1000).unwrap()), None, "the default is in time");
+}
