@@ -5,10 +5,9 @@
 //! and Weinberger, 2017), with several stacking. Its softmax is the calibrated confidence. Evidence is exact integer arithmetic.
 
 use crate::dims::{ROWS, Slot};
-use crate::dsn::head::MAX_CLASSES;
-use crate::dsn::network::{Answer, scratch_bytes};
-use crate::dsn::{Kernels, Model, ModelError, Network, WinogradF2};
-use crate::math::{fast_expf, roundf};
+use crate::dsn::head::{MAX_CLASSES, softmax_confidence};
+use crate::dsn::{Classification, Kernels, Model, ModelError, WinogradF2, infer, scratch_bytes};
+use crate::math::roundf;
 use crate::pipeline::{Buffers, ReceiverError};
 use crate::probe::Probe;
 use crate::signal::front_end::FrontEnd;
@@ -65,12 +64,8 @@ pub fn decide(evidence: &[i32]) -> (u8, f32) {
             top = (class, value);
         }
     }
-    let mut sum = 0.0_f32;
-    for &value in evidence {
-        let below = (i64::from(value) - i64::from(top.1)) as f32 / (1_i32 << EVIDENCE_BITS) as f32;
-        sum += if below < -16.0 { 0.0 } else { fast_expf(below) };
-    }
-    (top.0 as u8, if sum > 0.0 { fast_expf(0.0) / sum } else { 0.0 })
+    let above = |&value: &i32| (i64::from(value) - i64::from(top.1)) as f32 / (1_i32 << EVIDENCE_BITS) as f32;
+    (top.0 as u8, softmax_confidence(evidence.iter().map(above)))
 }
 
 /// What an exit says.
@@ -86,7 +81,7 @@ pub struct Verdict {
     /// Whether that is enough, or this is the last exit: no more slots are needed.
     pub stop: bool,
     /// The exit's own network's answer.
-    pub answer: Answer,
+    pub answer: Classification,
 }
 
 /// Raw slots in, verdicts out.
@@ -185,8 +180,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Anytime<'m, 'b, K, T> {
             return None;
         }
         let image = self.front_end.image(probe)?;
-        let mut network = Network::with_kernels(exit.model.clone(), self.scratch, &mut exit.kernels)?;
-        let answer = network.infer(image, probe);
+        let answer = infer(&exit.model, image, self.scratch, &mut exit.kernels, probe);
         let _ = self.passed.push(answer.logits.clone()); // as many as there are exits
         let mut evidence = Evidence::new();
         let _ = evidence.resize(answer.logits.len(), 0); // at most MAX_CLASSES: the parser has checked

@@ -1,10 +1,13 @@
 //! Fixed-point arithmetic: the one rounding rule of the int8 network.
 //!
 //! TFLite's reference rule (gemmlowp): saturating rounding doubling high multiply, then a rounding shift that takes
-//! halves away from zero. Both steps round, hence "double rounding".
+//! halves away from zero. Both steps round, hence "double rounding". [`requantize`] is the definition; `Requantizer` does the
+//! same by one high product and one shift.
+
+use crate::simd::mulh::mla_h;
 
 /// `round(a b / 2^31)`, saturating the single overflow (`i32::MIN` squared).
-pub const fn saturating_rounding_doubling_high_mul(a: i32, b: i32) -> i32 {
+const fn doubling_high_mul(a: i32, b: i32) -> i32 {
     if a == i32::MIN && b == i32::MIN {
         return i32::MAX;
     }
@@ -13,8 +16,8 @@ pub const fn saturating_rounding_doubling_high_mul(a: i32, b: i32) -> i32 {
     ((product + nudge) / (1 << 31)) as i32
 }
 
-/// `round(x / 2^exponent)`, halves away from zero; exponent 0..=31.
-pub const fn rounding_divide_by_power_of_two(x: i32, exponent: u32) -> i32 {
+/// `round(x / 2^exponent)`, halves away from zero; exponent 0..=31, a larger one counts as 31.
+const fn rounding_divide(x: i32, exponent: u32) -> i32 {
     let exponent = if exponent > 31 { 31 } else { exponent };
     let mask = ((1_i64 << exponent) - 1) as i32;
     let remainder = x & mask;
@@ -28,8 +31,7 @@ pub const fn rounding_divide_by_power_of_two(x: i32, exponent: u32) -> i32 {
 pub const fn requantize(accumulator: i32, multiplier: i32, shift: i8) -> i32 {
     let left = if shift > 0 { shift as u32 } else { 0 };
     let right = if shift < 0 { shift.unsigned_abs() as u32 } else { 0 };
-    let scaled = saturating_rounding_doubling_high_mul(accumulator.wrapping_shl(left), multiplier);
-    rounding_divide_by_power_of_two(scaled, right)
+    rounding_divide(doubling_high_mul(accumulator.wrapping_shl(left), multiplier), right)
 }
 
 /// Clamps to an int8 activation range; `low <= high`, both within -128..=127.
@@ -43,58 +45,87 @@ pub const fn clamp_i8(value: i32, low: i8, high: i8) -> i8 {
     }
 }
 
+/// [`requantize`] with a zero point, of accumulators that are held times four: one high product and one shift.
+///
+/// With m the multiplier, h = floor(4 acc m / 2^32) and e = -shift, `round(acc m / 2^31)` is `(h + 1) >> 1` as m is not
+/// negative, and rounding halves away from zero is `(x + 2^(e-1) - [acc < 0]) >> e`, where for x = 0 the last term changes
+/// nothing. Floors of floors are one: `(h + 1 + 2^e - 2 [acc < 0]) >> (e + 1)`. The zero point goes in as `zero 2^(e+1)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Requantizer {
+    multiplier: i32,
+    offset: i32,
+    shift: u32,
+}
+
+impl Requantizer {
+    /// Accumulators are smaller than this, so that four of them fit a word.
+    pub const MAX_ACCUMULATOR: i64 = 1 << 29;
+
+    /// Words of a packed one.
+    pub const WORDS: usize = 3;
+
+    /// For `requantize(acc, multiplier, shift) + zero`; `None` unless the shift is in -20..=-1.
+    pub const fn new(multiplier: i32, shift: i8, zero: i8) -> Option<Self> {
+        if shift < -20 || shift > -1 || multiplier < 0 {
+            return None;
+        }
+        let shift = 1 + shift.unsigned_abs() as u32;
+        let offset = 1 + (1 << (shift - 1)) + ((zero as i32) << shift);
+        Some(Requantizer { multiplier, offset, shift })
+    }
+
+    /// As words.
+    pub const fn to_words(self) -> [i32; Self::WORDS] {
+        [self.multiplier, self.offset, self.shift as i32]
+    }
+
+    /// From words.
+    #[inline(always)]
+    pub const fn from_words([multiplier, offset, shift]: [i32; Self::WORDS]) -> Self {
+        Requantizer { multiplier, offset, shift: shift as u32 }
+    }
+
+    /// The output for four times an accumulator, saturated to int8.
+    #[inline(always)]
+    pub fn apply(&self, four: i32) -> i8 {
+        let x = mla_h(self.offset, four, self.multiplier).wrapping_add((four >> 31) << 1);
+        (x >> (self.shift & 31)).clamp(-128, 127) as i8
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn high_multiply_rounds_to_nearest() {
-        assert_eq!(saturating_rounding_doubling_high_mul(i32::MIN, i32::MIN), i32::MAX);
-        assert_eq!(saturating_rounding_doubling_high_mul(1 << 30, 1 << 30), 1 << 29);
-        // 3 * 2^29 / 2^31 = 0.75 -> 1; -0.75 -> -1
-        assert_eq!(saturating_rounding_doubling_high_mul(3, 1 << 29), 1);
-        assert_eq!(saturating_rounding_doubling_high_mul(-3, 1 << 29), -1);
-        // exactly one half: up for positive, towards zero for negative (gemmlowp's nudge)
-        assert_eq!(saturating_rounding_doubling_high_mul(2, 1 << 29), 1);
-        assert_eq!(saturating_rounding_doubling_high_mul(-2, 1 << 29), 0);
-    }
-
-    #[test]
-    fn rounding_shift_takes_halves_away_from_zero() {
-        for exponent in 0..=31_u32 {
-            for x in [0, 1, -1, 2, -2, 3, -3, 5, -5, 127, -128, 1 << 20, -(1 << 20), i32::MAX, i32::MIN] {
-                let scale = (1_i64 << exponent) as f64;
-                let exact = f64::from(x) / scale;
-                let away = if exact < 0.0 { -libm::floor(-exact + 0.5) } else { libm::floor(exact + 0.5) };
-                assert_eq!(
-                    f64::from(rounding_divide_by_power_of_two(x, exponent)),
-                    away,
-                    "{x} >> {exponent}"
-                );
-            }
-        }
-    }
-
-    #[test]
     fn a_shift_beyond_the_word_is_the_longest() {
         for x in [i32::MIN, -1, 0, 1, i32::MAX] {
-            assert_eq!(rounding_divide_by_power_of_two(x, 40), rounding_divide_by_power_of_two(x, 31));
+            assert_eq!(rounding_divide(x, 40), rounding_divide(x, 31));
         }
-        assert_eq!(rounding_divide_by_power_of_two(i32::MIN, 31), -1);
-        assert_eq!(rounding_divide_by_power_of_two(i32::MAX, 31), 1);
+        assert_eq!((rounding_divide(i32::MIN, 31), rounding_divide(i32::MAX, 31)), (-1, 1));
+        assert_eq!(doubling_high_mul(i32::MIN, i32::MIN), i32::MAX);
     }
 
     #[test]
-    fn requantising_stays_within_one_of_the_exact_product() {
+    fn the_requantizer_is_the_rule() {
         let mut state = 1_u32;
-        for _ in 0..100_000 {
+        for round in 0..200_000 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let accumulator = (state as i32) >> 8;
-            let multiplier = (1 << 30) + (state >> 2) as i32 % (1 << 30);
-            let shift = -((state >> 27) as i8 % 16);
-            let exact = f64::from(accumulator) * f64::from(multiplier) / 2_147_483_648.0
-                * libm::exp2(f64::from(shift));
-            assert!((f64::from(requantize(accumulator, multiplier, shift)) - exact).abs() <= 1.0);
+            let shift = -1 - ((state >> 20) % 20) as i8;
+            let multiplier = [0, 1 << 30, i32::MAX, (1 << 30) + (state >> 2) as i32][round % 4];
+            // at the halves of the output's steps, at both ends, and anywhere
+            let half = ((state >> 9) as i32 % 300) << -shift | 1 << (-1 - shift);
+            let most = Requantizer::MAX_ACCUMULATOR as i32 - 1;
+            let acc = [half + round as i32 % 3, state as i32 >> 3, most, -most, -half - round as i32 % 3];
+            let (acc, zero) = (acc[round % 5].clamp(-most, most), (state >> 13) as i8);
+            let expected =
+                requantize(acc, multiplier, shift).saturating_add(i32::from(zero)).clamp(-128, 127);
+            let requantizer = Requantizer::new(multiplier, shift, zero).expect("a shift that it takes");
+            assert_eq!(requantizer, Requantizer::from_words(requantizer.to_words()));
+            assert_eq!(i32::from(requantizer.apply(4 * acc)), expected, "{acc} {multiplier} {shift} {zero}");
+        }
+        for (multiplier, shift) in [(1 << 30, 0), (1 << 30, -21), (1 << 30, 7), (-1, -1)] {
+            assert_eq!(Requantizer::new(multiplier, shift, 0), None);
         }
     }
 }

@@ -40,6 +40,7 @@
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod crc32;
 pub mod digest;
 pub mod dims;
 pub mod dsn;

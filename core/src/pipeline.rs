@@ -4,9 +4,8 @@
 //! [`memory_for!`](crate::memory_for) takes from a [`Shape`].
 
 use crate::dims::{BEATS, Beat, Complex, ROWS, Slot, ZERO_BEAT};
-use crate::dsn::network::{Answer, Network, scratch_bytes};
 use crate::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
-use crate::dsn::{Kernels, Model, ModelError, Shape};
+use crate::dsn::{Classification, Kernels, Model, ModelError, Shape, infer, scratch_bytes};
 use crate::probe::Probe;
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers};
 use crate::signal::stft::{NativeStft, Stft};
@@ -25,16 +24,16 @@ impl Shape {
 }
 
 /// All memory of a receiver: `SLOTS` sensing slots, `FRAMES` frames, `SCRATCH` bytes for the network ([`scratch_bytes`]),
-/// `EIGHTS` and `WORDS` for its kernels ([`WinogradSizes`]).
+/// `VECTORS` and `WORDS` for its kernels ([`WinogradSizes`]).
 #[derive(Debug)]
 pub struct Memory<
     const SLOTS: usize,
     const FRAMES: usize,
     const SCRATCH: usize,
-    const EIGHTS: usize,
+    const VECTORS: usize,
     const WORDS: usize,
 > {
-    eights: [I16x8; EIGHTS],
+    vectors: [I16x8; VECTORS],
     words: [i32; WORDS],
     beats: [Beat; SLOTS],
     slow_time: [Complex<i32>; SLOTS],
@@ -51,7 +50,7 @@ macro_rules! memory_for {
             { $shape.sensing_slots },
             { $shape.frames },
             { $shape.scratch_bytes() },
-            { $shape.winograd_sizes().eights },
+            { $shape.winograd_sizes().vectors },
             { $shape.winograd_sizes().words },
         >
     };
@@ -63,8 +62,8 @@ pub const STANDARD: Shape = Shape { sensing_slots: 1000, frames: 110, channels: 
 /// Memory for [`STANDARD`].
 pub type StandardMemory = memory_for!(STANDARD);
 
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
-    Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const VECTORS: usize, const WORDS: usize>
+    Memory<SLOTS, FRAMES, SCRATCH, VECTORS, WORDS>
 {
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();
@@ -72,7 +71,7 @@ impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS
     /// Memory for a `static`.
     pub const fn new() -> Self {
         Memory {
-            eights: [I16x8::ZERO; EIGHTS],
+            vectors: [I16x8::ZERO; VECTORS],
             words: [0; WORDS],
             beats: [ZERO_BEAT; SLOTS],
             slow_time: [Complex::new(0, 0); SLOTS],
@@ -92,13 +91,13 @@ impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS
                 image: self.image.as_flattened_mut(),
             },
             scratch: &mut self.scratch,
-            tiles: WinogradMemory { eights: &mut self.eights, words: &mut self.words },
+            tiles: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
 }
 
-impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const EIGHTS: usize, const WORDS: usize>
-    Default for Memory<SLOTS, FRAMES, SCRATCH, EIGHTS, WORDS>
+impl<const SLOTS: usize, const FRAMES: usize, const SCRATCH: usize, const VECTORS: usize, const WORDS: usize>
+    Default for Memory<SLOTS, FRAMES, SCRATCH, VECTORS, WORDS>
 {
     fn default() -> Self {
         Self::new()
@@ -121,12 +120,12 @@ impl<'b> Buffers<'b> {
     ///
     /// # Errors
     ///
-    /// [`ReceiverError::Memory`] names what is too small: `eights` or `words`.
+    /// [`ReceiverError::Memory`] names what is too small: `vectors` or `words`.
     pub fn take_kernels(&mut self, model: &Model<'_>) -> Result<WinogradF2<'b>, ReceiverError> {
         let sizes = WinogradSizes::of(model);
         let tiles = core::mem::take(&mut self.tiles);
         for (buffer, need, have) in
-            [("eights", sizes.eights, tiles.eights.len()), ("words", sizes.words, tiles.words.len())]
+            [("vectors", sizes.vectors, tiles.vectors.len()), ("words", sizes.words, tiles.words.len())]
         {
             if have < need {
                 return Err(ReceiverError::Memory { buffer, need, have });
@@ -160,7 +159,7 @@ impl<'b> Buffers<'b> {
 pub enum ReceiverError {
     /// A buffer is too small for the model.
     Memory {
-        /// Which: `beats`, `slow_time`, `levels`, `image`, `scratch`, `eights` or `words`.
+        /// Which: `beats`, `slow_time`, `levels`, `image`, `scratch`, `vectors` or `words`.
         buffer: &'static str,
         /// Elements the model needs.
         need: usize,
@@ -202,14 +201,16 @@ impl core::fmt::Display for ReceiverError {
 impl core::error::Error for ReceiverError {}
 
 /// What a receiver recognised.
-pub type Recognition = Answer;
+pub type Recognition = Classification;
 
 /// Raw slots in, class out: the network by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
 /// a microcontroller.
 #[derive(Debug)]
 pub struct Receiver<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
     front_end: FrontEnd<'b, T>,
-    network: Network<'m, 'b, K>,
+    model: Model<'m>,
+    scratch: &'b mut [i8],
+    kernels: K,
 }
 
 impl<'m, 'b> Receiver<'m, 'b> {
@@ -249,13 +250,12 @@ impl<'m, 'b, K: Kernels, T: Stft> Receiver<'m, 'b, K, T> {
         let scratch = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
         buffers.check(slots, cells, scratch)?;
         let front_end = FrontEnd::new(model.preprocessing(), buffers.front_end).ok_or(UNREADY)?;
-        let network = Network::with_kernels(model, buffers.scratch, kernels).ok_or(UNREADY)?;
-        Ok(Receiver { front_end, network })
+        Ok(Receiver { front_end, model, scratch: buffers.scratch, kernels })
     }
 
     /// The model.
     pub fn model(&self) -> &Model<'m> {
-        self.network.model()
+        &self.model
     }
 
     /// Sensing slots still missing.
@@ -285,7 +285,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Receiver<'m, 'b, K, T> {
         let Some(image) = (missing == 0).then_some(()).and_then(|()| self.front_end.image(probe)) else {
             return Err(ReceiverError::Incomplete { missing });
         };
-        Ok(self.network.infer(image, probe))
+        Ok(infer(&self.model, image, self.scratch, &mut self.kernels, probe))
     }
 
     /// Forgets the recording.

@@ -45,7 +45,7 @@ fn memory_is_asked_for_to_the_element() {
     }
     // kernels that bring their own memory need none here
     let mut memory = exact.clone();
-    (memory.eights, memory.words) = (Vec::new(), Vec::new());
+    (memory.vectors, memory.words) = (Vec::new(), Vec::new());
     assert!(Receiver::<_, NativeStft>::with_kernels(model, memory.view(), Portable).is_ok());
 }
 

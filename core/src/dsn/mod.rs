@@ -1,10 +1,10 @@
-//! The deep spectrogram network in int8: TFLite's arithmetic, NHWC, caller-owned memory.
+//! The deep spectrogram network in int8: TFLite's arithmetic, NHWC, the caller's memory.
 //!
 //! Section IV-A of the paper, "ResNet-32": input convolution and pooling, residual blocks of
 //! BN-ReLU-Conv-BN-ReLU-Conv with an identity skip, global average pooling, fully connected layer, softmax.
 //!
 //! The first batch normalisation of a block sits before the skip's branch and cannot fold into a convolution: with
-//! its ReLU it is a depthwise 1x1 layer ([`affine`]). The second folds into the first convolution.
+//! its ReLU it is a depthwise 1x1 layer ([`batch_norm`]). The second folds into the first convolution.
 
 pub mod add;
 pub mod batch_norm;
@@ -21,8 +21,17 @@ mod random_model;
 pub mod shape;
 pub mod winograd;
 
-pub use kernels::{Kernels, Portable};
+pub use kernels::{Kernels, Operator, Portable};
 pub use model::{Model, ModelError};
-pub use network::{Network, scratch_bytes};
+pub use network::{Classification, Logits, Network, infer, scratch_bytes};
 pub use shape::Shape;
 pub use winograd::WinogradF2;
+
+/// What [`Model::parse`] or a check of memory sizes has established to exist: the one place for what cannot happen.
+///
+/// A debug build panics there. Firmware has no panic: it goes on with nothing, an empty slice or zero.
+#[inline(always)]
+fn established<T: Default>(value: Option<T>) -> T {
+    debug_assert!(value.is_some(), "a size that was checked before does not hold");
+    value.unwrap_or_default()
+}

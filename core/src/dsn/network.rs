@@ -1,14 +1,14 @@
-//! The network layer by layer in three activation buffers of the caller.
+//! The network operator by operator, in bounded steps, in three activation maps of the caller.
 //!
-//! Image to logits: stem and pooling row by row, residual blocks, average, head.
+//! Image to logits: stem with pooling, residual blocks, average, head.
 
 use super::conv::same;
-use super::head::{MAX_CLASSES, arg_max};
-use super::kernels::{Kernels, Portable};
+use super::established;
+use super::head::{MAX_CLASSES, arg_max, confidence};
+use super::kernels::{Kernels, Operator};
 use super::model::Model;
 use super::shape::Shape;
 use crate::dims::ROWS;
-use crate::dsn::conv::MAX_CHANNELS;
 use crate::probe::Probe;
 use heapless::Vec;
 
@@ -25,87 +25,141 @@ impl Shape {
     }
 }
 
-/// The network's answer.
+/// The network's output before the softmax, quantised, `[classes]`.
+pub type Logits = Vec<i8, MAX_CLASSES>;
+
+/// What a recording was recognised as.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Answer {
-    /// Class with the largest logit, the first of equals.
+pub struct Classification {
+    /// The most probable class, the first of equals.
     pub class: u8,
-    /// Its probability by softmax, 0..=1.
+    /// Its probability by softmax, 0 to 1.
     pub confidence: f32,
-    /// All logits, quantised, `[classes]`.
-    pub logits: Vec<i8, MAX_CLASSES>,
+    /// Number of the early exit that gave it, from 0.
+    pub exit: u8,
+    /// Logits of that exit's network.
+    pub logits: Logits,
 }
 
-/// A model with the scratch memory it runs in and the kernels it runs by.
-#[derive(Debug)]
-pub struct Network<'m, 'b, K = Portable> {
-    model: Model<'m>,
-    scratch: &'b mut [i8],
-    kernels: K,
-}
-
-impl<'m, 'b> Network<'m, 'b> {
-    /// Joins a model and its scratch memory; `None` if that has fewer than [`scratch_bytes`].
-    pub fn new(model: Model<'m>, scratch: &'b mut [i8]) -> Option<Self> {
-        Self::with_kernels(model, scratch, Portable)
-    }
-}
-
-impl<'m, 'b, K: Kernels> Network<'m, 'b, K> {
-    /// [`Network::new`] with a processor's own kernels, made for this model.
-    pub fn with_kernels(model: Model<'m>, scratch: &'b mut [i8], kernels: K) -> Option<Self> {
-        let need = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-        (scratch.len() >= need).then_some(Network { model, scratch, kernels })
-    }
-
-    /// The model.
-    pub fn model(&self) -> &Model<'m> {
-        &self.model
-    }
-
-    /// Classifies an image, `[64, frames]`.
-    pub fn infer(&mut self, image: &[i8], probe: &mut impl Probe) -> Answer {
-        let (model, kernels) = (&self.model, &mut self.kernels);
-        let (channels, stride) = (model.channels(), model.stem_stride());
-        let (stem_height, stem_width) = (same(ROWS, stride), same(model.frames(), stride));
-        let (height, width) = (stem_height / 2, stem_width / 2);
-        let map = height * width * channels;
-        let (rows, rest) = self.scratch.split_at_mut_checked(2 * stem_width * channels).unwrap_or_default();
-        let (x, rest) = rest.split_at_mut_checked(map).unwrap_or_default();
-        let (a, rest) = rest.split_at_mut_checked(map).unwrap_or_default();
-        let (b, _) = rest.split_at_mut_checked(map).unwrap_or_default();
-
-        kernels.stem(&model.stem, image, (ROWS, model.frames()), rows, x);
-        probe.layer(0, x);
-
-        let mut layer = 0;
-        for block in &model.blocks {
-            let [first, second] = &block.convs;
-            kernels.affine(layer + 1, &block.batch_norm, x, a);
-            probe.layer(layer + 1, a);
-            kernels.conv(layer + 2, first, a, (height, width), rows, b);
-            probe.layer(layer + 2, b);
-            kernels.conv(layer + 3, second, b, (height, width), rows, a);
-            probe.layer(layer + 3, a);
-            kernels.add(layer + 4, &block.add, x, a);
-            probe.layer(layer + 4, x);
-            layer += 4;
-        }
-
-        let mut features = [0; MAX_CHANNELS];
-        let features = features.get_mut(..channels).unwrap_or_default();
-        kernels.average(x, channels, features);
-        probe.layer(layer + 1, features);
-        let mut logits = Vec::new();
-        let _ = logits.resize(model.classes(), 0); // at most MAX_CLASSES: the parser has checked
-        model.head.forward(features, &mut logits);
-        probe.logits(&logits);
+impl Classification {
+    /// The network's own: largest logit and softmax, as exit 0. `logits` are `model`'s.
+    pub fn new(model: &Model<'_>, logits: Logits, probe: &mut impl Probe) -> Self {
         let class = arg_max(&logits);
         probe.class(class as u8);
-        let confidence = model.head.confidence(&logits, class);
+        let confidence = confidence(&logits, class, model.logit_scale());
         probe.confidence(confidence);
-        Answer { class: class as u8, confidence, logits }
+        Classification { class: class as u8, confidence, exit: 0, logits }
+    }
+}
+
+/// How far the network has come with an image: which operator, and which of its steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Network {
+    operator: u32,
+    step: u32,
+}
+
+impl Network {
+    /// At the beginning.
+    pub const fn new() -> Self {
+        Network { operator: 0, step: 0 }
+    }
+
+    /// Gives up an unfinished image.
+    pub fn reset(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Does one bounded step with an image, `[64, frames]`; the logits after the last step, and then the next image may begin.
+    ///
+    /// From the first step to the last, `model` and `image` stay the same, and nobody else writes to `scratch`, at least
+    /// [`Shape::scratch_bytes`] long, or uses `kernels`. Too short an image or scratch gives empty logits at once.
+    pub fn step(
+        &mut self,
+        model: &Model<'_>,
+        image: &[i8],
+        scratch: &mut [i8],
+        kernels: &mut impl Kernels,
+        probe: &mut impl Probe,
+    ) -> Option<Logits> {
+        let (frames, channels, stride) = (model.frames(), model.channels(), model.stem_stride());
+        if image.len() < ROWS * frames || scratch.len() < scratch_bytes(frames, channels, stride) {
+            debug_assert!(false, "image or scratch is smaller than the model's");
+            self.reset();
+            return Some(Logits::new());
+        }
+        let (stem_height, stem_width) = (same(ROWS, stride), same(frames, stride));
+        let size = (stem_height / 2, stem_width / 2);
+        let map = size.0 * size.1 * channels;
+        let (rows, rest) = established(scratch.split_at_mut_checked(2 * stem_width * channels));
+        let (x, rest) = established(rest.split_at_mut_checked(map));
+        let (a, rest) = established(rest.split_at_mut_checked(map));
+        let (b, _) = established(rest.split_at_mut_checked(map));
+
+        let (index, step) = (self.operator as usize, self.step as usize);
+        let number = index.wrapping_sub(1) / 4;
+        let (done, output): (bool, &[i8]) = match index {
+            0 => {
+                let (layer, size) = (&model.stem(), (ROWS, frames));
+                (kernels.run(index, Operator::Stem { layer, image, size, rows, output: x }, step), x)
+            }
+            _ if number >= model.blocks() => {
+                let output = established(rows.get_mut(..channels));
+                (kernels.run(index, Operator::Average { input: x, channels, output }, step), output)
+            }
+            _ => match index % 4 {
+                1 => {
+                    let layer = &model.batch_norm(number);
+                    (kernels.run(index, Operator::BatchNormRelu { layer, input: x, output: a }, step), a)
+                }
+                2 => {
+                    let layer = &model.conv(number, 0);
+                    (kernels.run(index, Operator::Conv { layer, input: a, size, rows, output: b }, step), b)
+                }
+                3 => {
+                    let layer = &model.conv(number, 1);
+                    (kernels.run(index, Operator::Conv { layer, input: b, size, rows, output: a }, step), a)
+                }
+                _ => {
+                    let layer = &model.add(number);
+                    (kernels.run(index, Operator::Add { layer, x, branch: a }, step), x)
+                }
+            },
+        };
+        self.step += 1;
+        if !done {
+            return None;
+        }
+        probe.layer(index, output);
+        (self.operator, self.step) = (self.operator + 1, 0);
+        if number < model.blocks() || index == 0 {
+            return None;
+        }
+        self.reset();
+        let mut logits = Logits::new();
+        let resized = logits.resize(model.classes(), 0);
+        debug_assert!(resized.is_ok(), "the parser has checked the number of classes");
+        model.head().forward(output, &mut logits);
+        probe.logits(&logits);
+        Some(logits)
+    }
+}
+
+/// Classifies an image, `[64, frames]`, without a pause; memory as of [`Network::step`].
+pub fn infer(
+    model: &Model<'_>,
+    image: &[i8],
+    scratch: &mut [i8],
+    kernels: &mut impl Kernels,
+    probe: &mut impl Probe,
+) -> Classification {
+    let mut network = Network::new();
+    loop {
+        if let Some(logits) = network.step(model, image, scratch, kernels, probe) {
+            return Classification::new(model, logits, probe);
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! TFLite 8-bit specification, per-axis quantisation.
 
-use crate::fixed::requantize;
+use super::established;
+use crate::fixed::{clamp_i8, requantize};
 
 /// Weights, biases and multipliers of a layer with one set per output channel, read in place.
 #[derive(Debug, Clone, Copy)]
@@ -18,37 +19,34 @@ pub struct PerChannelQuant<'m> {
     /// Output channels.
     pub channels: usize,
     /// Multipliers, 0 or Q0.31 in 2^30..2^31: little-endian i32, `[channels]`; see [`PerChannelQuant::scale`].
-    pub multipliers: &'m [u8],
+    pub multipliers: &'m [[u8; 4]],
     /// Biases in accumulator steps: little-endian i32, `[channels]`; see [`PerChannelQuant::bias`].
-    pub biases: &'m [u8],
-    /// Shifts, -31..=7: i8, `[channels]`, then zeros up to a multiple of four.
+    pub biases: &'m [[u8; 4]],
+    /// Shifts, -31..=7: i8, `[channels]`.
     pub shifts: &'m [u8],
     /// Weights: i8, output channel first.
     pub weights: &'m [u8],
 }
 
 impl PerChannelQuant<'_> {
-    /// Bias of output channel `o`.
+    /// Bias of output channel `o`, which is below [`PerChannelQuant::channels`].
+    #[inline(always)]
     pub fn bias(&self, o: usize) -> i32 {
-        read_i32(self.biases, o)
+        i32::from_le_bytes(established(self.biases.get(o).copied()))
     }
 
-    /// Multiplier and shift of output channel `o`.
+    /// Multiplier and shift of output channel `o`, which is below [`PerChannelQuant::channels`].
+    #[inline(always)]
     pub fn scale(&self, o: usize) -> (i32, i8) {
-        (read_i32(self.multipliers, o), self.shifts.get(o).map_or(0, |&s| s as i8))
+        let multiplier = i32::from_le_bytes(established(self.multipliers.get(o).copied()));
+        (multiplier, established(self.shifts.get(o).copied()) as i8)
     }
 
-    /// Requantises an accumulator of output channel `o`.
-    pub fn requantize(&self, o: usize, accumulator: i32) -> i32 {
+    /// The output of channel `o` for an accumulator: requantised, with the zero point, in the activation's range.
+    #[inline(always)]
+    pub fn output(&self, o: usize, accumulator: i32) -> i8 {
         let (multiplier, shift) = self.scale(o);
-        requantize(accumulator, multiplier, shift)
-    }
-}
-
-/// The `index`-th little-endian i32; 0 beyond the end (the parser has checked that there is none).
-pub(super) fn read_i32(bytes: &[u8], index: usize) -> i32 {
-    match bytes.get(index * 4..).and_then(|rest| rest.first_chunk::<4>()) {
-        Some(word) => i32::from_le_bytes(*word),
-        None => 0,
+        let value = requantize(accumulator, multiplier, shift).wrapping_add(i32::from(self.out_zp));
+        clamp_i8(value, self.act_min, self.act_max)
     }
 }

@@ -1,36 +1,25 @@
-//! Pooling: 2x2 maximum behind the stem, global average before the head.
+//! Global average pooling before the head.
 //!
-//! TFLite MAX_POOL_2D (2x2, stride 2, VALID) and AVERAGE_POOL_2D over the whole image; scales pass through.
+//! TFLite AVERAGE_POOL_2D over the whole image; the scale passes through.
 
-/// The maximum over pairs of columns of two rows: `[width, channels]` twice to `[width / 2, channels]`.
-pub fn max_rows(upper: &[i8], lower: &[i8], channels: usize, output: &mut [i8]) {
-    let channels = channels.max(1);
-    let (mut upper, mut lower) = (upper.chunks_exact(channels), lower.chunks_exact(channels));
-    for out in output.chunks_exact_mut(channels) {
-        let pixels = (upper.next(), upper.next(), lower.next(), lower.next());
-        let (Some(up_left), Some(up_right), Some(low_left), Some(low_right)) = pixels else { return };
-        let four = up_left.iter().zip(up_right).zip(low_left.iter().zip(low_right));
-        for (out, ((a, b), (c, d))) in out.iter_mut().zip(four) {
-            *out = *a.max(b).max(c.max(d));
+/// The average of some channels over all pixels, halves away from zero: of `[pixels, channels]` those from `first` on.
+///
+/// `channels`, `first` and the length of `output` are multiples of four. Cost: three instructions a value.
+pub fn average(input: &[i8], channels: usize, first: usize, output: &mut [i8]) {
+    let pixels = (input.len() / channels.max(1)).max(1) as i32;
+    let ((input, _), (output, _)) = (input.as_chunks::<4>(), output.as_chunks_mut::<4>());
+    for (group, out) in output.iter_mut().enumerate() {
+        let mut sums = [0; 4];
+        for four in input.iter().skip(first / 4 + group).step_by((channels / 4).max(1)) {
+            for k in 0..4 {
+                sums[k] += i32::from(four[k]);
+            }
         }
+        *out = sums.map(|sum| {
+            let half = if sum > 0 { pixels / 2 } else { -(pixels / 2) };
+            ((sum + half) / pixels).clamp(-128, 127) as i8
+        });
     }
-}
-
-/// The average over all pixels, halves away from zero: `[pixels, channels]` to `[channels]`.
-pub fn average(input: &[i8], channels: usize, output: &mut [i8]) {
-    let pixels = input.len() / channels.max(1);
-    for (c, out) in output.iter_mut().take(channels).enumerate() {
-        let sum: i32 = input.iter().skip(c).step_by(channels.max(1)).map(|&x| i32::from(x)).sum();
-        *out = mean(sum, pixels);
-    }
-}
-
-/// `sum / pixels`, halves away from zero.
-pub(super) fn mean(sum: i32, pixels: usize) -> i8 {
-    let pixels = pixels.max(1) as i32;
-    let half = pixels / 2;
-    let mean = if sum > 0 { (sum + half) / pixels } else { (sum - half) / pixels };
-    mean.clamp(-128, 127) as i8
 }
 
 #[cfg(test)]
@@ -38,16 +27,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maximum_of_each_square() {
-        let mut out = [0; 2];
-        max_rows(&[1, -5, 3, -7], &[0, 9, -1, -2], 1, &mut out);
-        assert_eq!(out, [9, 3]);
-    }
-
-    #[test]
     fn average_rounds_halves_away_from_zero() {
-        let mut out = [0; 2];
-        average(&[1, -1, 2, -2], 2, &mut out);
-        assert_eq!(out, [2, -2]);
+        let input = [1, -1, 7, 0, 9, 9, 127, -128, 2, -2, 8, 0, 8, 9, 127, -128];
+        let mut out = [0; 8];
+        average(&input, 8, 0, &mut out);
+        assert_eq!(out, [2, -2, 8, 0, 9, 9, 127, -128]);
+        average(&input, 8, 4, &mut out[..4]);
+        assert_eq!(out[..4], [9, 9, 127, -128]);
     }
 }

@@ -1,6 +1,6 @@
 //! The products and sums of dechirping: samples times a conjugate reference, summed in blocks, exactly.
 //!
-//! [`plain`] is the portable twin of `arm`'s dual multiply-accumulates.
+//! [`plain`] is the portable reference of `arm`'s dual multiply-accumulates.
 
 use crate::dims::{BEATS, BLOCK_SAMPLES, Slot};
 

@@ -1,32 +1,32 @@
-//! DualMac of i16 in words: the seam between the network's tiled kernels and a microcontroller.
+//! Dual multiply-accumulates of i16: what the network's Winograd kernels need of a processor.
 //!
-//! A kernel is written once over [`DualMac`]; [`Plain`] is the portable twin, `arm::Dsp` the same by the DSP extension of
-//! Cortex-M4, M7, M33 and later. All operations are integer and exact, so the results have the same bits.
+//! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference, `arm::Dsp` the DSP extension of Cortex-M4,
+//! M7, M33 and later, `arm::Helium` that of M52, M55 and M85. All operations are integer and exact: the same bits.
 
-/// I16x8 i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
+/// Eight i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
 /// other in the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub struct I16x8(pub [i16; 8]);
 
 impl I16x8 {
-    /// I16x8 zeros.
+    /// Zeros.
     pub const ZERO: Self = I16x8([0; 8]);
 }
 
 /// Points of a tile: 4 x 4 products give 2 x 2 outputs.
 pub const POINTS: usize = 16;
 
-/// Values of two tiles or weights of two outputs: 4 `QUADS` channels at 16 points, column by column, rows in the order 1,
-/// 2, 0, 3.
-pub type Points<const QUADS: usize> = [[I16x8; QUADS]; POINTS];
+/// Two tiles' values or two outputs' weights in the Winograd domain: `GROUPS` groups of four channels at 16 points, column by
+/// column, rows in the order 1, 2, 0, 3.
+pub type Tile<const GROUPS: usize> = [[I16x8; GROUPS]; POINTS];
 
 /// Sums of two tiles and two outputs, `[column][row][output, tile]`, already gathered from four points to two rows.
 pub type Sums = [[[i32; 4]; 2]; 4];
 
 /// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {
-    /// Whether [`Points`] are in the wide order; then there are an even number of groups.
+    /// Whether a [`Tile`] is in the wide order; then there are an even number of groups.
     const WIDE: bool = false;
 
     /// Sum of pairs, in a form of the implementation's own; no part leaves i16.
@@ -34,22 +34,22 @@ pub trait DualMac: Copy {
     /// Difference of pairs, likewise.
     fn sub(self, a: i32, b: i32) -> i32;
     /// The two i16 of a result, the lower half first.
-    fn settle(self, pair: i32) -> [i16; 2];
+    fn unpack(self, pair: i32) -> [i16; 2];
 
     /// For each column of points the products summed over all channels, and the rows gathered: with p the sums of rows 1,
     /// 2, 0 and 3, `p1 + p2 + p0` and `p1 - p2 + p3`. Wraps.
-    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums);
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums;
 }
 
-/// Where group `quad` of tile or output `part` lies: which [`I16x8`], and its first value.
+/// Where group `group` of tile or output `part` lies: which [`I16x8`], and its first value.
 #[inline(always)]
-pub const fn place<P: DualMac>(quad: usize, part: usize) -> (usize, usize) {
-    if P::WIDE { (quad & !1 | part, 4 * (quad & 1)) } else { (quad, 4 * part) }
+pub const fn lane<P: DualMac>(group: usize, part: usize) -> (usize, usize) {
+    if P::WIDE { (group & !1 | part, 4 * (group & 1)) } else { (group, 4 * part) }
 }
 
 /// Four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth.
 #[inline(always)]
-pub fn unpack(four: [i8; 4]) -> [i32; 2] {
+pub fn widen(four: [i8; 4]) -> [i32; 2] {
     if cfg!(target_arch = "riscv32") {
         // without unaligned loads the bytes come one by one
         let [a, b, c, d] = four.map(|v| i32::from(v as u8));
@@ -59,50 +59,44 @@ pub fn unpack(four: [i8; 4]) -> [i32; 2] {
     [word, word >> 8].map(|pair| (pair & 0x00ff_00ff) as i32)
 }
 
-/// `sums[output, tile] += sum over channels`, of one point.
+/// The sums `[output, tile]` plus the products of one point over all channels.
 #[inline(always)]
-fn accumulate<P: DualMac, const QUADS: usize>(
-    inputs: &[I16x8; QUADS],
-    weights: &[I16x8; QUADS],
-    sums: &mut [i32; 4],
-) {
-    let [mut s00, mut s01, mut s10, mut s11] = *sums;
-    for quad in 0..QUADS {
-        let [(e0, k0), (e1, k1)] = [place::<P>(quad, 0), place::<P>(quad, 1)];
+fn accumulate<P: DualMac, const GROUPS: usize>(
+    inputs: &[I16x8; GROUPS],
+    weights: &[I16x8; GROUPS],
+    [mut s00, mut s01, mut s10, mut s11]: [i32; 4],
+) -> [i32; 4] {
+    for group in 0..GROUPS {
+        let [(e0, k0), (e1, k1)] = [lane::<P>(group, 0), lane::<P>(group, 1)];
         for k in 0..4 {
-            let [x0, w0] = [inputs, weights].map(|from| i32::from(from[e0 % QUADS].0[(k0 + k) % 8]));
-            let [x1, w1] = [inputs, weights].map(|from| i32::from(from[e1 % QUADS].0[(k1 + k) % 8]));
+            let [x0, w0] = [inputs, weights].map(|from| i32::from(from[e0 % GROUPS].0[(k0 + k) % 8]));
+            let [x1, w1] = [inputs, weights].map(|from| i32::from(from[e1 % GROUPS].0[(k1 + k) % 8]));
             s00 = s00.wrapping_add(x0 * w0);
             s01 = s01.wrapping_add(x1 * w0);
             s10 = s10.wrapping_add(x0 * w1);
             s11 = s11.wrapping_add(x1 * w1);
         }
     }
-    *sums = [s00, s01, s10, s11];
+    [s00, s01, s10, s11]
 }
 
 /// [`DualMac::products`] in plain Rust, in the order of `P`.
 #[inline(always)]
-pub fn plain_products<P: DualMac, const QUADS: usize>(
-    inputs: &Points<QUADS>,
-    weights: &Points<QUADS>,
-    sums: &mut Sums,
-) {
-    let (inputs, _) = inputs.as_chunks::<4>();
-    let (weights, _) = weights.as_chunks::<4>();
-    for (([x1, x2, x0, x3], [w1, w2, w0, w3]), [upper, lower]) in inputs.iter().zip(weights).zip(sums) {
-        let (mut p1, mut p2) = ([0; 4], [0; 4]);
-        accumulate::<P, QUADS>(x1, w1, &mut p1);
-        accumulate::<P, QUADS>(x2, w2, &mut p2);
-        for k in 0..4 {
-            (upper[k], lower[k]) = (p1[k].wrapping_add(p2[k]), p1[k].wrapping_sub(p2[k]));
-        }
-        accumulate::<P, QUADS>(x0, w0, upper);
-        accumulate::<P, QUADS>(x3, w3, lower);
-    }
+pub fn plain_products<P: DualMac, const GROUPS: usize>(
+    inputs: &Tile<GROUPS>,
+    weights: &Tile<GROUPS>,
+) -> Sums {
+    [0, 1, 2, 3].map(|column| {
+        let [x, w] = [inputs, weights].map(|from| [0, 1, 2, 3].map(|row| &from[4 * column + row]));
+        let point = |row: usize, sums| accumulate::<P, GROUPS>(x[row], w[row], sums);
+        let (p1, p2) = (point(0, [0; 4]), point(1, [0; 4]));
+        let upper = [0, 1, 2, 3].map(|k| p1[k].wrapping_add(p2[k]));
+        let lower = [0, 1, 2, 3].map(|k| p1[k].wrapping_sub(p2[k]));
+        [point(2, upper), point(3, lower)]
+    })
 }
 
-/// DualMac in plain Rust: a pair (l, h) is the number h 2^16 + l, so that sums of pairs are sums of numbers.
+/// Pairs in plain Rust: a pair (l, h) is the number h 2^16 + l, so that sums of pairs are sums of numbers.
 ///
 /// `WIDE` as [`DualMac::WIDE`] of the processor that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -122,13 +116,13 @@ impl<const WIDE: bool> DualMac for Plain<WIDE> {
     }
 
     #[inline(always)]
-    fn settle(self, pair: i32) -> [i16; 2] {
+    fn unpack(self, pair: i32) -> [i16; 2] {
         let low = pair as i16;
         [low, (pair.wrapping_sub(i32::from(low)) >> 16) as i16]
     }
 
     #[inline]
-    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
-        plain_products::<Self, QUADS>(inputs, weights, sums);
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
+        plain_products::<Self, GROUPS>(inputs, weights)
     }
 }

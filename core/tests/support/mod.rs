@@ -54,7 +54,7 @@ pub struct Memory {
     pub levels: Vec<i16>,
     pub image: Vec<i8>,
     pub scratch: Vec<i8>,
-    pub eights: Vec<I16x8>,
+    pub vectors: Vec<I16x8>,
     pub words: Vec<i32>,
 }
 
@@ -64,7 +64,7 @@ impl Memory {
         let tiles = WinogradSizes::of(model);
         Memory {
             scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
-            eights: vec![I16x8::ZERO; tiles.eights],
+            vectors: vec![I16x8::ZERO; tiles.vectors],
             words: vec![0; tiles.words],
             ..Self::of_front_end(model.sensing_slots(), model.frames())
         }
@@ -78,7 +78,7 @@ impl Memory {
             levels: vec![0; ROWS * frames],
             image: vec![0; ROWS * frames],
             scratch: Vec::new(),
-            eights: Vec::new(),
+            vectors: Vec::new(),
             words: Vec::new(),
         }
     }
@@ -92,7 +92,7 @@ impl Memory {
                 image: &mut self.image,
             },
             scratch: &mut self.scratch,
-            tiles: WinogradMemory { eights: &mut self.eights, words: &mut self.words },
+            tiles: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
 }
@@ -107,6 +107,6 @@ pub const SHORTER: [(&str, Shorten); 7] = [
     ("levels", |m| _ = m.levels.pop()),
     ("image", |m| _ = m.image.pop()),
     ("scratch", |m| _ = m.scratch.pop()),
-    ("eights", |m| _ = m.eights.pop()),
+    ("vectors", |m| _ = m.vectors.pop()),
     ("words", |m| _ = m.words.pop()),
 ];

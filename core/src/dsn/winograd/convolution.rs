@@ -1,18 +1,21 @@
 //! 3x3 convolutions with 16 products for four outputs instead of 36, exactly: Winograd's F(2x2, 3x3) in integers.
 //!
-//! A tile of 4x4 inputs is transformed by B^T . B, the products at 16 points are summed over the channels, and A^T . A
-//! makes 2x2 outputs. Inputs are u8 = i8 + 128 and grow to 11 bits, weights are four times G . G^T and fit 12, so sums
-//! are four times the convolution; the zero point and the 128 are in the bias. A row of tiles is transformed downwards
-//! once, then two tiles at a time along.
-//!
 //! Source: A. Lavin, S. Gray, Fast Algorithms for Convolutional Neural Networks, CVPR 2016, section 4.1. Cost per tile:
 //! 16 products for every pair of channels instead of 36, and 64 sums of pairs for every four inputs.
+//!
+//! A tile of 4x4 inputs is transformed by B^T . B, the products at 16 points are summed over the channels, and A^T . A
+//! makes 2x2 outputs. Inputs are u8 = i8 + 128 and grow to 11 bits, weights are four times G . G^T and fit 12, so sums
+//! are four times the convolution; the zero point and the 128 are in the bias. A row of tiles is transformed by columns
+//! once, into a strip, then two tiles at a time by rows: a block.
 
-use super::rescale::{Rescale, WORDS, clamp_all};
+use super::packing::WORDS;
+use super::{clamp_all, transform::input_transform};
 use crate::dsn::conv::Conv;
-use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Points, Sums, place, unpack};
+use crate::dsn::established;
+use crate::fixed::Requantizer;
+use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Sums, Tile, lane, widen};
 
-/// Four channels of a column, transformed downwards: two pairs at each of four points.
+/// Four channels of a column, transformed: two pairs at each of four points.
 type Column = [i32; 8];
 
 /// Columns of a strip: two tiles at a time, and their border.
@@ -20,7 +23,7 @@ const fn columns(width: usize) -> usize {
     4 * width.div_ceil(4) + 2
 }
 
-/// Words of a transformed row of tiles.
+/// Words of a strip.
 pub const fn strip_words(width: usize, channels: usize) -> usize {
     columns(width) * (channels / 4) * size_of::<Column>() / size_of::<i32>()
 }
@@ -32,97 +35,124 @@ pub struct Convolution<'a> {
     pub constants: &'a [i32],
     pub input: &'a [i8],
     pub width: usize,
-    /// A row of the input's zero point.
-    pub border: &'a [i8],
+    /// A row of the input's zero point, which the first step writes.
+    pub border: &'a mut [i8],
+    /// The strip of the row of tiles that is computed, which stays between two steps.
     pub strip: &'a mut [i32],
+    /// The inputs of two tiles.
+    pub tile: &'a mut [I16x8],
     pub output: &'a mut [i8],
 }
 
-/// Four pixels.
-type Pixels<const QUADS: usize> = [[[i8; 4]; QUADS]; 4];
+/// Four pixels of a row: the outputs of two tiles.
+type Pixels<const GROUPS: usize> = [[[i8; 4]; GROUPS]; 4];
 
-/// The outputs of two tiles, upper and lower row.
-type Outputs<const QUADS: usize> = [Pixels<QUADS>; 2];
+/// A row as blocks, and the pixels that are left.
+fn pixels<const GROUPS: usize>(row: &mut [i8]) -> (&mut [Pixels<GROUPS>], &mut [[[i8; 4]; GROUPS]]) {
+    row.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<4>()
+}
 
 impl Convolution<'_> {
-    /// Convolves; false, and nothing is done, for numbers of channels without tiles.
-    pub fn run<P: DualMac>(self, pairs: P) -> bool {
+    /// Does a step: some blocks of a row of tiles, below 45 000 instructions on Cortex-M4F; true after the last.
+    pub fn run<P: DualMac>(self, mac: P, step: usize) -> bool {
         match self.layer.inputs {
-            8 => self.rows::<P, 2>(pairs),
-            16 => self.rows::<P, 4>(pairs),
-            32 => self.rows::<P, 8>(pairs),
-            _ => return false,
+            8 => self.blocks::<P, 2>(mac, step, 8),
+            16 => self.blocks::<P, 4>(mac, step, 4),
+            _ => self.blocks::<P, 8>(mac, step, 1),
         }
-        true
     }
 
-    fn rows<P: DualMac, const QUADS: usize>(self, pairs: P) {
-        let line = self.width * 4 * QUADS;
-        let (border, _) = self.border.as_chunks::<4>();
-        let lines = |y: usize| match y.checked_sub(1).and_then(|y| self.input.get(y * line..)?.get(..line)) {
-            Some(row) => row.as_chunks::<4>().0,
-            None => border,
-        };
+    /// Does `most` blocks of a row of tiles.
+    fn blocks<P: DualMac, const GROUPS: usize>(self, mac: P, step: usize, most: usize) -> bool {
+        let line = self.width * 4 * GROUPS;
+        let (all, steps) = (self.width.div_ceil(4), self.width.div_ceil(4 * most).max(1));
+        let (y, first) = (2 * (step / steps), step % steps * most);
+        let last = (first + most).min(all);
+
         let (strip, _) = self.strip.as_chunks_mut();
-        let edge = border.first().map_or([0; 8], |&pixel| transform(pairs, [pixel; 4]));
-        strip.fill(edge);
-        let mut inputs = [[I16x8::ZERO; QUADS]; POINTS];
-        let mut found: Outputs<QUADS> = [[[[0; 4]; QUADS]; 4]; 2];
-        for (tile_row, output) in self.output.chunks_mut((2 * line).max(1)).enumerate() {
-            let y = 2 * tile_row;
-            let inside = strip.get_mut(QUADS..).unwrap_or_default();
-            down(pairs, [lines(y), lines(y + 1), lines(y + 2), lines(y + 3)], inside);
-            let (upper, lower) = output.split_at_mut(line.min(output.len()));
-            let mut lower = lower.chunks_mut(16 * QUADS);
-            let (columns, _) = strip.as_chunks::<QUADS>();
-            for (upper, columns) in upper.chunks_mut(16 * QUADS).zip(columns.windows(6).step_by(4)) {
-                let Some(six) = columns.first_chunk() else { continue };
-                along(pairs, six, &mut inputs);
-                outputs(pairs, &inputs, self.weights, self.constants, &mut found);
-                put(&found[0], upper);
-                put(&found[1], lower.next().unwrap_or_default());
+        if step == 0 {
+            self.border.fill(self.layer.quant.in_zp);
+            let pixel = [self.layer.quant.in_zp; 4];
+            strip.fill(transform_column(mac, [pixel; 4]));
+        }
+        let (border, _) = self.border.as_chunks::<4>();
+        // the columns that these blocks read and those before them have not
+        let from = if first == 0 { 0 } else { 4 * first + 1 };
+        let lines = [0, 1, 2, 3].map(|k| {
+            let line = (y + k).checked_sub(1).and_then(|y| self.input.get(y * line..)?.get(..line));
+            let line = line.map_or(border, |line| line.as_chunks().0);
+            established(line.get(from * GROUPS..(4 * last + 1).min(self.width) * GROUPS))
+        });
+        transform_columns(mac, lines, established(strip.get_mut((from + 1) * GROUPS..)));
+
+        let [inputs] = self.tile.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<POINTS>().0 else {
+            established::<()>(None);
+            return true;
+        };
+        let rows = established(self.output.get_mut(y * line..));
+        let end = rows.len() <= 2 * line && last == all;
+        let (upper, lower) = established(rows.split_at_mut_checked(line));
+        let range = 16 * GROUPS * first..(16 * GROUPS * last).min(line);
+        let upper = established(upper.get_mut(range.clone()));
+        let lower = established(lower.get_mut(range));
+        let (columns, _) = strip.as_chunks::<GROUPS>();
+        let mut columns = established(columns.get(4 * first..)).windows(6).step_by(4);
+        let mut block = |rows: [&mut Pixels<GROUPS>; 2]| {
+            let six = columns.next().and_then(|columns| columns.first_chunk());
+            let Some(six) = six else { return established(None) };
+            transform_rows(mac, six, inputs);
+            outputs(mac, inputs, self.weights, self.constants, rows);
+        };
+        let ((upper_blocks, upper_rest), (lower_blocks, lower_rest)) = (pixels(upper), pixels(lower));
+        upper_blocks.iter_mut().zip(lower_blocks).for_each(|(upper, lower)| block([upper, lower]));
+        if !upper_rest.is_empty() {
+            let mut found = [[[[0; 4]; GROUPS]; 4]; 2];
+            block(found.each_mut());
+            for (rest, found) in [upper_rest, lower_rest].into_iter().zip(&found) {
+                rest.iter_mut().zip(found).for_each(|(to, from)| *to = *from);
             }
         }
-        clamp_all(self.output, (self.layer.quant.act_min, self.layer.quant.act_max));
+        let range = (self.layer.quant.act_min, self.layer.quant.act_max);
+        clamp_all(upper, range);
+        clamp_all(lower, range);
+        end
     }
 }
 
-/// B^T on a column of four values.
+/// Four channels of a column of four pixels, transformed.
 #[inline(always)]
-fn forward<P: DualMac>(pairs: P, [a, b, c, d]: [i32; 4]) -> [i32; 4] {
-    [pairs.sub(a, c), pairs.add(b, c), pairs.sub(c, b), pairs.sub(b, d)]
-}
-
-/// Four channels of a column of four pixels, transformed downwards.
-#[inline(always)]
-fn transform<P: DualMac>(pairs: P, column: [[i8; 4]; 4]) -> Column {
-    let [a, b, c, d] = column.map(unpack);
-    let even = forward(pairs, [a[0], b[0], c[0], d[0]]);
-    let odd = forward(pairs, [a[1], b[1], c[1], d[1]]);
+fn transform_column<P: DualMac>(mac: P, column: [[i8; 4]; 4]) -> Column {
+    let [a, b, c, d] = column.map(widen);
+    let even = input_transform(mac, [a[0], b[0], c[0], d[0]]);
+    let odd = input_transform(mac, [a[1], b[1], c[1], d[1]]);
     [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3], odd[3]]
 }
 
-/// Four lines of pixels, transformed downwards.
+/// Four lines of pixels, transformed column by column.
 #[inline(never)]
-fn down<P: DualMac>(pairs: P, [a, b, c, d]: [&[[i8; 4]]; 4], strip: &mut [Column]) {
+fn transform_columns<P: DualMac>(mac: P, [a, b, c, d]: [&[[i8; 4]]; 4], strip: &mut [Column]) {
     for ((((a, b), c), d), out) in a.iter().zip(b).zip(c).zip(d).zip(strip) {
-        *out = transform(pairs, [*a, *b, *c, *d]);
+        *out = transform_column(mac, [*a, *b, *c, *d]);
     }
 }
 
-/// Two tiles' columns, transformed along.
+/// Two tiles' columns, transformed row by row.
 #[inline(never)]
-fn along<P: DualMac, const QUADS: usize>(pairs: P, six: &[[Column; QUADS]; 6], inputs: &mut Points<QUADS>) {
-    for quad in 0..QUADS {
+fn transform_rows<P: DualMac, const GROUPS: usize>(
+    mac: P,
+    six: &[[Column; GROUPS]; 6],
+    inputs: &mut Tile<GROUPS>,
+) {
+    for group in 0..GROUPS {
         for (order, row) in [1, 2, 0, 3].into_iter().enumerate() {
             for tile in 0..2 {
                 for pair in 0..2 {
-                    let value = |column: usize| six[2 * tile + column][quad][(2 * row + pair) % 8];
-                    let points = forward(pairs, [value(0), value(1), value(2), value(3)]);
-                    let (eight, first) = place::<P>(quad, tile);
+                    let value = |column: usize| six[2 * tile + column][group][(2 * row + pair) % 8];
+                    let points = input_transform(mac, [value(0), value(1), value(2), value(3)]);
+                    let (vector, first) = lane::<P>(group, tile);
                     for column in 0..4 {
-                        let [low, high] = pairs.settle(points[column]);
-                        let I16x8(values) = &mut inputs[4 * column + order][eight % QUADS];
+                        let [low, high] = mac.unpack(points[column]);
+                        let I16x8(values) = &mut inputs[4 * column + order][vector % GROUPS];
                         let at = (first + 2 * pair) % 8;
                         (values[at], values[at + 1]) = (low, high);
                     }
@@ -133,57 +163,48 @@ fn along<P: DualMac, const QUADS: usize>(pairs: P, six: &[[Column; QUADS]; 6], i
 }
 
 /// All channels of two tiles.
-#[inline(always)]
-fn outputs<P: DualMac, const QUADS: usize>(
-    pairs: P,
-    inputs: &Points<QUADS>,
+#[inline(never)]
+fn outputs<P: DualMac, const GROUPS: usize>(
+    mac: P,
+    inputs: &Tile<GROUPS>,
     weights: &[I16x8],
     constants: &[i32],
-    found: &mut Outputs<QUADS>,
+    mut rows: [&mut Pixels<GROUPS>; 2],
 ) {
-    let (weights, _) = weights.as_chunks::<QUADS>();
+    let (weights, _) = weights.as_chunks::<GROUPS>();
     let (weights, _) = weights.as_chunks::<POINTS>();
     let (weights, _) = weights.as_chunks::<2>();
     let (constants, _) = constants.as_chunks::<WORDS>();
     let (constants, _) = constants.as_chunks::<4>();
-    let mut sums = [[[0; 4]; 2]; 4];
-    for (quad, (weights, constants)) in weights.iter().zip(constants).enumerate().take(QUADS) {
+    for (group, (weights, constants)) in weights.iter().zip(constants).enumerate().take(GROUPS) {
         for (pair, weights) in weights.iter().enumerate() {
-            pairs.products(inputs, weights, &mut sums);
-            finish::<QUADS, 0>(&sums, &constants[2 * pair], found, quad, 2 * pair);
-            finish::<QUADS, 1>(&sums, &constants[2 * pair + 1], found, quad, 2 * pair + 1);
+            let sums = mac.products(inputs, weights);
+            finish::<GROUPS, 0>(&sums, &constants[2 * pair], &mut rows, group, 2 * pair);
+            finish::<GROUPS, 1>(&sums, &constants[2 * pair + 1], &mut rows, group, 2 * pair + 1);
         }
     }
 }
 
 /// A^T along the rows of two tiles, and requantisation: the `OUTPUT`-th channel of the sums.
 #[inline(never)]
-fn finish<const QUADS: usize, const OUTPUT: usize>(
+fn finish<const GROUPS: usize, const OUTPUT: usize>(
     sums: &Sums,
     constants: &[i32; WORDS],
-    found: &mut Outputs<QUADS>,
-    quad: usize,
+    rows: &mut [&mut Pixels<GROUPS>; 2],
+    group: usize,
     channel: usize,
 ) {
-    let rescale = Rescale::from_words(*constants);
-    let (quad, channel) = (quad % QUADS, channel % 4);
-    for row in 0..2 {
+    let [start, scale @ ..] = *constants;
+    let requantizer = Requantizer::from_words(scale);
+    let (group, channel) = (group % GROUPS, channel % 4);
+    for (row, pixels) in rows.iter_mut().enumerate() {
         for tile in 0..2 {
             let m = [0, 1, 2, 3].map(|column| sums[column][row][2 * OUTPUT + tile]);
-            let middle = m[1].wrapping_add(rescale.start);
+            let middle = m[1].wrapping_add(start);
             let left = m[0].wrapping_add(middle).wrapping_add(m[2]);
             let right = middle.wrapping_sub(m[2]).wrapping_sub(m[3]);
-            found[row][2 * tile][quad][channel] = rescale.apply(left);
-            found[row][2 * tile + 1][quad][channel] = rescale.apply(right);
+            pixels[2 * tile][group][channel] = requantizer.apply(left);
+            pixels[2 * tile + 1][group][channel] = requantizer.apply(right);
         }
-    }
-}
-
-/// Writes up to four pixels.
-#[inline(always)]
-fn put<const QUADS: usize>(pixels: &Pixels<QUADS>, line: &mut [i8]) {
-    let (line, _) = line.as_chunks_mut::<4>();
-    for (to, from) in line.iter_mut().zip(pixels.as_flattened()) {
-        *to = *from;
     }
 }

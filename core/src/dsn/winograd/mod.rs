@@ -1,34 +1,39 @@
-//! The network's layers in tiles of 2x2 outputs, bit for bit the plain loops: for processors without wide vectors.
+//! The network's operators for processors without wide vectors, bit for bit the plain loops.
 //!
-//! Convolutions take 16 products instead of 36 by Winograd's F(2x2, 3x3) in exact integers, additions are tables, and the
-//! stem keeps no row before its pooling. A convolution's weights are packed into the caller's memory: into one place when
-//! the layer runs, or ahead where there are more places. A layer whose numbers this form does not cover (a shift outside
-//! -20..=-1, an accumulator beyond 2^29; convolutions of other than 8, 16 or 32 channels) runs by the plain loops;
-//! training and TFLite's converter make no such shifts or accumulators.
+//! Source: A. Lavin, S. Gray, Fast Algorithms for Convolutional Neural Networks, CVPR 2016.
+//!
+//! Convolutions take 16 products instead of 36 by F(2x2, 3x3) in exact integers, additions are tables, and the stem keeps no
+//! row before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed
+//! ahead. An operator whose numbers this form does not cover (a shift outside -20..=-1, an accumulator beyond 2^29;
+//! convolutions of other than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such
+//! shifts or accumulators.
+//!
+//! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, except of plain loops.
 
 mod convolution;
 mod packing;
 mod pointwise;
-mod rescale;
 mod stem;
+mod transform;
 
-use super::add::Add;
-use super::batch_norm::BatchNormRelu;
 use super::conv::{Conv, same};
-use super::kernels::{Kernels, Portable};
+use super::established;
+use super::kernels::{Kernels, Operator, Portable};
 use super::model::{MAX_BLOCKS, Model};
 use super::shape::Shape;
 use crate::dims::ROWS;
 use crate::simd::NativeDualMac;
 use crate::simd::dual_mac::{DualMac, I16x8, POINTS};
-use packing::{conv_eights, conv_words};
+use convolution::Convolution;
+use packing::{conv_vectors, conv_words, tile_vectors};
+use stem::Stem;
 
 /// The caller's memory of a [`WinogradF2`].
 #[derive(Debug, Default)]
 pub struct WinogradMemory<'b> {
-    /// Transformed weights, [`WinogradSizes::eights`] of them.
-    pub eights: &'b mut [I16x8],
-    /// Biases and scales, and a row of tiles: [`WinogradSizes::words`].
+    /// Transformed weights, [`WinogradSizes::vectors`] of them.
+    pub vectors: &'b mut [I16x8],
+    /// Biases and scales, and what stays between the steps of an operator: [`WinogradSizes::words`].
     pub words: &'b mut [i32],
 }
 
@@ -36,41 +41,49 @@ pub struct WinogradMemory<'b> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WinogradSizes {
-    /// Sixteens of bytes: a place is 3.6 times the bytes of a convolution's weights.
-    pub eights: usize,
-    /// Words.
+    /// Vectors of 16 bytes: a packed convolution is 3.6 times the bytes of its weights.
+    pub vectors: usize,
+    /// Words of 4 bytes.
     pub words: usize,
 }
 
 impl WinogradSizes {
-    /// The sizes for an image of `frames` columns, a network's shape, and `places` for packed convolutions: one does, and
+    /// The sizes for an image of `frames` columns, a network's shape, and memory for `packed` convolutions: one does, and
     /// each further one keeps a convolution's weights from being packed at every recognition.
-    pub const fn new(frames: usize, channels: usize, stem_stride: usize, places: usize) -> Self {
+    pub const fn new(frames: usize, channels: usize, stem_stride: usize, packed: usize) -> Self {
         WinogradSizes {
-            eights: places * conv_eights(channels),
-            words: places * conv_words(channels) + spare_words(frames, channels, stem_stride),
+            vectors: packed * conv_vectors(channels) + tile_vectors(channels),
+            words: packed * conv_words(channels) + spare_words(frames, channels, stem_stride),
         }
     }
 
     /// The least for a model.
     pub fn of(model: &Model<'_>) -> Self {
-        Self::new(model.frames(), model.channels(), model.stem_stride(), 1)
+        model.shape().winograd_sizes()
+    }
+
+    /// What serves both.
+    pub const fn max(self, other: Self) -> Self {
+        WinogradSizes {
+            vectors: if self.vectors > other.vectors { self.vectors } else { other.vectors },
+            words: if self.words > other.words { self.words } else { other.words },
+        }
     }
 
     /// All of it in bytes.
     pub const fn total(&self) -> usize {
-        size_of::<I16x8>() * self.eights + size_of::<i32>() * self.words
+        size_of::<I16x8>() * self.vectors + size_of::<i32>() * self.words
     }
 }
 
 impl Shape {
-    /// Memory of its kernels, with one place for packed weights.
+    /// Memory of its kernels, with nothing packed ahead.
     pub const fn winograd_sizes(&self) -> WinogradSizes {
         WinogradSizes::new(self.frames, self.channels, self.stem_stride, 1)
     }
 }
 
-/// Words that one layer leaves to the next: a row of tiles, the tables of an addition, or the stem's weights.
+/// Words that one operator leaves to the next: a strip of tiles, the tables of an addition, or the stem's weights.
 const fn spare_words(frames: usize, channels: usize, stem_stride: usize) -> usize {
     let strip = convolution::strip_words(same(frames, stem_stride) / 2, channels);
     let stem = channels * stem::WORDS;
@@ -78,128 +91,164 @@ const fn spare_words(frames: usize, channels: usize, stem_stride: usize) -> usiz
     if most > pointwise::MOST_WORDS { most } else { pointwise::MOST_WORDS }
 }
 
-/// A model's convolutions by tiles.
+/// Kernels by F(2x2, 3x3), over the dual multiply-accumulates `P`.
 #[derive(Debug)]
 pub struct WinogradF2<'b, P = NativeDualMac> {
-    pairs: P,
-    channels: usize,
-    /// Convolutions that are packed: the others share the place behind them.
-    ahead: usize,
+    mac: P,
+    /// Convolutions that the memory holds packed.
+    places: usize,
+    /// Those that are packed ahead: the others share the last place.
+    prepacked: usize,
     /// Of those, which run by the plain loops, by bit.
-    plain: u64,
-    eights: &'b mut [I16x8],
-    constants: &'b mut [i32],
-    spare: &'b mut [i32],
+    uncovered: u64,
+    /// Whether the operator that runs does so by the plain loops.
+    plain: bool,
+    vectors: &'b mut [I16x8],
+    /// What stays between the steps of an operator; at the end the constants of every place.
+    words: &'b mut [i32],
 }
 
 impl<'b> WinogradF2<'b> {
-    /// The fastest arithmetic of the target, for a model; `None` if the memory is too small.
+    /// The fastest arithmetic of the target, for one model: as many convolutions are packed ahead as the memory holds;
+    /// `None` if it is smaller than [`WinogradSizes::of`] the model.
     pub fn new(model: &Model<'_>, memory: WinogradMemory<'b>) -> Option<Self> {
-        Self::with_pairs(model, NativeDualMac::default(), memory)
+        Self::with_mac(model, NativeDualMac::default(), memory)
+    }
+
+    /// The fastest arithmetic of the target, for every model whose [`WinogradSizes`] the memory holds; nothing is packed
+    /// ahead. An operator that the memory does not hold runs by the plain loops.
+    pub fn shared(memory: WinogradMemory<'b>) -> Self {
+        Self::shared_with_mac(NativeDualMac::default(), memory)
     }
 }
 
 impl<'b, P: DualMac> WinogradF2<'b, P> {
-    /// [`WinogradF2::new`] by the arithmetic `pairs`.
-    pub fn with_pairs(model: &Model<'_>, pairs: P, memory: WinogradMemory<'b>) -> Option<Self> {
+    /// [`WinogradF2::shared`] by the arithmetic `mac`.
+    pub fn shared_with_mac(mac: P, WinogradMemory { vectors, words }: WinogradMemory<'b>) -> Self {
+        WinogradF2 { mac, places: 1, prepacked: 0, uncovered: 0, plain: false, vectors, words }
+    }
+
+    /// [`WinogradF2::new`] by the arithmetic `mac`.
+    pub fn with_mac(model: &Model<'_>, mac: P, memory: WinogradMemory<'b>) -> Option<Self> {
         let channels = model.channels();
-        let (spare, constants) =
-            memory.words.split_at_mut_checked(spare_words(model.frames(), channels, model.stem_stride()))?;
-        let eights = memory.eights;
+        let spare = spare_words(model.frames(), channels, model.stem_stride());
+        let constants = memory.words.len().checked_sub(spare)?;
+        let weights = memory.vectors.len().checked_sub(tile_vectors(channels))?;
         let all = 2 * model.blocks();
-        let fit = |have: usize, need: usize| have.checked_div(need).unwrap_or(all);
-        let places = fit(eights.len(), conv_eights(channels)).min(fit(constants.len(), conv_words(channels)));
-        if places == 0 {
-            return None;
-        }
-        let ahead = if places < all { places - 1 } else { all };
-        let mut tiled = WinogradF2 { pairs, channels, ahead, plain: 0, eights, constants, spare };
-        let convolutions = model.blocks.iter().flat_map(|block| &block.convs);
-        for (number, conv) in convolutions.enumerate().take(ahead) {
-            if tiled.pack(number, conv).is_none() {
-                tiled.plain |= 1 << number;
+        let fit = |have: usize, need: usize| have.checked_div(need).unwrap_or(all).min(all);
+        let places = fit(weights, conv_vectors(channels)).min(fit(constants, conv_words(channels)));
+        let prepacked = if places < all { places.checked_sub(1)? } else { all };
+        let width = same(model.frames(), model.stem_stride()) / 2;
+        let mut kernels = WinogradF2 { places, prepacked, ..Self::shared_with_mac(mac, memory) };
+        for number in 0..prepacked {
+            let conv = model.block(number / 2)?.convs[number % 2];
+            if (0..packing::steps(channels)).any(|step| kernels.pack(number, &conv, width, step).is_none()) {
+                kernels.uncovered |= 1 << number;
             }
         }
-        Some(tiled)
+        Some(kernels)
     }
 
-    /// Packs convolution `number` into its place; `None` if tiles cannot compute it.
-    fn pack(&mut self, number: usize, conv: &Conv<'_>) -> Option<()> {
-        let (eights, constants) = (conv_eights(self.channels), conv_words(self.channels));
-        let place = number.min(self.ahead);
-        let weights = self.eights.get_mut(place * eights..)?.get_mut(..eights)?;
-        packing::pack::<P>(conv, weights, self.constants.get_mut(place * constants..)?.get_mut(..constants)?)
+    /// Packed weights and constants of convolution `number`, and the words of its strip.
+    fn place(&mut self, number: usize, channels: usize, width: usize) -> Option<Place<'_>> {
+        let place = number.min(self.prepacked);
+        let (vectors, words) = (conv_vectors(channels), conv_words(channels));
+        let spare = self.words.len().checked_sub(self.places * words)?;
+        let (spare, constants) = self.words.split_at_mut_checked(spare)?;
+        let (tile, weights) = self.vectors.split_at_mut_checked(tile_vectors(channels))?;
+        Some(Place {
+            tile,
+            weights: weights.get_mut(place * vectors..)?.get_mut(..vectors)?,
+            constants: constants.get_mut(place * words..)?.get_mut(..words)?,
+            strip: spare.get_mut(..convolution::strip_words(width, channels))?,
+        })
     }
 
-    /// Convolves; `None`, and nothing is done, if tiles cannot.
-    fn convolve(
-        &mut self,
-        number: usize,
-        layer: &Conv<'_>,
-        input: &[i8],
-        width: usize,
-        border: &mut [i8],
-        output: &mut [i8],
-    ) -> Option<()> {
-        if number >= self.ahead {
-            self.pack(number, layer)?;
-        } else if self.plain >> number & 1 == 1 {
-            return None;
-        }
-        let (eights, words) = (conv_eights(self.channels), conv_words(self.channels));
-        let place = number.min(self.ahead);
-        let weights = self.eights.get(place * eights..)?.get(..eights)?;
-        let constants = self.constants.get(place * words..)?.get(..words)?;
-        let border = border.get_mut(..width * self.channels)?;
-        border.fill(layer.quant.in_zp);
-        let strip = self.spare.get_mut(..convolution::strip_words(width, self.channels))?;
-        let job = convolution::Convolution { layer, weights, constants, input, width, border, strip, output };
-        job.run(self.pairs).then_some(())
+    /// Does a step of packing a convolution; `None` if these kernels cannot compute it.
+    fn pack(&mut self, number: usize, conv: &Conv<'_>, width: usize, step: usize) -> Option<()> {
+        let Place { weights, constants, .. } = self.place(number, conv.inputs, width)?;
+        packing::pack::<P>(conv, step, weights, constants)
     }
 }
 
-/// Number of the convolution that is layer `at`: the second and third of every four behind the stem.
-const fn convolution_number(at: usize) -> usize {
-    2 * (at.wrapping_sub(1) / 4) + at.wrapping_sub(2) % 4
+/// Memory of a convolution.
+#[derive(Default)]
+struct Place<'a> {
+    tile: &'a mut [I16x8],
+    weights: &'a mut [I16x8],
+    constants: &'a mut [i32],
+    strip: &'a mut [i32],
+}
+
+/// Number of the convolution that is operator `index`: the second and third of every four behind the stem.
+const fn convolution_number(index: usize) -> usize {
+    2 * (index.wrapping_sub(1) / 4) + index.wrapping_sub(2) % 4
+}
+
+/// The first `count` items of so many words; `None` if there are fewer.
+fn packed_mut<const WORDS: usize>(words: &mut [i32], count: usize) -> Option<&mut [[i32; WORDS]]> {
+    words.as_chunks_mut().0.get_mut(..count)
+}
+
+/// The same, of words that were packed.
+fn packed<const WORDS: usize>(words: &[i32], count: usize) -> &[[i32; WORDS]] {
+    established(words.as_chunks().0.get(..count))
+}
+
+/// Clamps outputs that are saturated to int8 to a layer's range.
+fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
+    if (low, high) != (i8::MIN, i8::MAX) {
+        values.iter_mut().for_each(|value| *value = (*value).max(low).min(high));
+    }
 }
 
 impl<P: DualMac> Kernels for WinogradF2<'_, P> {
-    fn stem(
-        &mut self,
-        stem: &Conv<'_>,
-        image: &[i8],
-        size: (usize, usize),
-        rows: &mut [i8],
-        pooled: &mut [i8],
-    ) {
-        if !stem::pooled(stem, self.spare, image, size, pooled) {
-            Portable.stem(stem, image, size, rows, pooled);
+    fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
+        let number = convolution_number(index);
+        let ahead = matches!(operator, Operator::Conv { .. }) && number < self.prepacked;
+        let packing = match operator {
+            Operator::Average { .. } => 0,
+            Operator::Conv { layer, .. } if !ahead => packing::steps(layer.inputs),
+            Operator::Conv { .. } => 0,
+            _ => 1,
+        };
+        if step == 0 {
+            self.plain =
+                ahead && self.uncovered >> number & 1 == 1 || matches!(operator, Operator::Average { .. });
         }
-    }
-
-    fn affine(&mut self, _at: usize, layer: &BatchNormRelu<'_>, input: &[i8], output: &mut [i8]) {
-        if !pointwise::affine(layer, self.spare, input, output) {
-            layer.forward(input, output);
+        if step < packing {
+            let done = match operator {
+                _ if self.plain => None,
+                Operator::Stem { layer, .. } => stem::pack(layer, self.words),
+                Operator::BatchNormRelu { layer, .. } => pointwise::pack_batch_norm(layer, self.words),
+                Operator::Conv { layer, size, .. } => self.pack(number, layer, size.1, step),
+                Operator::Add { layer, .. } => pointwise::pack_add(layer, self.words),
+                Operator::Average { .. } => None,
+            };
+            self.plain = done.is_none();
+            return false;
         }
-    }
-
-    fn conv(
-        &mut self,
-        at: usize,
-        layer: &Conv<'_>,
-        input: &[i8],
-        size: (usize, usize),
-        rows: &mut [i8],
-        output: &mut [i8],
-    ) {
-        if self.convolve(convolution_number(at), layer, input, size.1, rows, output).is_none() {
-            layer.forward(input, size.0, size.1, output);
+        let step = step - packing;
+        if self.plain {
+            return Portable.run(index, operator, step);
         }
-    }
-
-    fn add(&mut self, _at: usize, layer: &Add, x: &mut [i8], branch: &[i8]) {
-        if !pointwise::add(layer, self.spare, x, branch) {
-            layer.forward(x, branch);
+        match operator {
+            Operator::Stem { layer, image, size, output, .. } => {
+                Stem { layer, words: self.words, image, size, output }.run(step)
+            }
+            Operator::BatchNormRelu { layer, input, output } => {
+                pointwise::batch_norm(layer, self.words, input, output, step)
+            }
+            Operator::Conv { layer, input, size, rows, output } => {
+                let (mac, width) = (self.mac, size.1);
+                let border = established(rows.get_mut(..width * layer.inputs));
+                let Place { tile, weights, constants, strip } =
+                    established(self.place(number, layer.inputs, width));
+                Convolution { layer, weights, constants, input, width, border, strip, tile, output }
+                    .run(mac, step)
+            }
+            Operator::Add { layer, x, branch } => pointwise::add(layer, self.words, x, branch, step),
+            average => Portable.run(index, average, step),
         }
     }
 }

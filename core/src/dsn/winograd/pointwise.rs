@@ -1,52 +1,73 @@
-//! The layers that treat every value alone: affine, and addition by tables.
+//! The layers that treat every value alone: batch normalisation, and addition by tables.
+//!
+//! TFLite 8-bit specification, DEPTHWISE_CONV_2D and ADD.
 
-use super::rescale::{MAX_ACCUMULATOR, Rescale, WORDS, clamp_all};
+use super::packing::{self, channel};
+use super::{clamp_all, packed, packed_mut};
 use crate::dsn::add::Add;
 use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::conv::MAX_CHANNELS;
+use crate::dsn::established;
+use crate::dsn::kernels::piece;
+use crate::fixed::Requantizer;
 
 /// Entries of a table: one for every int8 value, by its bits.
 const TABLE: usize = 256;
 
-/// Words that either takes at most: an addition's tables.
+/// Words of a channel of a normalisation: those of [`channel`] and four times its weight.
+const BATCH_NORM_WORDS: usize = packing::WORDS + 1;
+
+/// Words that either takes at most: an addition's tables, of the left and the right term.
 pub const MOST_WORDS: usize = 2 * TABLE;
 
-/// Words of a channel of an affine layer: its [`Rescale`] and four times its weight.
-const AFFINE_WORDS: usize = WORDS + 1;
+const _: () = assert!(MAX_CHANNELS * BATCH_NORM_WORDS <= MOST_WORDS);
 
-/// An affine layer, `[pixels, channels]` to the same shape; false, and nothing is done, if tiles cannot compute it.
-pub fn affine(layer: &BatchNormRelu<'_>, words: &mut [i32], input: &[i8], output: &mut [i8]) -> bool {
-    let channels = layer.quant.channels;
-    let (words, _) = words.as_chunks_mut::<AFFINE_WORDS>();
-    let Some(words) = words.get_mut(..channels) else { return false };
-    for (c, (words, &weight)) in words.iter_mut().zip(layer.quant.weights).enumerate() {
+/// Values of a step: at most 45 000 instructions on Cortex-M4F.
+const VALUES: usize = 2560;
+
+/// Packs a normalisation; `None` if these kernels cannot compute it.
+pub fn pack_batch_norm(layer: &BatchNormRelu<'_>, words: &mut [i32]) -> Option<()> {
+    let channels = packed_mut::<BATCH_NORM_WORDS>(words, layer.quant.channels)?;
+    for (c, (words, &weight)) in channels.iter_mut().zip(layer.quant.weights).enumerate() {
         let weight = i32::from(weight as i8);
-        let Some(rescale) = Rescale::of(&layer.quant, c, weight, 1) else { return false };
-        let [a, b, c, d] = rescale.to_words();
-        *words = [a, b, c, d, 4 * weight];
+        let [start, multiplier, offset, shift] = channel(&layer.quant, c, weight, 1)?;
+        *words = [start, multiplier, offset, shift, 4 * weight];
     }
-    let (words, _) = words.as_chunks::<4>();
-    for (from, to) in input.chunks_exact(channels.max(1)).zip(output.chunks_exact_mut(channels.max(1))) {
+    Some(())
+}
+
+/// Does a step of a normalisation, `[pixels, channels]` to the same shape; true after the last.
+#[inline(never)]
+pub fn batch_norm(
+    layer: &BatchNormRelu<'_>,
+    words: &[i32],
+    input: &[i8],
+    output: &mut [i8],
+    step: usize,
+) -> bool {
+    let channels = layer.quant.channels.max(1);
+    let (range, last) = piece(output.len(), (VALUES / channels).max(1) * channels, step);
+    let (input, output) = (established(input.get(range.clone())), established(output.get_mut(range)));
+    let (words, _) = packed::<BATCH_NORM_WORDS>(words, channels).as_chunks::<4>();
+    for (from, to) in input.chunks_exact(channels).zip(output.chunks_exact_mut(channels)) {
         let ((from, _), (to, _)) = (from.as_chunks::<4>(), to.as_chunks_mut::<4>());
         for ((from, to), words) in from.iter().zip(to).zip(words) {
             for k in 0..4 {
                 let [start, multiplier, offset, shift, weight] = words[k];
                 let product = i32::from(from[k] as u8 ^ 0x80).wrapping_mul(weight);
-                let rescale = Rescale::from_words([start, multiplier, offset, shift]);
-                to[k] = rescale.apply(start.wrapping_add(product));
+                let requantizer = Requantizer::from_words([multiplier, offset, shift]);
+                to[k] = requantizer.apply(start.wrapping_add(product));
             }
         }
     }
     clamp_all(output, (layer.quant.act_min, layer.quant.act_max));
-    true
+    last
 }
 
-/// `x = x + branch` with both terms out of tables; false, and nothing is done, if a sum might leave its range.
-pub fn add(layer: &Add, words: &mut [i32], x: &mut [i8], branch: &[i8]) -> bool {
-    let Some((left, rest)) = words.split_first_chunk_mut::<TABLE>() else { return false };
-    let Some(right) = rest.first_chunk_mut::<TABLE>() else { return false };
+/// Makes both tables of an addition; `None` if a sum might leave its range.
+pub fn pack_add(layer: &Add, words: &mut [i32]) -> Option<()> {
     let mut largest = 0;
-    for (term, table) in [&mut *left, &mut *right].into_iter().enumerate() {
+    for (term, table) in packed_mut::<TABLE>(words, 2)?.iter_mut().enumerate() {
         let mut most = 0;
         for (bits, value) in table.iter_mut().enumerate() {
             *value = layer.term(term, bits as u8 as i8);
@@ -55,14 +76,37 @@ pub fn add(layer: &Add, words: &mut [i32], x: &mut [i8], branch: &[i8]) -> bool 
         }
         largest += most;
     }
-    let rescale = Rescale::new(0, layer.out_multiplier, layer.out_shift, layer.out_zp);
-    let Some(rescale) = rescale.filter(|_| largest < MAX_ACCUMULATOR) else { return false };
-    for (x, &b) in x.iter_mut().zip(branch) {
-        let sum = left[usize::from(*x as u8)].wrapping_add(right[usize::from(b as u8)]);
-        *x = rescale.apply(sum);
-    }
-    clamp_all(x, (layer.act_min, layer.act_max));
-    true
+    (largest < Requantizer::MAX_ACCUMULATOR).then_some(())?;
+    requantizer(layer).map(|_| ())
 }
 
-const _: () = assert!(MAX_CHANNELS * AFFINE_WORDS <= MOST_WORDS);
+fn requantizer(layer: &Add) -> Option<Requantizer> {
+    Requantizer::new(layer.out_multiplier, layer.out_shift, layer.out_zp)
+}
+
+/// Does a step of `x = x + branch`; true after the last.
+pub fn add(layer: &Add, words: &[i32], x: &mut [i8], branch: &[i8], step: usize) -> bool {
+    let ([left, right, ..], Some(requantizer)) = (words.as_chunks::<TABLE>().0, requantizer(layer)) else {
+        established::<()>(None);
+        return true;
+    };
+    let (range, last) = piece(x.len(), VALUES, step);
+    let (x, branch) = (established(x.get_mut(range.clone())), established(branch.get(range)));
+    add_terms(left, right, requantizer, x, branch);
+    clamp_all(x, (layer.act_min, layer.act_max));
+    last
+}
+
+/// `x = x + branch` out of both tables.
+#[inline(never)]
+fn add_terms(
+    left: &[i32; TABLE],
+    right: &[i32; TABLE],
+    requantizer: Requantizer,
+    x: &mut [i8],
+    branch: &[i8],
+) {
+    for (x, &b) in x.iter_mut().zip(branch) {
+        *x = requantizer.apply(left[usize::from(*x as u8)].wrapping_add(right[usize::from(b as u8)]));
+    }
+}

@@ -1,55 +1,71 @@
 //! The input convolution and its 2x2 maximum in one: the square of outputs that is pooled is computed together.
 //!
-//! Requantising never falls as the accumulator grows, so the largest of the four sums is requantised and no row of the
-//! convolution is kept. With a stride of 1 the square is a tile of Winograd's F(2x2, 3x3): 16 products and 32 sums a
-//! pooled value. With a stride of 2 it takes 36 products of a patch of 5x5.
+//! Source: as [`super::convolution`]. Requantising never falls as the accumulator grows, so the largest of the four sums is
+//! requantised and no row of the convolution is kept. With a stride of 1 the square is a tile of F(2x2, 3x3): 16 products and
+//! 32 sums a pooled value. With a stride of 2 it takes 36 products of a patch of 5x5.
 
-use super::packing::at_points;
-use super::rescale::{self, Rescale, clamp_all};
-use crate::dsn::conv::{Conv, pad_before};
-use crate::simd::dual_mac::POINTS;
+use super::packing::{self, channel};
+use super::transform::{filter_transform, input_transform};
+use super::{clamp_all, packed, packed_mut};
+use crate::dsn::conv::{Conv, pad_before, same};
+use crate::dsn::established;
+use crate::fixed::Requantizer;
+use crate::simd::dual_mac::{POINTS, Plain};
 
-/// Words of a channel: its weights, `[column][row]` at the points or as they are, then its [`Rescale`].
-pub const WORDS: usize = POINTS + rescale::WORDS;
+/// Words of a channel: its weights, `[column][row]` transformed or as they are, then those of [`channel`].
+pub const WORDS: usize = POINTS + packing::WORDS;
 
-/// Packs the weights; `None` if tiles cannot compute it.
-fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
+/// Pooled values of a step: at most 35 000 instructions on Cortex-M4F.
+const VALUES: usize = 256;
+
+/// Packs the weights; `None` if these kernels cannot compute it.
+pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
     let (taps, _) = stem.quant.weights.as_chunks::<9>();
-    let (channels, _) = words.as_chunks_mut::<WORDS>();
-    for (o, (words, taps)) in channels.iter_mut().zip(taps).enumerate() {
+    for (o, (words, taps)) in
+        packed_mut::<WORDS>(words, stem.quant.channels)?.iter_mut().zip(taps).enumerate()
+    {
         let (weights, constants) = words.split_first_chunk_mut::<POINTS>()?;
         let taps = taps.map(|w| i32::from(w as i8));
         if stem.stride == 1 {
-            *weights.as_chunks_mut().0.first_chunk_mut()? = at_points(|tap| taps[tap % 9]);
+            let columns = filter_transform(|tap| taps[tap % 9]).map(|[a, b, c, d]| [b, c, a, -d]);
+            *weights.as_chunks_mut().0.first_chunk_mut()? = columns;
         } else {
             *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
         }
-        *constants.first_chunk_mut()? = Rescale::of(&stem.quant, o, taps.iter().sum(), 9)?.to_words();
+        *constants.first_chunk_mut()? = channel(&stem.quant, o, taps.iter().sum(), 9)?;
     }
-    Some(())
+    (stem.inputs == 1).then_some(())
 }
 
-/// `[height, width]` to the pooled `[height, width, channels]`; false, and nothing is done, if tiles cannot compute it.
-pub fn pooled(
-    stem: &Conv<'_>,
-    words: &mut [i32],
-    image: &[i8],
-    size: (usize, usize),
-    output: &mut [i8],
-) -> bool {
-    let layer = &stem.quant;
-    let Some(words) = words.get_mut(..layer.channels * WORDS) else { return false };
-    if stem.inputs != 1 || pack(stem, words).is_none() {
-        return false;
+/// `[height, width]` to the pooled `[height, width, channels]`.
+pub struct Stem<'a> {
+    pub layer: &'a Conv<'a>,
+    pub words: &'a [i32],
+    pub image: &'a [i8],
+    pub size: (usize, usize),
+    pub output: &'a mut [i8],
+}
+
+impl Stem<'_> {
+    /// Does a step: part of a pooled row; true after the last.
+    pub fn run(self, step: usize) -> bool {
+        let quant = self.layer.quant;
+        let (channels, width) = (quant.channels.max(1), same(self.size.1, self.layer.stride) / 2);
+        let steps = width.div_ceil((VALUES / channels).max(1)).max(1);
+        let pixels = width.div_ceil(steps);
+        let (y, first) = (step / steps, step % steps * pixels);
+        let last = (first + pixels).min(width);
+        let (from, to) = ((y * width + first) * channels, (y * width + last) * channels);
+        let (end, packed) = (to == self.output.len(), packed(self.words, channels));
+        let output = established(self.output.get_mut(from..to));
+        if self.layer.stride == 1 {
+            tiles(self.layer, packed, self.image, self.size, (y, first), output);
+        } else {
+            patches(self.layer, packed, self.image, self.size, (y, first), output);
+        }
+        clamp_all(output, (quant.act_min, quant.act_max));
+        end
     }
-    let (channels, _) = words.as_chunks::<WORDS>();
-    match stem.stride {
-        1 => tiles(stem, channels, image, size, output),
-        2 => patches(stem, channels, image, size, output),
-        _ => return false,
-    }
-    clamp_all(output, (layer.act_min, layer.act_max));
-    true
 }
 
 /// What lies outside the image, as u8.
@@ -68,39 +84,34 @@ fn pixel(line: &[i8], x: usize, border: i32) -> i32 {
     line.get(x).map_or(border, |&v| i32::from(v as u8 ^ 0x80))
 }
 
-/// B^T on four values.
-#[inline(always)]
-fn forward([a, b, c, d]: [i32; 4]) -> [i32; 4] {
-    [a.wrapping_sub(c), b.wrapping_add(c), c.wrapping_sub(b), b.wrapping_sub(d)]
-}
-
-/// A stride of 1.
+/// A stride of 1, from pooled pixel `(y, first)` on.
+#[inline(never)]
 fn tiles(
     stem: &Conv<'_>,
     channels: &[[i32; WORDS]],
     image: &[i8],
     (_, width): (usize, usize),
+    (y, first): (usize, usize),
     output: &mut [i8],
 ) {
     let border = border(stem);
-    let row = width / 2 * stem.quant.channels;
-    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
-        let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
-        let column = |x: usize| forward(rows.map(|row| pixel(row, x, border)));
-        let mut columns = [[0; 4], [0; 4], forward([border; 4]), column(0)];
-        for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
-            let [_, _, a, b] = columns;
-            columns = [a, b, column(2 * x + 1), column(2 * x + 2)];
-            let mut points = [[0; 4]; 4];
-            for row in 0..4 {
-                let along = forward(columns.map(|column| column[row]));
-                for k in 0..4 {
-                    points[k][row] = along[k];
-                }
+    let transform = |values| input_transform(Plain::<false>, values);
+    let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
+    let column = |x: usize| transform(rows.map(|row| pixel(row, x, border)));
+    let mut columns = [[0; 4], [0; 4], column((2 * first).wrapping_sub(1)), column(2 * first)];
+    for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
+        let [_, _, a, b] = columns;
+        let x = 2 * (first + x);
+        columns = [a, b, column(x + 1), column(x + 2)];
+        let mut points = [[0; 4]; 4];
+        for row in 0..4 {
+            let along = transform(columns.map(|column| column[row]));
+            for k in 0..4 {
+                points[k][row] = along[k];
             }
-            for (out, words) in pooled.iter_mut().zip(channels) {
-                *out = rescale(largest_of_tile(&points, words), words);
-            }
+        }
+        for (out, words) in pooled.iter_mut().zip(channels) {
+            *out = requantize(largest_of_tile(&points, words), words);
         }
     }
 }
@@ -109,11 +120,10 @@ fn tiles(
 #[inline(always)]
 fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
     let (mut upper, mut lower) = ([0_i32; 4], [0_i32; 4]);
-    for (k, [d0, d1, d2, d3]) in points.iter().enumerate() {
-        let w = &words[4 * k..4 * k + 4];
-        let (a, b) = (w[1].wrapping_mul(*d1), w[2].wrapping_mul(*d2));
-        upper[k] = a.wrapping_add(b).wrapping_add(w[0].wrapping_mul(*d0));
-        lower[k] = a.wrapping_sub(b).wrapping_sub(w[3].wrapping_mul(*d3));
+    for (k, ([d0, d1, d2, d3], w)) in points.iter().zip(words.as_chunks::<4>().0).enumerate() {
+        let (a, b) = (w[0].wrapping_mul(*d1), w[1].wrapping_mul(*d2));
+        upper[k] = a.wrapping_add(b).wrapping_add(w[2].wrapping_mul(*d0));
+        lower[k] = a.wrapping_sub(b).wrapping_add(w[3].wrapping_mul(*d3));
     }
     let most = |m: [i32; 4]| {
         let left = m[0].wrapping_add(m[1]).wrapping_add(m[2]);
@@ -125,26 +135,24 @@ fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
 /// Five rows of five pixels.
 type Patch = [[i32; 5]; 5];
 
-/// A stride of 2.
+/// A stride of 2, from pooled pixel `(y, first)` on.
+#[inline(never)]
 fn patches(
     stem: &Conv<'_>,
     channels: &[[i32; WORDS]],
     image: &[i8],
     (height, width): (usize, usize),
+    (y, first): (usize, usize),
     output: &mut [i8],
 ) {
     let border = border(stem);
     let (above, before) = (pad_before(height, 2), pad_before(width, 2));
-    let row = width.div_ceil(2) / 2 * stem.quant.channels;
-    for (y, output) in output.chunks_exact_mut(row.max(1)).enumerate() {
-        let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
-        for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
-            let first = (4 * x).wrapping_sub(before);
-            let patch: Patch =
-                rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
-            for (out, words) in pooled.iter_mut().zip(channels) {
-                *out = rescale(largest_of_patch(&patch, words), words);
-            }
+    let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
+    for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
+        let first = (4 * (first + x)).wrapping_sub(before);
+        let patch: Patch = rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
+        for (out, words) in pooled.iter_mut().zip(channels) {
+            *out = requantize(largest_of_patch(&patch, words), words);
         }
     }
 }
@@ -167,8 +175,7 @@ fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
 
 /// The output for four times a sum without its start.
 #[inline(always)]
-fn rescale(most: i32, words: &[i32; WORDS]) -> i8 {
+fn requantize(most: i32, words: &[i32; WORDS]) -> i8 {
     let [.., start, multiplier, offset, shift] = *words;
-    let rescale = Rescale::from_words([start, multiplier, offset, shift]);
-    rescale.apply(most.wrapping_add(start))
+    Requantizer::from_words([multiplier, offset, shift]).apply(most.wrapping_add(start))
 }

@@ -1,0 +1,76 @@
+//! CRC-32 of IEEE 802.3: reflected, polynomial 0xEDB88320, initial value and final exclusive or 0xFFFFFFFF.
+//!
+//! Source: D. V. Sarwate, Computation of cyclic redundancy checks via table look-up, CACM 31(8), 1988; a byte at a time.
+
+const TABLE: [u32; 256] = {
+    let mut table = [0; 256];
+    let mut index = 0;
+    while index < 256 {
+        let mut crc = index as u32;
+        let mut bit = 0;
+        while bit < 8 {
+            crc = (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+            bit += 1;
+        }
+        table[index] = crc;
+        index += 1;
+    }
+    table
+};
+
+/// A checksum that is computed piece by piece: `Crc32::new().update(bytes).finish()`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Crc32(u32);
+
+impl Crc32 {
+    /// The checksum of no bytes so far.
+    pub const fn new() -> Self {
+        Crc32(u32::MAX)
+    }
+
+    /// Takes in more bytes. Cost: about 7 instructions a byte on Cortex-M4F, and 1 kB of tables.
+    #[must_use]
+    pub fn update(self, bytes: &[u8]) -> Self {
+        Crc32(bytes.iter().fold(self.0, |crc, &byte| TABLE[usize::from(crc as u8 ^ byte)] ^ crc >> 8))
+    }
+
+    /// The checksum of all bytes.
+    pub const fn finish(self) -> u32 {
+        !self.0
+    }
+}
+
+impl Default for Crc32 {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// [`Crc32`] of bytes that are all there.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    Crc32::new().update(bytes).finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_check_value_of_every_catalogue_whole_and_in_pieces() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+        assert_eq!(Crc32::new().update(b"1234").update(b"").update(b"56789").finish(), 0xcbf4_3926);
+        assert_eq!(crc32(b""), 0);
+    }
+
+    #[test]
+    fn every_byte_is_divided_bit_by_bit() {
+        for byte in 0..=255_u8 {
+            let mut crc = u32::MAX ^ u32::from(byte);
+            for _ in 0..8 {
+                crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+            }
+            assert_eq!(crc32(&[byte]), !crc);
+        }
+    }
+}
