@@ -6,7 +6,7 @@ use super::*;
 use crate::crc32::crc32;
 use crate::dsn::network::{Network, infer};
 use crate::dsn::per_channel::PerChannelQuant;
-use crate::dsn::random_model::{Numbers, Size, write};
+use sdp3_testkit::random_model::{Numbers, Size, write};
 use crate::fixed::Requantizer;
 use crate::probe::Probe;
 use crate::simd::dual_mac::Plain;
