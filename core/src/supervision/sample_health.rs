@@ -203,7 +203,8 @@ mod tests {
         channel(&mut slot, false).for_each(|x| *x += 3500);
         assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Offset { i: 2500..4500, q: -1000..1000 })));
         // a real sensor of 12 bits
-        let real: Vec<i16> = sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
+        let real: Vec<i16> =
+            sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
         assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
         let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
         assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
