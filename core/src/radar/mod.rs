@@ -66,7 +66,7 @@ enum Report {
     Period { period: u32, replanned: bool, counts: PeriodCounts },
     /// A period's sensing has ended early.
     Released { period: u32, release: crate::scheduler::sequencer::Release },
-    /// Nothing is known: a plan is needed.
+    /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,
 }
 
