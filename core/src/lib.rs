@@ -65,8 +65,8 @@ pub mod simd;
 pub mod supervision;
 pub mod values;
 
+pub use dsn::Shape;
 pub use error::Error;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+pub use radar::{Progress, RadarModule, Settings, SlotAction, SlotContext};
+pub use scheduler::SensingLayout;
+pub use supervision::retained::Retained;

@@ -10,11 +10,13 @@ use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
 use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
 use crate::probe::Probe;
+use crate::selftest;
 use crate::signal::dechirp::WordAligned;
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS, image_steps};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use heapless::Vec;
+use rand_core::Rng;
 
 impl Shape {
     /// Range samples that a pipeline keeps: a recording's, and the first of the next one.
@@ -390,6 +392,15 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             steps += 1;
         }
         steps
+    }
+
+    /// Whether every operator of every exit's network gives what the plain loops give: [`selftest::network`]. Before the first slot.
+    pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
+        let (scratch, kernels) = (&mut *self.scratch, &mut self.kernels);
+        self.exits.iter().all(|EarlyExit { model, .. }| {
+            let image = self.front_end.image_memory().get_mut(..ROWS * model.frames());
+            image.is_some_and(|image| selftest::network(model, image, scratch, kernels, rng).is_none())
+        })
     }
 
     /// Finishes the recognition that is under way.

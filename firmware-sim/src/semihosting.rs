@@ -42,6 +42,17 @@ impl File {
         buffer.is_empty() || call(0x06, &[self.handle, buffer.as_mut_ptr() as usize, buffer.len(), 0]) == 0
     }
 
+    /// Fills the buffer with little-endian values, as every machine here has them; false if the file ends before.
+    pub fn read_values(&mut self, buffer: &mut [i16]) -> bool {
+        let bytes = size_of_val(buffer);
+        bytes == 0 || call(0x06, &[self.handle, buffer.as_mut_ptr() as usize, bytes, 0]) == 0
+    }
+
+    /// Goes on reading at this byte.
+    pub fn seek(&mut self, to: usize) -> bool {
+        call(0x0a, &[self.handle, to, 0, 0]) == 0
+    }
+
     /// Reads a little-endian word.
     pub fn word(&mut self) -> Option<u32> {
         let mut bytes = [0; 4];

@@ -11,6 +11,7 @@ use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::{Fault, sample_health};
 use core::sync::atomic::Ordering;
 use heapless::Vec;
+use rand_core::Rng;
 
 /// Bytes of a model that one step checks.
 pub(super) const CHECK_BYTES: usize = 1024;
@@ -149,6 +150,11 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
     /// Confidence that ends a period's sensing early, from the next classification on.
     pub fn set_threshold(&mut self, threshold: f32) {
         self.pipeline.set_threshold(threshold);
+    }
+
+    /// Whether the networks' kernels work, at power-on: [`Pipeline::self_test`]. Before the first slot.
+    pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
+        self.pipeline.self_test(rng)
     }
 
     /// Name of a class.

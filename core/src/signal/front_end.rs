@@ -315,6 +315,11 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         self.image.get(..ROWS * frames).unwrap_or(self.image)
     }
 
+    /// All memory of the image, for tests before the first slot.
+    pub(crate) fn image_memory(&mut self) -> &mut [i8] {
+        self.image
+    }
+
     /// Begins a recording. An image in the making goes on.
     pub fn reset(&mut self) {
         self.gram = Gram::new();

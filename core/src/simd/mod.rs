@@ -6,7 +6,6 @@
 #[allow(unsafe_code)]
 mod arm;
 pub mod conj_mac;
-pub mod conj_mac2;
 pub mod dual_mac;
 pub mod mulh;
 

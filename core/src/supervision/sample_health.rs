@@ -102,7 +102,7 @@ pub fn check(slot: &[i16], config: &RadarConfig) -> Result<(), SampleFault> {
     let step = (usize::from(config.samples) / LOOKED_AT).max(1);
     let bits = u32::from(config.converter_bits.clamp(8, 16));
     let ends = if config.left_justified {
-        (i16::MIN, i16::MAX << (16 - bits))
+        (i16::MIN, i16::MAX >> (16 - bits) << (16 - bits))
     } else {
         (i16::MIN >> (16 - bits), i16::MAX >> (16 - bits))
     };
@@ -212,7 +212,7 @@ mod tests {
     /// Samples that move every bit about these means.
     fn about(i: i16, q: i16) -> Vec<i16> {
         let pair = |n: usize| {
-            let swing = 31 * (n as i16 / 16) + 1;
+            let swing = 31 * (n as i16 / 2) + 1;
             let swing = if n / 8 % 2 == 0 { swing } else { -swing };
             [i + swing, q - swing]
         };

@@ -31,20 +31,23 @@ unsafe extern "C" {
 extern "C" fn firmware_no_tick() {}
 
 /// Virtual picoseconds of a tick of the counter and of an instruction, in lowest terms: see `machines`.
-const TICK: u64 = picoseconds(env!("SDP3_TICK_PS")) / COMMON;
-const INSTRUCTION: u64 = picoseconds(env!("SDP3_INSTRUCTION_PS")) / COMMON;
+const TICK: u64 = number(env!("SDP3_TICK_PS")) / COMMON;
+const INSTRUCTION: u64 = number(env!("SDP3_INSTRUCTION_PS")) / COMMON;
 const COMMON: u64 = {
-    let (mut a, mut b) = (picoseconds(env!("SDP3_TICK_PS")), picoseconds(env!("SDP3_INSTRUCTION_PS")));
+    let (mut a, mut b) = (number(env!("SDP3_TICK_PS")), number(env!("SDP3_INSTRUCTION_PS")));
     while b > 0 {
         (a, b) = (b, a % b);
     }
     a
 };
 
-const fn picoseconds(text: &str) -> u64 {
+/// Instructions of a slot of 250 us at the machine's clock.
+pub const SLOT: u32 = number(env!("SDP3_SLOT_INSTRUCTIONS")) as u32;
+
+const fn number(text: &str) -> u64 {
     match u64::from_str_radix(text, 10) {
         Ok(number) => number,
-        Err(_) => panic!("a duration is no number"),
+        Err(_) => panic!("not a number"),
     }
 }
 
@@ -248,6 +251,29 @@ impl<T> Single<T> {
         }
         // SAFETY: the flag lets exactly one caller pass, ever.
         Some(unsafe { &mut *self.value.get() })
+    }
+}
+
+/// The interface of the crate `static_cell`, which needs an atomic exchange and has a panic path.
+pub mod static_cell {
+    use super::Single;
+
+    /// A value that the compiler makes in a static, and that is taken once.
+    pub struct ConstStaticCell<T>(Single<T>);
+
+    impl<T> ConstStaticCell<T> {
+        /// A static value.
+        pub const fn new(value: T) -> Self {
+            ConstStaticCell(Single::new(value))
+        }
+
+        /// The value; a second call ends the run.
+        pub fn take(&'static self) -> &'static mut T {
+            match self.0.take() {
+                Some(value) => value,
+                None => crate::semihosting::exit(2),
+            }
+        }
     }
 }
 

@@ -9,14 +9,15 @@ mod helium;
 pub use helium::Helium;
 
 use crate::simd::conj_mac::{Iq, portable};
-use crate::simd::dual_mac::{DualMac, I16x8, Points, Sums, plain_products};
+use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
 use core::arch::{asm, global_asm};
+use core::mem::MaybeUninit;
 
 /// The DSP extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dsp;
 
-// Products of `quads` groups of four channels at sixteen points. A group is two loads of four words (two tiles' inputs,
+// Products of `groups` groups of four channels at sixteen points. A group is two loads of four words (two tiles' inputs,
 // two outputs' weights) and eight dual multiply-accumulates; sums live in r2, r3, r12, lr. r0: inputs, r1: weights;
 // on the stack: where sums go, and their end.
 global_asm!(
@@ -40,27 +41,27 @@ global_asm!(
     "smlad r12, r5, r11, r12",
     "smlad lr, r7, r11, lr",
     ".endm",
-    ".macro sdp3_point quads, first",
+    ".macro sdp3_point groups, first",
     "sdp3_group \\first",
-    ".rept \\quads - 1",
+    ".rept \\groups - 1",
     "sdp3_group 0",
     ".endr",
     ".endm",
-    ".macro sdp3_products quads",
-    ".pushsection .text.sdp3_products_\\quads, \"ax\", %progbits",
-    ".global sdp3_products_\\quads",
-    ".type sdp3_products_\\quads, %function",
+    ".macro sdp3_products groups",
+    ".pushsection .text.sdp3_products_\\groups, \"ax\", %progbits",
+    ".global sdp3_products_\\groups",
+    ".type sdp3_products_\\groups, %function",
     ".p2align 2",
     ".thumb_func",
-    "sdp3_products_\\quads:",
+    "sdp3_products_\\groups:",
     "push {{r4-r11, lr}}",
     "add r3, r2, #128",
     "push {{r2, r3}}",
     "1:",
-    "sdp3_point \\quads, 1", // row 1
+    "sdp3_point \\groups, 1", // row 1
     "ldr r4, [sp]",
     "stm r4, {{r2, r3, r12, lr}}",
-    "sdp3_point \\quads, 1", // row 2
+    "sdp3_point \\groups, 1", // row 2
     "ldr r4, [sp]",
     "ldmia r4!, {{r5-r8}}",
     "sub r5, r5, r2", // the difference, and from it the sum
@@ -72,11 +73,11 @@ global_asm!(
     "sub r8, r8, lr",
     "add lr, r8, lr, lsl #1",
     "stm r4, {{r5-r8}}",
-    "sdp3_point \\quads, 0", // row 0
+    "sdp3_point \\groups, 0", // row 0
     "ldr r4, [sp]",
     "stmia r4!, {{r2, r3, r12, lr}}",
     "ldm r4, {{r2, r3, r12, lr}}",
-    "sdp3_point \\quads, 0", // row 3
+    "sdp3_point \\groups, 0", // row 3
     "pop {{r4, r5}}",
     "add r4, r4, #16",
     "stmia r4!, {{r2, r3, r12, lr}}",
@@ -85,7 +86,7 @@ global_asm!(
     "bne 1b",
     "add sp, sp, #8",
     "pop {{r4-r11, pc}}",
-    ".size sdp3_products_\\quads, . - sdp3_products_\\quads",
+    ".size sdp3_products_\\groups, . - sdp3_products_\\groups",
     ".popsection",
     ".endm",
     "sdp3_products 2",
@@ -103,9 +104,9 @@ impl DualMac for Dsp {
     #[inline(always)]
     fn add(self, a: i32, b: i32) -> i32 {
         let sum;
-        // SAFETY: registers only; the target has the instruction.
+        // SAFETY: registers and APSR.GE only; the target has the instruction.
         unsafe {
-            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack))
         };
         sum
     }
@@ -113,29 +114,32 @@ impl DualMac for Dsp {
     #[inline(always)]
     fn sub(self, a: i32, b: i32) -> i32 {
         let difference;
-        // SAFETY: registers only; the target has the instruction.
+        // SAFETY: registers and APSR.GE only; the target has the instruction.
         unsafe {
-            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack))
         };
         difference
     }
 
     #[inline(always)]
-    fn settle(self, pair: i32) -> [i16; 2] {
+    fn unpack(self, pair: i32) -> [i16; 2] {
         [pair as i16, (pair >> 16) as i16]
     }
 
     #[inline]
-    fn products<const QUADS: usize>(self, inputs: &Points<QUADS>, weights: &Points<QUADS>, sums: &mut Sums) {
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
+        let mut sums = MaybeUninit::uninit();
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
-        // SAFETY: each reads 16 QUADS groups of inputs and of weights, which is what both arrays hold, and writes 128
+        // SAFETY: each reads 16 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words.
-        match QUADS {
-            2 => unsafe { sdp3_products_2(x, w, sums) },
-            4 => unsafe { sdp3_products_4(x, w, sums) },
-            8 => unsafe { sdp3_products_8(x, w, sums) },
-            _ => plain_products::<Self, QUADS>(inputs, weights, sums),
+        match GROUPS {
+            2 => unsafe { sdp3_products_2(x, w, sums.as_mut_ptr()) },
+            4 => unsafe { sdp3_products_4(x, w, sums.as_mut_ptr()) },
+            8 => unsafe { sdp3_products_8(x, w, sums.as_mut_ptr()) },
+            _ => return plain_products::<Self, GROUPS>(inputs, weights),
         }
+        // SAFETY: each has written them all.
+        unsafe { sums.assume_init() }
     }
 }
 
