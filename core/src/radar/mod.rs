@@ -69,11 +69,8 @@ enum Report {
         counts: PeriodCounts,
     },
     /// A period's sensing has ended early.
-    Released {
-        period: u32,
-        release: crate::scheduler::sequencer::Release,
-    },
-    /// Nothing is known: a plan is needed.
+    Released { period: u32, release: crate::scheduler::sequencer::Release },
+    /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,
 }
 

@@ -103,10 +103,12 @@ pub struct SlotContext<const VALUES: usize> {
 
 impl<const VALUES: usize> SlotContext<VALUES> {
     /// Goes on from what survived a reset, else begins a period of `plan` with the first slot.
-    pub(super) fn new(ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
+    pub(super) fn new(mut ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
         let mut state = SlotState::new(plan);
         let (sequence, expected) = match retained.load(None, &mut state) {
             Loaded::Newest(sequence) | Loaded::Previous(sequence) if !state.unplanned => {
+                // the running plan may be of other settings, or give slots back
+                let _ = ends.reports.enqueue(Report::PlanNeeded); // the first report
                 (sequence, Some(state.next))
             }
             _ => {
@@ -182,7 +184,9 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The samples of the slot that [`SlotContext::begin`] gave last are in its buffer.
     pub fn samples_ready(&mut self) {
-        let (Some(pending), Some(buffer)) = (self.pending.take(), self.buffer.take()) else {
+        // if nothing waits the buffer stays for the next slot
+        let waiting = self.pending.take().and_then(|pending| Some((pending, self.buffer.take()?)));
+        let Some((pending, buffer)) = waiting else {
             self.report(Report::Fault(Fault::UnexpectedSamples));
             return;
         };
