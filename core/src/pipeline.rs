@@ -23,6 +23,16 @@ impl Shape {
     pub const fn beats(&self) -> usize {
         self.sensing_slots + OVERLAP_SLOTS
     }
+
+    /// Bytes of all memory of a pipeline, [`PipelineMemory::BYTES`] of these sizes.
+    pub const fn required_bytes(&self) -> usize {
+        let kernels = self.winograd_sizes();
+        let slow_time = self.beats() * size_of::<Beat>() + self.sensing_slots * size_of::<Complex<i32>>();
+        let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
+        let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
+        let sum = kernels.vectors * size_of::<I16x8>() + words + slow_time + cells + self.scratch_bytes();
+        sum.next_multiple_of(size_of::<I16x8>())
+    }
 }
 
 /// All memory of a pipeline: `REFERENCE` samples of the sensor's references, `BEATS` and `SLOTS` of slow time, `FRAMES` frames,

@@ -163,12 +163,7 @@ fn layers_end_where_the_content_does() {
         Model::parse(&file).map(|_| ())
     };
     assert_eq!(resized(content), Ok(()));
-    let last = content - 3 * CHANNELS; // where the head's weights begin
-    for have in [content - 1, last] {
-        assert_eq!(resized(have), Err(ModelError::Layers { need: content, have }));
-    }
-    assert_eq!(resized(last - 1), Err(ModelError::Layers { need: last, have: last - 1 }));
-    for have in [content + 1, content + 4] {
+    for have in [content - 1, content / 2, HEADER_LEN, content + 1, content + 4] {
         assert_eq!(resized(have), Err(ModelError::Layers { need: content, have }));
     }
 }
@@ -209,8 +204,9 @@ fn envelopes_are_whole() {
     let need = HEADER_LEN + SIGNATURE_LEN + 4;
     assert_eq!(short(68), Some(ModelError::Truncated { need, have: 68 }));
     assert_eq!(short(need - 1), Some(ModelError::Truncated { need, have: need - 1 }));
-    // whole, but there are no names
-    assert_eq!(short(need), Some(ModelError::Layers { need: HEADER_LEN + 3 * NAME_LEN, have: HEADER_LEN }));
+    // whole, but there are no names and no layers
+    let content = HEAD + MULTIPLIERS + 3 * 8 + 4 + 3 * CHANNELS;
+    assert_eq!(short(need), Some(ModelError::Layers { need: content, have: HEADER_LEN }));
     let mut damaged = file.clone();
     damaged[100] ^= 1;
     let content = &damaged[..file.len() - 4];

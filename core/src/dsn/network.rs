@@ -4,7 +4,7 @@
 
 use super::conv::same;
 use super::established;
-use super::head::{MAX_CLASSES, arg_max};
+use super::head::{MAX_CLASSES, arg_max, confidence};
 use super::kernels::{Kernels, Operator};
 use super::model::Model;
 use super::shape::Shape;
@@ -49,7 +49,7 @@ impl Classification {
     pub fn new(model: &Model<'_>, logits: Logits, probe: &mut impl Probe) -> Self {
         let class = arg_max(&logits);
         probe.class(class as u8);
-        let confidence = model.head().confidence(&logits, class);
+        let confidence = confidence(&logits, class, model.logit_scale());
         probe.confidence(confidence);
         Classification { class: class as u8, confidence, exit: 0, stop: true, logits }
     }
@@ -162,5 +162,16 @@ pub fn infer(
         if let Some(logits) = network.step(model, image, scratch, kernels, probe) {
             return Classification::new(model, logits, probe);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scratch_is_three_maps_and_two_rows() {
+        assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 2 * (55 * 16));
+        assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 2 * (10 * 8));
     }
 }

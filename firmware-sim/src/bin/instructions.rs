@@ -10,25 +10,28 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
+#[path = "../../../core/src/dsn/random_model.rs"]
+mod random_model;
+
+#[cfg(target_os = "none")]
 mod firmware {
+    use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex};
+    use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot};
     use sdp3_core::dsn::model::crc32;
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
-    use sdp3_core::dsn::{Kernels, Model, Portable, scratch_bytes};
+    use sdp3_core::dsn::{Kernels, Model, Network, Portable, scratch_bytes};
     use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
     use sdp3_core::probe::Probe;
+    use sdp3_core::selftest;
     use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
-    use sdp3_testkit::campaign::{SAMPLES, slot};
-    use sdp3_testkit::random_model::{Numbers, Size, write};
-    use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
-    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8192, 8192>;
+    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;
     static MEMORY: Single<Largest> = Single::new(Largest::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
 
@@ -151,14 +154,31 @@ mod firmware {
     /// Counts a recognition of noise; all stages' values go to `probe`.
     fn count<T: Stft>(model: &Model<'_>, memory: &mut Largest, by: By, probe: &mut DigestProbe) -> Shares {
         let mut buffers = memory.view();
-        let WinogradMemory { eights, words } = core::mem::take(&mut buffers.tiles);
+        let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.tiles);
         let By::Tiles(places) = by else {
-            return recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, Portable), probe);
+            return recognise(Receiver::<_, T>::with_kernels(*model, buffers, Portable), probe);
         };
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let tiles = WinogradMemory { eights: part(eights, sizes.eights), words: part(words, sizes.words) };
+        let tiles = WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
         let Some(kernels) = WinogradF2::new(model, tiles) else { fail("packed weights do not fit") };
-        recognise(Receiver::<_, T>::with_kernels(model.clone(), buffers, kernels), probe)
+        recognise(Receiver::<_, T>::with_kernels(*model, buffers, kernels), probe)
+    }
+
+    /// Instructions of the largest step of a network with nothing packed ahead.
+    fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
+        let buffers = memory.view();
+        let mut kernels = WinogradF2::shared(buffers.tiles);
+        let image = part(buffers.front_end.image, ROWS * model.frames());
+        image.fill(1);
+        let (mut network, mut largest) = (Network::new(), 0);
+        loop {
+            let before = instructions();
+            let logits = network.step(model, image, buffers.scratch, &mut kernels, &mut ());
+            largest = instructions().wrapping_sub(before).max(largest);
+            if logits.is_some() {
+                return largest;
+            }
+        }
     }
 
     fn recognise<K: Kernels, T: Stft>(
@@ -168,10 +188,9 @@ mod firmware {
         let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
         let mut shares = Shares::new();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut samples = [0; SAMPLES];
+        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
         while receiver.missing() > 0 {
-            noise(&mut rng, &mut samples);
-            let slot = slot(&samples);
+            selftest::noise(&mut rng, &mut slot);
             shares.start();
             let _ = receiver.push(&slot, &mut shares);
             shares.add(1);
@@ -206,6 +225,13 @@ mod firmware {
             [shares, plain]
         }
 
+        /// The largest step of a network that has nothing packed ahead.
+        fn largest_step(&mut self, size: Size) -> u64 {
+            let length = write(size, 1, Numbers::Trained, crc32, self.model);
+            let Ok(model) = Model::parse(part(self.model, length)) else { fail("a network is refused") };
+            largest_step(&model, self.memory)
+        }
+
         /// A network's mean convolution, packed ahead and packed when it runs, and its stem.
         fn layers(&mut self, name: &str, channels: usize, stride: u8, frames: u16) -> u64 {
             let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
@@ -234,6 +260,7 @@ mod firmware {
         // the default network, as the station computes it
         let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
         let [shares, plain] = bench.both::<NativeStft>(whole, By::Tiles(1));
+        work("network-step-largest", bench.largest_step(whole));
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };

@@ -13,7 +13,7 @@ mod firmware {
     use sdp3_core::dims::{Iq, Slot};
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Points, plain_products, unpack};
+    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Tile, plain_products, widen};
     use sdp3_core::simd::{conj_mac, mulh};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -44,36 +44,35 @@ mod firmware {
         }
     }
 
-    /// Products of `QUADS` groups of four channels.
-    fn products<const QUADS: usize>(random: &mut impl Rng) {
+    /// Products of `GROUPS` groups of four channels.
+    fn products<const GROUPS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let mut draw = |points: &mut Points<QUADS>| {
-                points.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
+            let mut draw = |tile: &mut Tile<GROUPS>| {
+                tile.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
             };
-            let (mut inputs, mut weights) = ([[I16x8::ZERO; QUADS]; POINTS], [[I16x8::ZERO; QUADS]; POINTS]);
+            let (mut inputs, mut weights) = ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
-            let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
-            NativeDualMac::default().products(&inputs, &weights, &mut found);
-            plain_products::<NativeDualMac, QUADS>(&inputs, &weights, &mut expected);
+            let found = NativeDualMac::default().products(&inputs, &weights);
+            let expected = plain_products::<NativeDualMac, GROUPS>(&inputs, &weights);
             same("products", round, found, expected);
         }
     }
 
     /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
     fn sums(random: &mut impl Rng) {
-        fn chain<P: DualMac>(pairs: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
+        fn chain<P: DualMac>(mac: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
             let mut sum = 0;
             for (k, value) in values.into_iter().enumerate() {
-                sum = if signs >> k & 1 == 0 { pairs.add(sum, value) } else { pairs.sub(sum, value) };
+                sum = if signs >> k & 1 == 0 { mac.add(sum, value) } else { mac.sub(sum, value) };
             }
-            pairs.settle(sum)
+            mac.unpack(sum)
         }
         for round in 0..16 * ROUNDS {
             let values =
-                [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
+                [0; 4].map(|_: i32| widen(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
             let signs = round as u32;
             let found = chain(NativeDualMac::default(), signs, values);
             same("sums of pairs", round, found, chain(Plain::<false>, signs, values));

@@ -61,9 +61,10 @@ pub fn simulate<'py>(
     arrays.set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::dims::ROWS, frames])?)?;
     arrays.set_item("label", PyArray1::from_vec(py, all.iter().map(|one| one.label).collect()))?;
     if raw {
-        let samples = all.iter().flat_map(|one| one.slots.iter().flatten().flat_map(|iq| [iq.i, iq.q]));
-        let shape = [count, slots, sdp3_core::dims::SLOT_SAMPLES, 2];
-        arrays.set_item("raw", PyArray1::from_vec(py, samples.collect()).reshape(shape)?)?;
+        let samples: Vec<i16> = all.iter().flat_map(|one| one.slots.values.iter().copied()).collect();
+        let per_slot = all.first().map_or(0, |one| one.slots.per_slot);
+        let raw = PyArray1::from_vec(py, samples).reshape([count, slots, per_slot / 2, 2])?;
+        arrays.set_item("raw", raw)?;
     }
     Ok(arrays)
 }

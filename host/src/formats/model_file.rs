@@ -4,6 +4,7 @@
 //! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
 //! `sdp3_core::dsn::model` reads it.
 
+use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
 use std::fmt::Write as _;
 
 mod check;
@@ -21,12 +22,16 @@ pub const VERSION: u16 = 1;
 pub const HEADER_BYTES: usize = 64;
 /// Bytes of a class name, zero padded.
 pub const NAME_BYTES: usize = 24;
+/// Where the header holds the radar's configuration: eight bytes, zeros for the paper's.
+pub const RADAR_AT: usize = 48;
 /// Doppler rows of every image.
 pub const ROWS: u16 = 64;
 
 /// How raw slots become the network's image; the radar module takes all of it from the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preprocessing {
+    /// The sensor's samples.
+    pub radar: RadarConfig,
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u16,
     /// First singular component kept, 1..=8.
@@ -216,6 +221,8 @@ impl QuantizedNetwork {
         out.extend_from_slice(&sizes);
         out.extend_from_slice(&p.carrier_khz.to_le_bytes());
         out.extend_from_slice(&p.slow_time_us.to_le_bytes());
+        out.resize(RADAR_AT, 0);
+        out.extend_from_slice(&p.radar.to_bytes());
         out.resize(HEADER_BYTES, 0);
         out
     }
@@ -233,8 +240,9 @@ impl QuantizedNetwork {
         );
         let _ = writeln!(
             text,
-            "takes {} sensing slots {} us apart at {} GHz",
+            "takes {} sensing slots of {} {} us apart at {} GHz",
             p.sensing_slots,
+            sweep_words(&p.radar),
             p.slow_time_us,
             f64::from(p.carrier_khz) / 1e6
         );
@@ -272,6 +280,24 @@ impl QuantizedNetwork {
         }
         text
     }
+}
+
+/// A slot's samples and what becomes of them, in words.
+fn sweep_words(radar: &RadarConfig) -> String {
+    let format = match radar.format {
+        SampleFormat::Complex => "complex",
+        SampleFormat::Real => "real",
+    };
+    let dechirp = match (radar.dechirp, radar.gate) {
+        (Dechirp::Digital, _) => format!("dechirped into {} blocks", radar.range_samples),
+        (Dechirp::Analog, None) => format!("of a beat summed in {} blocks", radar.range_samples),
+        (Dechirp::Analog, Some(gate)) => format!(
+            "of a beat gated to {} x {} range bins from bin {} on",
+            radar.range_samples, gate.bins_per_sample, gate.first_bin
+        ),
+    };
+    let justified = if radar.left_justified { ", left-justified," } else { "" };
+    format!("{} {format} samples of {} bits{justified} {dechirp}", radar.samples, radar.converter_bits)
 }
 
 impl Weighted {
@@ -459,6 +485,7 @@ pub(crate) mod tests {
         let (carrier_khz, slow_time_us) = (r.u32(), r.u32());
         assert_eq!(r.take::<20>(), [0; 20]);
         let preprocessing = Preprocessing {
+            radar: RadarConfig::PAPER,
             sensing_slots,
             first_kept,
             last_kept,

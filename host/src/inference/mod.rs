@@ -25,7 +25,7 @@ use stem::Stem;
 enum Packed {
     Conv(Vec<OutputGroup>),
     BatchNormRelu(Vec<ChannelPhase>),
-    Add(PackedAdd),
+    Add(Box<PackedAdd>),
 }
 
 /// The kernels of one instruction set, with a model's weights packed for them.
@@ -52,7 +52,7 @@ impl VectorKernels {
             for block in (0..model.blocks()).map_while(|index| model.block(index)) {
                 operators.push(packing::batch_norm(&block.batch_norm).map(Packed::BatchNormRelu));
                 operators.extend(block.convs.iter().map(conv));
-                operators.push(packing::add(&block.add).map(Packed::Add));
+                operators.push(packing::add(&block.add).map(|add| Packed::Add(Box::new(add))));
             }
         }
         isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })

@@ -135,7 +135,7 @@ fn kernels_are_made_for_what_the_system_says_the_processor_has() {
 fn a_classifier_gives_what_the_plain_loops_give() {
     let model = Model::parse(models::DSN_200).expect("a model");
     let mut scratch = vec![0; model.shape().scratch_bytes()];
-    let mut classifier = Classifier::new(model.clone());
+    let mut classifier = Classifier::new(model);
     for k in 1..4 {
         let image: Vec<i8> = (0..ROWS * model.frames()).map(|n| (n * n * k) as i8).collect();
         let expected = infer(&model, &image, &mut scratch, &mut Portable, &mut ());

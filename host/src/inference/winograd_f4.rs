@@ -79,7 +79,7 @@ fn output_transform<S: SimdI32>(simd: S, p: [S::I32; SPAN]) -> [S::I32; TILE] {
 fn transform_columns<S: SimdI32>(simd: S, map: &[i32], row: usize, out: &mut [i32]) {
     let from: [_; SPAN] = from_fn(|i| map[i * row..][..row].as_chunks().0);
     let mut rows = out.chunks_exact_mut(row);
-    let mut to: [_; SPAN] = from_fn(|_| rows.next().unwrap_or_default().as_chunks_mut().0);
+    let to: [_; SPAN] = from_fn(|_| rows.next().unwrap_or_default().as_chunks_mut().0);
     for at in 0..row / HALF {
         let mut d = [simd.load16(&[0; HALF]); SPAN];
         for i in 0..SPAN {

@@ -106,7 +106,7 @@ fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
 pub fn int8_answers(bytes: &[u8], images: &Images) -> Result<Vec<u8>, Failure> {
     let model = Model::parse(bytes).map_err(|e| e.to_string())?;
     let part = |part: &[usize]| {
-        let mut classifier = Classifier::new(model.clone());
+        let mut classifier = Classifier::new(model);
         part.iter().map(|&n| classifier.classify(images.image(n), &mut ()).class).collect::<Vec<_>>()
     };
     let all: Vec<usize> = (0..images.len()).collect();

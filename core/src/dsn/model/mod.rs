@@ -246,11 +246,6 @@ impl<'m> Model<'m> {
         self.interval_us
     }
 
-    /// What one step of a logit is worth, in nat.
-    pub fn logit_scale(&self) -> f32 {
-        self.head().scale
-    }
-
     /// Name of a class, empty if there is no such class.
     pub fn class_name(&self, class: usize) -> &'m str {
         let names = self.content.get(HEADER_LEN..).unwrap_or(&[]).chunks_exact(NAME_LEN);

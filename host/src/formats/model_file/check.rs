@@ -34,6 +34,12 @@ impl QuantizedNetwork {
     pub(super) fn check(&self) -> Result<(), ModelFileError> {
         let p = &self.preprocessing;
         let c = self.channels();
+        legal(
+            "radar",
+            format!("{:?}", p.radar),
+            p.radar.is_valid(),
+            "a configuration that the radar module takes",
+        )?;
         within("first_kept", p.first_kept, 1, 8)?;
         within("last_kept", p.last_kept, p.first_kept, 8)?;
         within("window_len", p.window_len, 2, 256)?;

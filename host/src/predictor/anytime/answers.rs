@@ -83,7 +83,7 @@ pub fn collect(
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
         (class as u8, logits)
     };
-    let classifiers = || parsed.iter().cloned().map(Classifier::new).collect();
+    let classifiers = || parsed.iter().copied().map(Classifier::new).collect();
     let (truth, logits) = (0..count).into_par_iter().map_init(classifiers, answer).unzip();
     Ok(Answers { slots, scales: parsed.iter().map(|m| f64::from(m.logit_scale())).collect(), truth, logits })
 }
