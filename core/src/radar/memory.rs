@@ -6,6 +6,7 @@ use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
 use crate::scheduler::Plan;
 use crate::signal::stft::NativeStft;
 use core::sync::atomic::AtomicU32;
+use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 
 /// The samples of one slot, where a DMA may write them: interleaved in-phase and quadrature, or real values.
@@ -35,7 +36,8 @@ pub struct RadarMemory<
     T: 'static = NativeStft,
 > {
     pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
-    made: Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+    /// The pipeline, once it is made. Not an `Option`, so that the whole memory is zeros and takes no flash.
+    made: Vec<Made<T>, 1>,
     buffers: [SlotBuffer<VALUES>; SLOT_BUFFERS],
     free: Buffers<VALUES>,
     filled: Queue<Filled<VALUES>, { SLOT_BUFFERS + 1 }>,
@@ -88,7 +90,7 @@ pub(super) struct ProcessingEnds<const VALUES: usize> {
 /// Where the pipeline is made.
 pub(super) struct PipelinePlace<T: 'static> {
     buffers: PipelineBuffers<'static>,
-    made: &'static mut Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+    made: &'static mut Vec<Made<T>, 1>,
 }
 
 type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
@@ -98,7 +100,9 @@ impl<T> PipelinePlace<T> {
         self,
         make: impl FnOnce(PipelineBuffers<'static>) -> Result<Made<T>, Error>,
     ) -> Result<&'static mut Made<T>, Error> {
-        Ok(self.made.insert(make(self.buffers)?))
+        let full = Error::Memory { buffer: "pipeline", need: 1, have: 0 };
+        self.made.push(make(self.buffers)?).map_err(|_| full)?;
+        self.made.first_mut().ok_or(full)
     }
 }
 
@@ -122,7 +126,7 @@ impl<
     pub const fn new() -> Self {
         RadarMemory {
             pipeline: PipelineMemory::new(),
-            made: None,
+            made: Vec::new(),
             buffers: [const { SlotBuffer([0; VALUES]) }; SLOT_BUFFERS],
             free: Queue::new(),
             filled: Queue::new(),
