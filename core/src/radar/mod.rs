@@ -69,7 +69,10 @@ enum Report {
         counts: PeriodCounts,
     },
     /// A period's sensing has ended early.
-    Released { period: u32, release: crate::scheduler::sequencer::Release },
+    Released {
+        period: u32,
+        release: crate::scheduler::sequencer::Release,
+    },
     /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,
 }

@@ -18,7 +18,7 @@ mod firmware {
     use sdp3_core::dsn::{Model, scratch_bytes};
     use sdp3_core::pipeline::{Memory, Receiver};
     use sdp3_core::probe::Probe;
-    use sdp3_core::scheduler::{Plan, USERS, Sequencer, SlotUse};
+    use sdp3_core::scheduler::{Plan, Sequencer, SlotUse, USERS};
     use sdp3_core::selftest;
     use sdp3_core::signal::clutter::{Gram, Weights};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
