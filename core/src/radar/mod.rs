@@ -92,7 +92,7 @@ impl Shape {
 }
 
 /// A radar module, to be split into its two contexts.
-pub struct RadarModule<const VALUES: usize, T: 'static = NativeStft> {
+pub struct RadarModule<const VALUES: usize, T: Stft + 'static = NativeStft> {
     slots: SlotContext<VALUES>,
     processing: ProcessingContext<VALUES, T>,
 }

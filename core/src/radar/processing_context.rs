@@ -54,7 +54,7 @@ struct Check {
 }
 
 /// The task's side of a radar module.
-pub struct ProcessingContext<const VALUES: usize, T: 'static = NativeStft> {
+pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
     pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
     planner: Planner,
