@@ -19,7 +19,7 @@ const WINDOW: u16 = 32;
 const SLOTS: usize = 40;
 
 /// What [`run`] gives with `rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3)`, on every processor.
-pub const KNOWN_ANSWERS: [u64; 2] = [0x4003_0731_6202_bc18, 0xcc14_de1e_42bc_d97c];
+pub const KNOWN_ANSWERS: [u64; 2] = [0xc02c_8aa4_477d_951a, 0x6d0a_a8e9_1e4f_49bb];
 
 /// Digests of all stages up to the image, of 40 slots of noise with the transform in f32 and of 40 more with that in integers: window
 /// and twiddles of both, the chirp, the clutter removal and the logarithm.
@@ -42,7 +42,8 @@ fn signal_chain<T: Stft>(rng: &mut impl Rng) -> u64 {
         image: &mut image,
     };
     let settings = Preprocessing { window: WINDOW, ..Preprocessing::default() };
-    let Some(mut front_end) = FrontEnd::<T>::new(RadarConfig::PAPER, settings, buffers) else { return 0 };
+    let mut made = FrontEnd::<T>::new(RadarConfig::PAPER, settings, buffers);
+    let Some(front_end) = &mut made else { return 0 };
     let mut probe = DigestProbe::new();
     let mut slot = [0; RadarConfig::PAPER.values_per_slot()];
     for _ in 0..SLOTS {
