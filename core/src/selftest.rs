@@ -42,7 +42,8 @@ fn signal_chain<T: Stft>(rng: &mut impl Rng) -> u64 {
         image: &mut image,
     };
     let settings = Preprocessing { window: WINDOW, ..Preprocessing::default() };
-    let Some(mut front_end) = FrontEnd::<T>::new(RadarConfig::PAPER, settings, buffers) else { return 0 };
+    let mut made = FrontEnd::<T>::new(RadarConfig::PAPER, settings, buffers);
+    let Some(front_end) = &mut made else { return 0 };
     let mut probe = DigestProbe::new();
     let mut slot = [0; RadarConfig::PAPER.values_per_slot()];
     for _ in 0..SLOTS {

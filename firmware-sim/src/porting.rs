@@ -23,7 +23,8 @@ pub fn slot(slots: &mut board::Slots, number: u32) {
 
 /// Start-up, then the idle loop.
 pub fn run() -> Result<(), sdp3_core::Error> {
-    let settings = Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: board::BITS, threshold: 2.0 };
+    let settings =
+        Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: board::BITS, threshold: 2.0 };
     let (slots, mut task) = RadarModule::single(board::MODEL, settings, MEMORY.take(), &RETAINED)?.split();
     board::start(slots, &mut task); // from here on `slots` belongs to the interrupt
     loop {
