@@ -282,8 +282,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Quantize { row, largest } => {
                 let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
                 let (image, levels) = (self.image.get_mut(part.clone())?, self.levels.get(part)?);
+                let range = self.settings.range;
                 for (pixel, &level) in image.iter_mut().zip(levels) {
-                    *pixel = quantize_db(level, largest, self.settings.range);
+                    *pixel = quantize_db(level, largest, range);
                 }
                 if row + ROWS_A_STEP >= ROWS {
                     self.job = None;
