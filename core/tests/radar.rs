@@ -266,6 +266,19 @@ fn samples_that_are_missing_or_unexpected_are_reported_once() {
 }
 
 #[test]
+fn samples_that_come_too_late_take_no_buffer_away() {
+    let mut radio = Radio::new(0);
+    for _ in 0..6 {
+        assert_eq!(radio.given(radio.number), Use::Sense);
+        radio.number += 1;
+        radio.slot();
+        radio.slots.samples_ready();
+        radio.play(2);
+    }
+    assert_eq!(radio.faults(), [Fault::MissingSamples, Fault::UnexpectedSamples].repeat(6));
+}
+
+#[test]
 fn without_a_poll_sensing_slots_are_lost_and_said_so() {
     let mut radio = Radio::new(0);
     radio.polls = 0;

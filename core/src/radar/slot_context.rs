@@ -131,7 +131,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The use of the slot that the radio gives this number.
     ///
-    /// Cost: two passes over 98 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
+    /// Cost: two passes over 83 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
     pub fn begin(&mut self, number: u32) -> SlotAction<'_, VALUES> {
         let repaired = self.load();
         if self.expected.is_none() {
@@ -182,7 +182,9 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The samples of the slot that [`SlotContext::begin`] gave last are in its buffer.
     pub fn samples_ready(&mut self) {
-        let (Some(pending), Some(buffer)) = (self.pending.take(), self.buffer.take()) else {
+        // if nothing waits the buffer stays for the next slot
+        let waiting = self.pending.take().and_then(|pending| Some((pending, self.buffer.take()?)));
+        let Some((pending, buffer)) = waiting else {
             self.report(Report::Fault(Fault::UnexpectedSamples));
             return;
         };
@@ -259,9 +261,8 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// Begins with the plan that processing has sent; false while there is none.
     fn find_plan(&mut self, number: u32) -> bool {
-        if let Some(plan) = self.ends.plans.peek() {
-            self.state = SlotState::new(plan);
-            self.state.next = number;
+        if self.ends.plans.ready() {
+            (self.state.unplanned, self.state.next) = (false, number);
             return true;
         }
         if !self.plan_requested {

@@ -98,14 +98,12 @@ impl Sequencer {
 
     /// Begins a new period at once, with another plan if one is given.
     pub fn restart(&mut self, plan: Option<&Plan>) {
-        match plan {
-            Some(plan) => *self = Sequencer::new(plan),
-            None => {
-                self.order = SlotOrder::new(self.plan.shares());
-                (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
-                self.before = [0; USERS];
-            }
+        if let Some(plan) = plan {
+            self.plan.clone_from(plan);
         }
+        self.order = SlotOrder::new(self.plan.shares());
+        (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
+        self.before = [0; USERS];
     }
 
     /// No more sensing in this period; `None`, and nothing changes, if none is left or no period is running. The released slots
