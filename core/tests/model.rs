@@ -182,7 +182,13 @@ fn the_header_is_what_the_model_says_of_itself() {
     let other = altered(&file, HEAD + SCALES + 4, &0.25_f32.to_le_bytes());
     assert_eq!((model.logit_scale(), Model::parse(&other).expect("a model").logit_scale()), (1.0, 0.25));
     assert!(!model.is_signed() && Model::parse(SIGNED).expect("a model").is_signed());
-    let shape = Shape { sensing_slots: 200, frames: 10, channels: CHANNELS, stem_stride: 2, radar: RadarConfig::PAPER };
+    let shape = Shape {
+        sensing_slots: 200,
+        frames: 10,
+        channels: CHANNELS,
+        stem_stride: 2,
+        radar: RadarConfig::PAPER,
+    };
     assert_eq!((Shape::of(&file), model.shape()), (Some(shape), shape));
     assert_eq!(Shape::of(&file[..HEADER_LEN]), Some(shape));
     assert_eq!(Shape::of(&file[..HEADER_LEN - 1]), None);

@@ -187,9 +187,7 @@ impl<
     }
 
     /// The place of the pipeline, and both ends of every queue, with all buffers free.
-    pub(super) fn split(
-        &'static mut self,
-    ) -> (PipelinePlace<T>, (SlotEnds<VALUES>, ProcessingEnds<VALUES>)) {
+    pub(super) fn split(&'static mut self) -> (PipelinePlace<T>, (SlotEnds<VALUES>, ProcessingEnds<VALUES>)) {
         let RadarMemory { pipeline, made, buffers, free, filled, reports, plans, totals, release } = self;
         let (mut free_in, free) = split(free);
         for buffer in buffers {

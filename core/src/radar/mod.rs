@@ -24,14 +24,14 @@ pub use slot_context::{SlotAction, SlotContext};
 
 use crate::dsn::{Model, Shape};
 use crate::early_exit::{EXITS, EarlyExit};
-use heapless::Vec;
-use processing_context::CHECK_BYTES;
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
+use heapless::Vec;
+use processing_context::CHECK_BYTES;
 
 /// Slot buffers of a module: one that is being filled, and the others waiting.
 pub const SLOT_BUFFERS: usize = 4;
@@ -63,9 +63,16 @@ struct Filled<const VALUES: usize> {
 enum Report {
     Fault(Fault),
     /// A period begins.
-    Period { period: u32, replanned: bool, counts: PeriodCounts },
+    Period {
+        period: u32,
+        replanned: bool,
+        counts: PeriodCounts,
+    },
     /// A period's sensing has ended early.
-    Released { period: u32, release: crate::scheduler::sequencer::Release },
+    Released {
+        period: u32,
+        release: crate::scheduler::sequencer::Release,
+    },
     /// Nothing is known: a plan is needed.
     PlanNeeded,
 }
@@ -176,11 +183,13 @@ fn in_time<T: Stft>(
         let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {
             Some(next) => ((next - taken) * step, next - taken),
             // what is left of the period, and the next one up to its first exit
-            None => {
-                ((layout.period() as usize).saturating_sub(taken * step) + first * step, total - taken + first)
-            }
+            None => (
+                (layout.period() as usize).saturating_sub(taken * step) + first * step,
+                total - taken + first,
+            ),
         };
-        let check = pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
+        let check =
+            pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
         let need = pipeline.count_steps(k) + check + sensing;
         if need > between {
             return Err(Error::Deadline { need: need as u32, have: between as u32 });

@@ -4,7 +4,7 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, GRAM_SLOTS, SWEEPS, Gram, Projection, SvdRange, UNIT_PROJECTION, largest_part, project,
+    ClutterSolver, GRAM_SLOTS, Gram, Projection, SWEEPS, SvdRange, UNIT_PROJECTION, largest_part, project,
     slow_time_shift,
 };
 use super::dechirp::Iq;

@@ -4,9 +4,9 @@
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
+use sdp3_core::crc32::crc32;
 use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::dsn::Model;
-use sdp3_core::crc32::crc32;
 use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::PipelineBuffers;

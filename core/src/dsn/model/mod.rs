@@ -13,8 +13,8 @@ pub use super::format::{
 };
 use super::head::MAX_CLASSES;
 use super::shape::Shape;
-pub use crate::crc32::crc32;
 use crate::config::RadarConfig;
+pub use crate::crc32::crc32;
 use crate::dims::ROWS;
 use crate::signal::clutter::SvdRange;
 use crate::signal::front_end::Preprocessing;

@@ -239,9 +239,9 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
             Operator::BatchNormRelu { layer, input, output } => {
                 pointwise::batch_norm(layer, self.words, input, output, step)
             }
-            Operator::Conv { layer, input, size, rows, output } => {
+            Operator::Conv { layer, input, size, row, output } => {
                 let (mac, width) = (self.mac, size.1);
-                let border = established(rows.get_mut(..width * layer.inputs));
+                let border = established(row.get_mut(..width * layer.inputs));
                 let Place { tile, weights, constants, strip } =
                     established(self.place(number, layer.inputs, width));
                 Convolution { layer, weights, constants, input, width, border, strip, tile, output }
