@@ -174,7 +174,10 @@ fn in_time<T: Stft>(
     let step = layout.spacing() as usize + 1;
     let total = layout.slots() as usize;
     // exits that a period reaches
-    let slots: Vec<usize, EXITS> = pipeline.exits().iter().map(|exit| exit.model.sensing_slots()).collect();
+    let mut slots: Vec<usize, EXITS> = Vec::new();
+    for exit in pipeline.exits() {
+        let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
+    }
     let reached = slots.iter().filter(|&&slots| slots <= total).count();
     for (k, &taken) in slots.iter().enumerate().take(reached) {
         let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {

@@ -81,7 +81,10 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {
-        let checksums = pipeline.exits().iter().map(|exit| crc32(exit.model.bytes())).collect();
+        let mut checksums = Vec::new();
+        for exit in pipeline.exits() {
+            let _ = checksums.push(crc32(exit.model.bytes())); // as many places as exits
+        }
         ProcessingContext {
             ends,
             pipeline,

@@ -259,9 +259,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                     Stage::Project { from: end, shift }
                 } else {
                     probe.slow_time(self.slow_time.get(..end)?);
-                    if self.origin > 0 {
-                        // the next recording moves to where the range samples were
-                        self.beats.copy_within(self.origin..self.origin + self.taken, 0);
+                    // the next recording moves to where the range samples were
+                    if let Some((to, from)) = self.beats.split_at_mut_checked(self.origin) {
+                        to.iter_mut().zip(from).take(self.taken).for_each(|(to, from)| *to = *from);
                         self.origin = 0;
                     }
                     Stage::Frames { next: 0, largest: FLOOR }
