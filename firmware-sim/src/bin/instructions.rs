@@ -11,13 +11,11 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod firmware {
-    use sdp3_testkit::random_model::{Numbers, Size, write};
-    use sdp3_testkit::signals::noise;
     use rand_core::SeedableRng;
-    use sdp3_core::digest::DigestProbe;
     use sdp3_core::config::RadarConfig;
-    use sdp3_core::dims::{Beat, Complex, ROWS};
     use sdp3_core::crc32::crc32;
+    use sdp3_core::digest::DigestProbe;
+    use sdp3_core::dims::{Beat, Complex, ROWS};
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
@@ -27,6 +25,8 @@ mod firmware {
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::random_model::{Numbers, Size, write};
+    use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
     type Largest = PipelineMemory<0, 1000, 1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;

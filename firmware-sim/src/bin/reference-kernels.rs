@@ -51,7 +51,8 @@ mod firmware {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
             };
-            let (mut inputs, mut weights) = ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
+            let (mut inputs, mut weights) =
+                ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
             let found = NativeDualMac::default().products(&inputs, &weights);
@@ -81,7 +82,8 @@ mod firmware {
     /// The paper's eight blocks of 125 samples, and blocks of other lengths.
     fn dechirping(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let slot = WordAligned::<1000>(core::array::from_fn(|_| [half(random, round), half(random, round)]));
+            let slot =
+                WordAligned::<1000>(core::array::from_fn(|_| [half(random, round), half(random, round)]));
             let reference = WordAligned::<1000>(CHIRP);
             for (block, samples) in [(125, 1000), (128, 1000), (250, 1000), (64, 256), (63, 900)] {
                 let (slot, reference) = (&slot.0[..samples], &reference.0[..samples]);
