@@ -204,7 +204,7 @@ pub fn model_name(sensing_slots: u32) -> String {
 }
 
 /// The models of every N_s of the scenario in `--out`, each for its radar; `hint` says what makes them.
-pub fn stored_models(job: &Job, hint: &str) -> Result<Vec<Vec<u8>>, Failure> {
+pub fn stored_models(job: &Job, hint: &'static str) -> Result<Vec<Vec<u8>>, Failure> {
     let stored = |&slots: &u32| {
         let name = model_name(slots);
         let bytes = job.output.read(&name, hint)?;
