@@ -1,8 +1,9 @@
 //! The radio, the task, and the observer of a radar module, on one thread.
 //!
-//! The observer knows what the module must do by a schedule of its own that no fault reaches, and by counts of his own of the slots
+//! The observer knows what the module must do by a schedule of its own that no fault reaches, and by counts of its own of the slots
 //! that each use had and of the samples that were taken. The task polls after every slot or every second one, by chance.
 
+use super::Outcome;
 use super::samples::Corruption;
 use crate::signals::noise;
 use core::mem::take;
@@ -12,7 +13,6 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Logits, ModelError};
 use sdp3_core::radar::{Event, ProcessingContext, Progress, SlotAction, SlotContext};
-use sdp3_core::scheduler::sequencer::Release;
 use sdp3_core::scheduler::{
     Changes, PeriodCounts, PeriodReport, Plan, Planner, SensingLayout, Sequencer, SlotUse, USERS,
 };
@@ -25,8 +25,8 @@ pub type Contexts<const VALUES: usize> = (SlotContext<VALUES>, ProcessingContext
 /// Most skipped slots that are counted as lost; after more a new period begins.
 pub(super) const CATCH_UP: u32 = 8;
 
-/// More polls than a recognition needs.
-const POLLS: usize = 1 << 20;
+/// Any change of a model.
+pub(super) const MODEL_FAULT: Fault = Fault::Model(ModelError::Checksum { stated: 0, computed: 0 });
 
 /// What happens to the samples of a sensing slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ pub(super) enum Transfer {
     Done,
     /// The radio says that the slot was lost.
     Lost,
-    /// Nothing is heard of it.
+    /// Neither samples nor word of a loss come.
     Missing,
     Corrupted(Corruption),
 }
@@ -47,228 +47,104 @@ pub(super) enum Copies {
     Both,
 }
 
-/// The schedule that no fault reaches: slots are played, and plans made, where the module must.
+/// What the slot context keeps from slot to slot, and over a reset.
 #[derive(Clone)]
-struct Reference {
-    planner: Planner,
-    /// The plan on its way to the slot context, and whether its period has begun.
-    sent: Option<Plan>,
-    begun: bool,
-    /// Why it differs.
-    changes: Changes,
+struct Kept {
     sequencer: Sequencer,
-    /// Losses of the running period, and of those before that no plan gives back yet.
     counts: PeriodCounts,
-    before: PeriodCounts,
-    plan_due: bool,
-    plan_needed: bool,
-    /// Whether there is no plan and slots stay idle.
-    unplanned: bool,
     period: u32,
+    /// Sensing slots of the period so far.
     sensed: u32,
     last: SlotUse,
-    /// The period whose sensing ends early, and what is on its way between the contexts then.
+    /// Whether there is no plan and slots stay idle.
+    unplanned: bool,
+    /// Number of the next slot.
+    next: u32,
+}
+
+impl Kept {
+    fn new(plan: &Plan, unplanned: bool, next: u32) -> Self {
+        let (sequencer, counts) = (Sequencer::new(plan), PeriodCounts::default());
+        Kept { sequencer, counts, period: 0, sensed: 0, last: SlotUse::Idle, unplanned, next }
+    }
+}
+
+/// What is on its way between the contexts, and lost by a reset.
+#[derive(Default)]
+struct Messages {
+    /// The next plan, whether its period has begun, and why it differs.
+    plan: Option<Plan>,
+    begun: bool,
+    changes: Changes,
+    plan_due: bool,
+    plan_needed: bool,
+    /// Losses that no plan gives back yet.
+    counts: PeriodCounts,
+    /// The period whose sensing ends early.
     release: u32,
-    released: Option<(u32, Release)>,
+    /// Totals of the users then, and whether processing has computed them.
     totals: Option<(u32, [u32; USERS])>,
+    computed: bool,
     reports: Vec<PeriodReport, 4>,
 }
 
-impl Reference {
-    fn new(planner: Planner) -> Self {
-        Reference {
-            sequencer: Sequencer::new(&planner.first_plan()),
-            planner,
-            sent: None,
-            begun: false,
-            changes: Changes::default(),
-            counts: PeriodCounts::default(),
-            before: PeriodCounts::default(),
-            plan_due: false,
-            plan_needed: false,
-            unplanned: false,
-            period: 0,
-            sensed: 0,
-            last: SlotUse::Idle,
-            release: 0,
-            released: None,
-            totals: None,
-            reports: Vec::new(),
-        }
-    }
-
-    /// The same after a reset that has kept the slot context's state.
-    fn reset(&mut self, planner: Planner) {
-        let Reference { sequencer, counts, period, sensed, last, .. } = self.clone();
-        let plan_needed = true;
-        *self = Reference { sequencer, counts, period, sensed, last, plan_needed, ..Reference::new(planner) };
-    }
-
-    /// The slot context has read its state back.
-    fn load(&mut self) {
-        if take(&mut self.begun) {
-            self.sent = None;
-        }
-    }
-
-    /// The slot context's state is lost.
-    fn forget(&mut self) {
-        self.sequencer = Sequencer::new(&Plan::IDLE);
-        (self.unplanned, self.begun, self.release, self.period) = (true, false, 0, 0);
-        self.counts = PeriodCounts::default();
-    }
-
-    fn on_lost(&mut self, slot: SlotUse) {
-        self.counts.on_lost(slot);
-    }
-
-    /// The use of the next slot.
-    fn next_slot(&mut self) -> SlotUse {
-        if self.unplanned {
-            self.unplanned = self.sent.is_none();
-            self.plan_needed |= self.unplanned;
-            if self.unplanned {
-                return SlotUse::Idle;
-            }
-        }
-        if self.sequencer.position() == 0 {
-            self.begin_period();
-        } else if self.release == self.period
-            && let Some(release) = self.sequencer.release_sensing()
-        {
-            self.counts.released += release.released;
-            self.released = Some((self.period, release));
-        } else if let Some((period, totals)) = self.totals.take()
-            && period == self.period
-        {
-            self.sequencer.reassign(&totals);
-        }
-        self.last = self.sequencer.next_slot();
-        self.sensed += u32::from(self.last == SlotUse::Sensing);
-        self.last
-    }
-
-    fn begin_period(&mut self) {
-        let plan = self.sent.as_ref().filter(|_| !self.begun);
-        let replanned = plan.is_some() || self.period == 0;
-        self.sequencer.restart(plan);
-        self.begun |= plan.is_some();
-        (self.period, self.sensed, self.plan_due) = (self.period.wrapping_add(1), 0, true);
-        let counts = take(&mut self.counts);
-        for (sum, lost) in self.before.lost.iter_mut().zip(counts.lost) {
-            *sum += lost;
-        }
-        self.before.sensing_lost += counts.sensing_lost;
-        self.before.released += counts.released;
-        let changes = Changes {
-            lost: counts.lost.iter().sum(),
-            sensing_lost: counts.sensing_lost,
-            released: counts.released,
-            ..if replanned { take(&mut self.changes) } else { Changes::default() }
-        };
-        let _ = self.reports.push(PeriodReport { period: self.period, replanned, changes });
-    }
-
-    /// The reports of the slot context have been taken.
-    fn take_reports(&mut self) {
-        if let Some((period, release)) = self.released.take() {
-            self.totals = self.totals.take().or(Some((period, self.planner.totals(&release))));
-        }
-        if take(&mut self.plan_needed) && self.sent.is_none() {
-            self.sent = Some(self.planner.first_plan());
-        }
-    }
-
-    /// A plan has been made if one is due and the last one has begun.
-    fn make_plan(&mut self) {
-        if (self.plan_due || self.planner.has_changes()) && self.sent.is_none() {
-            self.plan_due = false;
-            let (plan, changes) = self.planner.next_plan(&take(&mut self.before));
-            if plan.is_some() {
-                (self.sent, self.changes) = (plan, changes);
-            }
-        }
-    }
-}
-
-/// A sensing slot on its way to processing.
-#[derive(Debug, Clone, Copy)]
-struct Taken {
-    period: u32,
-    index: u32,
-    left: u32,
-    fault: Option<Fault>,
-}
-
-/// What the observer counts of the recording.
-#[derive(Debug, Clone, Default)]
+/// What the observer counts of a recording.
+#[derive(Default)]
 struct Recording {
-    /// Sensing slots of a recording.
-    need: u32,
     period: u32,
     next_index: u32,
     taken: u32,
     /// Whether further slots of the period are not used.
     over: bool,
-    queue: Vec<Taken, 4>,
 }
 
 impl Recording {
-    /// Slots of the recording that one with this number goes on from: a gap begins it again.
+    /// Slots before one with this number: a gap begins the recording again.
     fn before(&self, period: u32, index: u32) -> u32 {
         if period == self.period && index == self.next_index { self.taken } else { 0 }
     }
 }
 
-/// What a jump of the radio's numbers is answered with.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Jump {
-    #[default]
-    None,
-    Forward(u32),
-    Backward,
-}
-
 /// A radar module among its faults, and the observer.
 pub(super) struct Environment<const VALUES: usize> {
-    slots: SlotContext<VALUES>,
-    processing: ProcessingContext<VALUES>,
+    contexts: Contexts<VALUES>,
     retained: &'static Retained,
-    chance: Xoshiro128PlusPlus,
+    /// Chance of a poll.
+    rng: Xoshiro128PlusPlus,
+    polled: bool,
     /// Number of the radio's next slot.
     pub number: u32,
-    jump: Jump,
-    /// Whether the last slot senses and its samples are on their way.
+    /// Whether the samples of the last slot are on their way.
     pending: bool,
-    reference: Reference,
-    recording: Recording,
-    /// Seed of the samples; `None`: they do not matter.
-    seed: Option<u64>,
-    /// Times the state was saved, and whether the last time was for a lost sensing slot.
+    planner: Planner,
+    kept: Kept,
+    messages: Messages,
+    /// Times the state was saved, whether the last time was for a lost sensing slot, and whether that copy is damaged.
     saves: u32,
     saved_loss: bool,
-    /// Whether the state that was saved last is damaged.
     damaged: bool,
-    unpolled: bool,
-    /// Slots of the period that were seen, by their use.
-    served: [u32; USERS],
-    sensed: u32,
+    /// Slots of the period if all so far were seen, and those of each user.
     seen: u32,
-    /// Whether bits of the model have changed, and that has been reported.
-    pub model_damaged: bool,
-    model_reported: bool,
-    reported: Vec<Fault, 16>,
-    expected: Vec<Fault, 16>,
-    pub classifications: u32,
+    served: [u32; USERS],
+    recording: Recording,
+    /// Sensing slots of a recording.
+    need: u32,
+    /// Seed of the samples; `None`: they do not matter.
+    seed: Option<u64>,
     /// Logits that every classification must have.
     logits: Option<Logits>,
+    pub classifications: u32,
+    /// Whether bits of the model have changed.
+    pub model_damaged: bool,
+    reported: Vec<Fault, 16>,
+    expected: Vec<Fault, 16>,
     pub violations: u64,
 }
 
 impl<const VALUES: usize> Environment<VALUES> {
-    /// Contexts made with the settings of `planner`, on `retained`; a recording needs `need` sensing slots.
+    /// Contexts made with the settings of `planner` on `retained`.
     pub fn new(
-        (slots, processing): Contexts<VALUES>,
+        contexts: Contexts<VALUES>,
         retained: &'static Retained,
         planner: Planner,
         need: u32,
@@ -276,29 +152,28 @@ impl<const VALUES: usize> Environment<VALUES> {
         seed: Option<u64>,
     ) -> Self {
         Environment {
-            slots,
-            processing,
+            contexts,
             retained,
-            chance: Xoshiro128PlusPlus::seed_from_u64(number.into()),
+            rng: Xoshiro128PlusPlus::seed_from_u64(number.into()),
+            polled: true,
             number,
-            jump: Jump::None,
             pending: false,
-            reference: Reference::new(planner),
-            recording: Recording { need, ..Recording::default() },
-            seed,
+            kept: Kept::new(&planner.first_plan(), false, number),
+            planner,
+            messages: Messages::default(),
             saves: 0,
             saved_loss: false,
             damaged: false,
-            unpolled: false,
-            served: [0; USERS],
-            sensed: 0,
             seen: 0,
+            served: [0; USERS],
+            recording: Recording::default(),
+            need,
+            seed,
+            logits: None,
+            classifications: 0,
             model_damaged: false,
-            model_reported: false,
             reported: Vec::new(),
             expected: Vec::new(),
-            classifications: 0,
-            logits: None,
             violations: 0,
         }
     }
@@ -307,9 +182,8 @@ impl<const VALUES: usize> Environment<VALUES> {
         self.violations += u64::from(!holds);
     }
 
-    fn expect(&mut self, fault: Fault) {
-        let full = self.expected.push(fault).is_err();
-        self.invariant(!full);
+    pub fn expect(&mut self, fault: Fault) {
+        let _ = self.expected.push(fault); // no event has more than sixteen
     }
 
     /// Forgets the reports of the event before.
@@ -320,84 +194,80 @@ impl<const VALUES: usize> Environment<VALUES> {
         (self.violations, self.classifications) = (0, 0);
     }
 
-    /// Whether the reports are exactly those expected; counts the event.
-    pub fn end_event(&mut self, whole: bool, outcome: &mut super::Outcome) {
+    /// Counts the event; `recovered`: its last period is as it must be.
+    pub fn end_event(&mut self, recovered: bool, outcome: &mut Outcome) {
         self.poll();
         let (detected, silent) = (self.reported == self.expected, self.reported.is_empty());
         outcome.injected += 1;
         outcome.detected += u64::from(detected);
-        outcome.recovered += u64::from(whole);
+        outcome.recovered += u64::from(recovered);
         outcome.silent += u64::from(!detected && silent);
         outcome.violations += self.violations + u64::from(!detected && !silent);
     }
 
-    /// The running plan.
-    pub fn plan(&self) -> &Plan {
-        self.reference.sequencer.plan()
-    }
-
-    /// Slots of the running period that have passed, 0 between two.
-    pub fn position(&self) -> u32 {
-        self.reference.sequencer.position()
-    }
-
-    pub fn rates(&self) -> [u32; USERS] {
-        self.reference.planner.rates()
+    /// Slots of the running period that have passed, 0 between two, and those that are left.
+    pub fn position(&self) -> (u32, u32) {
+        let position = self.kept.sequencer.position();
+        (position, self.kept.sequencer.plan().period() - position)
     }
 
     pub fn unplanned(&self) -> bool {
-        self.reference.unplanned
+        self.kept.unplanned
     }
 
-    pub fn set_rate(&mut self, user: usize, rate: u32) {
-        self.processing.set_rate(user, rate);
-        self.reference.planner.set_rate(user, rate);
-    }
-
-    pub fn set_layout(&mut self, layout: SensingLayout) {
-        self.processing.set_layout(layout);
-        self.reference.planner.set_layout(layout);
-    }
-
-    /// The slot with the next number.
-    pub fn slot(&mut self, transfer: Transfer) -> SlotUse {
-        if !take(&mut self.damaged) {
-            self.reference.load();
+    /// Changes what processing wants of the next plan.
+    pub fn plan(&mut self, rates: &[u32; USERS], layout: Option<SensingLayout>) {
+        for (user, &rate) in rates.iter().enumerate() {
+            self.contexts.1.set_rate(user, rate);
+            self.planner.set_rate(user, rate);
         }
+        if let Some(layout) = layout {
+            self.contexts.1.set_layout(layout);
+            self.planner.set_layout(layout);
+        }
+    }
+
+    pub fn rates(&self) -> [u32; USERS] {
+        self.planner.rates()
+    }
+
+    /// The slot with the radio's next number.
+    pub fn slot(&mut self, transfer: Transfer) -> SlotUse {
+        self.load();
         if take(&mut self.pending) {
             self.expect(Fault::MissingSamples);
-            self.reference.on_lost(SlotUse::Sensing);
+            self.kept.counts.on_lost(SlotUse::Sensing);
         }
-        match take(&mut self.jump) {
-            Jump::None => (),
-            Jump::Forward(slots) => self.pass(slots),
-            Jump::Backward => {
+        let number = self.number;
+        match number.wrapping_sub(self.kept.next) {
+            0 => (),
+            gap if gap < 1 << 31 => self.pass(gap),
+            _ => {
                 self.expect(Fault::CounterReset);
-                self.reference.sequencer.restart(None);
+                self.kept.sequencer.restart(None);
             }
         }
-        let expected = self.reference.next_slot();
-        let number = self.number;
         self.number = number.wrapping_add(1);
+        self.kept.next = self.number;
+        let expected = self.next_slot();
         let (given, fault) = self.begin(number, transfer);
         self.invariant(given == expected);
-        (self.saves, self.saved_loss) = (self.saves.wrapping_add(1), false);
-        if !self.unplanned() {
+        self.saves = self.saves.wrapping_add(1);
+        if !self.kept.unplanned {
             self.count(given);
         }
-        if given == SlotUse::Sensing {
-            self.pending = true;
-            match transfer {
-                Transfer::Missing => (),
-                Transfer::Lost => self.lose(),
-                Transfer::Done | Transfer::Corrupted(_) => self.deliver(fault),
+        match (given, transfer) {
+            (SlotUse::Sensing, Transfer::Done | Transfer::Corrupted(_)) => {
+                self.contexts.0.samples_ready();
+                self.poll_with(Some(fault));
             }
+            (SlotUse::Sensing, Transfer::Lost) => self.lose(),
+            (given, _) => self.pending = given == SlotUse::Sensing,
         }
         self.poll_sometimes();
         given
     }
 
-    /// So many slots without a fault.
     pub fn play(&mut self, slots: u32, transfer: Transfer) {
         for _ in 0..slots {
             self.slot(transfer);
@@ -406,8 +276,8 @@ impl<const VALUES: usize> Environment<VALUES> {
 
     /// To the end of the running period.
     pub fn finish(&mut self, transfer: Transfer) {
-        for _ in 0..self.plan().period() {
-            if self.position() > 0 {
+        for _ in 0..self.position().1 {
+            if self.position().0 > 0 {
                 self.slot(transfer);
             }
         }
@@ -419,127 +289,153 @@ impl<const VALUES: usize> Environment<VALUES> {
         self.finish(transfer);
     }
 
-    /// What the module gives a number; a sensing slot's buffer is filled, and what is wrong with it is returned.
+    /// The slot context reads its state: a plan that has begun leaves its queue.
+    fn load(&mut self) {
+        if !take(&mut self.damaged) && take(&mut self.messages.begun) {
+            self.messages.plan = None;
+        }
+        self.saved_loss = false;
+    }
+
+    /// Skipped slots pass: counted as lost, or, if too many, with a new period.
+    fn pass(&mut self, slots: u32) {
+        if slots > CATCH_UP || slots >= self.position().1 {
+            self.kept.sequencer.restart(None);
+            return self.expect(Fault::Outage { slots });
+        }
+        let mut sensing = 0;
+        for _ in 0..slots {
+            let slot = self.next_slot();
+            sensing += u32::from(slot == SlotUse::Sensing);
+            self.kept.counts.on_lost(slot);
+        }
+        self.expect(Fault::SlotsSkipped { slots, sensing });
+    }
+
+    /// The use that the next slot must have.
+    fn next_slot(&mut self) -> SlotUse {
+        let (kept, messages) = (&mut self.kept, &mut self.messages);
+        if kept.unplanned && messages.plan.is_none() {
+            messages.plan_needed = true;
+            return SlotUse::Idle;
+        }
+        kept.unplanned = false;
+        if kept.sequencer.position() == 0 {
+            let plan = messages.plan.as_ref().filter(|_| !messages.begun);
+            let replanned = plan.is_some() || kept.period == 0;
+            kept.sequencer.restart(plan);
+            messages.begun |= plan.is_some();
+            (kept.period, kept.sensed, messages.plan_due) = (kept.period.wrapping_add(1), 0, true);
+            let PeriodCounts { lost, sensing_lost, released } = take(&mut kept.counts);
+            messages.counts.lost.iter_mut().zip(lost).for_each(|(sum, lost)| *sum += lost);
+            let lost = lost.iter().sum();
+            let because = if replanned { take(&mut messages.changes) } else { Changes::default() };
+            let changes = Changes { lost, sensing_lost, released, ..because };
+            let _ = messages.reports.push(PeriodReport { period: kept.period, replanned, changes });
+        } else if messages.release == kept.period
+            && let Some(release) = kept.sequencer.release_sensing()
+        {
+            kept.counts.released += release.released;
+            messages.totals = Some((kept.period, self.planner.totals(&release)));
+            messages.computed = false;
+        } else if take(&mut messages.computed)
+            && let Some((period, totals)) = messages.totals.take()
+            && period == kept.period
+        {
+            kept.sequencer.reassign(&totals);
+        }
+        kept.last = kept.sequencer.next_slot();
+        kept.sensed += u32::from(kept.last == SlotUse::Sensing);
+        kept.last
+    }
+
+    /// What the module gives a number, and what is wrong with the samples that it gets.
     fn begin(&mut self, number: u32, transfer: Transfer) -> (SlotUse, Option<Fault>) {
-        let before = self.recording.before(self.reference.period, self.reference.sensed.wrapping_sub(1));
-        let buffer = match self.slots.begin(number) {
+        let before = self.recording.before(self.kept.period, self.kept.sensed.wrapping_sub(1));
+        let samples = match self.contexts.0.begin(number) {
             SlotAction::Serve(user) => return (SlotUse::Communication(user), None),
             SlotAction::Idle => return (SlotUse::Idle, None),
             SlotAction::Sense(buffer) => &mut buffer.0,
         };
         let Some(seed) = self.seed else { return (SlotUse::Sensing, None) };
-        noise(&mut Xoshiro128PlusPlus::seed_from_u64(seed.wrapping_add(before.into())), buffer);
+        noise(&mut Xoshiro128PlusPlus::seed_from_u64(seed.wrapping_add(before.into())), samples);
         if let Transfer::Corrupted(corruption) = transfer {
-            corruption.apply(buffer);
+            corruption.apply(samples);
         }
-        let fault = sample_health::check(buffer, &RadarConfig::PAPER).err();
-        (SlotUse::Sensing, fault.map(Fault::Samples))
+        (SlotUse::Sensing, sample_health::check(samples, &RadarConfig::PAPER).err().map(Fault::Samples))
     }
 
     /// Holds a slot to the plan, and the last slot of a whole period to its totals.
     fn count(&mut self, slot: SlotUse) {
-        let sequencer = &self.reference.sequencer;
+        let sequencer = &self.kept.sequencer;
         let plan = sequencer.plan();
         let position = if sequencer.position() == 0 { plan.period() } else { sequencer.position() };
         if position == 1 {
-            (self.served, self.sensed, self.seen) = ([0; USERS], 0, 0);
+            (self.seen, self.served) = (0, [0; USERS]);
         }
-        self.seen += 1;
-        match slot {
-            SlotUse::Sensing => self.sensed += 1,
-            SlotUse::Communication(user) => {
-                self.served.iter_mut().skip(user.into()).take(1).for_each(|n| *n += 1);
-            }
-            SlotUse::Idle => (),
+        // none if one before it was not seen
+        self.seen = if self.seen + 1 == position { position } else { 0 };
+        if let SlotUse::Communication(user) = slot {
+            self.served.iter_mut().skip(user.into()).take(1).for_each(|n| *n += 1);
         }
-        let whole = position == plan.period() && self.seen == position;
-        let holds = if self.reference.release == self.reference.period {
-            slot != SlotUse::Sensing || plan.senses(position)
+        let (whole, senses) = (self.seen == plan.period(), slot == SlotUse::Sensing);
+        let holds = if self.messages.release == self.kept.period {
+            !senses || plan.senses(position)
         } else {
-            plan.senses(position) == (slot == SlotUse::Sensing)
-                && (!whole || plan.shares() == self.served && self.sensed == plan.sensing())
+            plan.senses(position) == senses && (!whole || plan.shares() == self.served)
         };
         self.invariant(holds);
     }
 
-    /// The samples of the sensing slot that has just begun are there.
-    fn deliver(&mut self, fault: Option<Fault>) {
-        self.pending = false;
-        self.slots.samples_ready();
-        let Reference { period, sensed, sequencer, .. } = &self.reference;
-        let taken =
-            Taken { period: *period, index: sensed.wrapping_sub(1), left: sequencer.sensing_left(), fault };
-        let full = self.recording.queue.push(taken).is_err();
-        self.invariant(!full);
-    }
-
     /// Samples that no slot waits for.
     pub fn unexpected_samples(&mut self) {
-        self.slots.samples_ready();
+        self.contexts.0.samples_ready();
         self.expect(Fault::UnexpectedSamples);
         self.poll_sometimes();
     }
 
     /// The last slot was lost.
     pub fn lose(&mut self) {
-        self.slots.lost();
-        self.reference.load();
-        let last = core::mem::replace(&mut self.reference.last, SlotUse::Idle);
-        self.reference.on_lost(last);
-        self.pending = false;
+        self.contexts.0.lost();
+        self.load();
+        let last = core::mem::replace(&mut self.kept.last, SlotUse::Idle);
+        self.kept.counts.on_lost(last);
         (self.saves, self.saved_loss) = (self.saves.wrapping_add(1), last == SlotUse::Sensing);
     }
 
     /// The radio's numbers jump forward.
     pub fn skip(&mut self, slots: u32) {
         self.number = self.number.wrapping_add(slots);
-        self.jump = if slots > 0 { Jump::Forward(slots) } else { Jump::None };
-    }
-
-    /// Skipped slots pass: counted as lost, or, if too many, with a new period.
-    fn pass(&mut self, slots: u32) {
-        if slots > CATCH_UP || slots >= self.plan().period() - self.position() {
-            self.reference.sequencer.restart(None);
-            return self.expect(Fault::Outage { slots });
-        }
-        let mut sensing = 0;
-        for _ in 0..slots {
-            let slot = self.reference.next_slot();
-            sensing += u32::from(slot == SlotUse::Sensing);
-            self.reference.on_lost(slot);
-        }
-        self.expect(Fault::SlotsSkipped { slots, sensing });
     }
 
     /// The number of the last slot once more.
     pub fn repeat(&mut self) {
-        self.reference.load();
+        self.load();
         self.expect(Fault::SlotRepeated);
-        let last = self.reference.last;
-        let expected = if last == SlotUse::Sensing && !self.pending { SlotUse::Idle } else { last };
+        let waiting = self.kept.last != SlotUse::Sensing || self.pending;
+        let expected = if waiting { self.kept.last } else { SlotUse::Idle };
         let (given, _) = self.begin(self.number.wrapping_sub(1), Transfer::Done);
         self.invariant(given == expected);
         self.poll_sometimes();
     }
 
-    /// A number of at least two slots before the next; the next comes after it.
+    /// A number of at least two slots before the next.
     pub fn late(&mut self, number: u32) {
-        self.reference.load();
+        self.load();
         self.expect(Fault::SlotLate);
         let (given, _) = self.begin(number, Transfer::Done);
         self.invariant(given == SlotUse::Idle);
-        (self.saves, self.saved_loss) = (self.saves.wrapping_add(1), false);
+        self.saves = self.saves.wrapping_add(1);
         self.poll_sometimes();
     }
 
-    /// The radio counts from another number.
+    /// The radio counts from another number: one behind is given twice, so that it is not taken for a late one.
     pub fn count_from(&mut self, number: u32) {
-        let gap = number.wrapping_sub(self.number);
-        if gap < 1 << 31 {
-            return self.skip(gap);
+        self.number = number;
+        if number.wrapping_sub(self.kept.next) >= 1 << 31 {
+            self.late(number);
+            self.skip(1);
         }
-        self.late(number);
-        (self.number, self.jump) = (number.wrapping_add(1), Jump::Backward);
     }
 
     /// Changes a word of retained copies: its number in each, and the bits that are inverted.
@@ -550,12 +446,12 @@ impl<const VALUES: usize> Environment<VALUES> {
             Copies::Newest => {
                 self.damaged = true;
                 self.expect(Fault::StateRepaired);
-                self.reference.counts.sensing_lost -= u32::from(self.saved_loss);
+                self.kept.counts.sensing_lost -= u32::from(self.saved_loss);
             }
             Copies::Both => {
                 self.expect(Fault::StateLost);
-                self.pending = false;
-                self.reference.forget();
+                self.kept = Kept::new(&Plan::IDLE, true, self.number);
+                (self.pending, self.messages.begun, self.messages.release) = (false, false, 0);
             }
         }
     }
@@ -563,8 +459,7 @@ impl<const VALUES: usize> Environment<VALUES> {
     fn flip(&self, copies: Copies, (at, mask): (u32, u32)) {
         let words = Retained::LEN / 2;
         // the first half is written with even numbers
-        let newest = words * (self.saves % 2) as usize;
-        let at = at as usize % words;
+        let (newest, at) = (words * (self.saves % 2) as usize, at as usize % words);
         if copies != Copies::Older {
             self.retained.flip(newest + at, mask);
         }
@@ -573,124 +468,110 @@ impl<const VALUES: usize> Environment<VALUES> {
         }
     }
 
-    /// A reset: only the retained copies are left, as far as they are not damaged, and some slots pass.
+    /// A reset after a slot: only the retained copies are left, as far as they are not damaged, and some slots pass.
     pub fn reset(
         &mut self,
-        damaged: Option<Copies>,
-        change: (u32, u32),
+        damage: Option<(Copies, (u32, u32))>,
         passed: u32,
         planner: Planner,
         make: impl FnOnce() -> Option<Contexts<VALUES>>,
     ) {
-        self.poll();
-        let before = self.reference.clone();
+        let before = self.kept.clone();
         self.slot(Transfer::Done);
         self.poll();
-        if let Some(copies) = damaged {
+        if let Some((copies, change)) = damage {
             self.flip(copies, change);
         }
         let Some(contexts) = make() else { return self.invariant(false) };
-        (self.slots, self.processing) = contexts;
-        self.recording = Recording { need: self.recording.need, ..Recording::default() };
-        (self.pending, self.saved_loss, self.damaged) = (false, false, false);
-        match damaged {
-            Some(Copies::Both) => {
-                self.number = self.number.wrapping_add(passed);
-                self.reference = Reference::new(planner);
-                self.saves = 0;
-            }
-            Some(Copies::Newest) => {
+        (self.contexts, self.planner, self.recording) = (contexts, planner, Recording::default());
+        (self.pending, self.saved_loss) = (false, false);
+        self.messages = Messages { plan_needed: true, ..Messages::default() };
+        self.skip(passed);
+        match damage {
+            Some((Copies::Newest, _)) => {
                 // the last slot is forgotten, and therefore one that was skipped
-                self.reference = before;
-                self.reference.reset(planner);
-                self.saves = self.saves.wrapping_sub(1);
-                self.number = self.number.wrapping_sub(1);
-                self.skip(passed + 1);
+                (self.kept, self.saves) = (before, self.saves.wrapping_sub(1));
             }
-            _ => {
-                self.reference.reset(planner);
-                self.skip(passed);
+            Some((Copies::Both, _)) => {
+                self.kept = Kept::new(&self.planner.first_plan(), false, self.number);
+                (self.saves, self.messages.plan_needed) = (0, false);
             }
+            _ => (),
         }
     }
 
     /// Polls, unless it has polled after the last slot and chance says no.
     fn poll_sometimes(&mut self) {
-        self.unpolled = !self.unpolled && self.chance.next_u32() & 1 == 0;
-        if !self.unpolled {
+        self.polled = !self.polled || self.rng.next_u32() & 1 == 0;
+        if self.polled {
             self.poll();
         }
     }
 
-    /// Polls until there is nothing to do.
     fn poll(&mut self) {
-        self.reference.take_reports();
-        let mut due = self.take_slots();
-        self.reference.make_plan();
-        let mut reports = take(&mut self.reference.reports).into_iter();
-        for _ in 0..POLLS {
-            match self.processing.poll() {
-                Progress::Idle => {
-                    self.invariant(due.is_none() && reports.next().is_none());
-                    return;
-                }
+        self.poll_with(None);
+    }
+
+    /// Polls until there is nothing to do; `slot`: with a sensing slot in the queue, and what is wrong with its samples.
+    fn poll_with(&mut self, slot: Option<Option<Fault>>) {
+        self.messages.computed = self.messages.totals.is_some();
+        if take(&mut self.messages.plan_needed) && self.messages.plan.is_none() {
+            self.messages.plan = Some(self.planner.first_plan());
+        }
+        let mut complete = slot.is_some_and(|fault| self.take_slot(fault)) && !self.model_damaged;
+        let messages = &mut self.messages;
+        if (messages.plan_due || self.planner.has_changes()) && messages.plan.is_none() {
+            messages.plan_due = false;
+            let (plan, changes) = self.planner.next_plan(&take(&mut messages.counts));
+            if plan.is_some() {
+                (messages.plan, messages.changes) = (plan, changes);
+            }
+        }
+        let mut reports = take(&mut messages.reports).into_iter();
+        loop {
+            match self.contexts.1.poll() {
+                Progress::Idle => break,
                 Progress::Busy => (),
                 Progress::Event(Event::Period(report)) => self.invariant(reports.next() == Some(report)),
-                Progress::Event(Event::Fault(Fault::Model(_))) => self.reported(MODEL_FAULT),
-                Progress::Event(Event::Fault(fault)) => self.reported(fault),
+                Progress::Event(Event::Fault(fault)) => {
+                    let fault = if matches!(fault, Fault::Model(_)) { MODEL_FAULT } else { fault };
+                    let full = self.reported.push(fault).is_err();
+                    self.invariant(!full);
+                }
                 Progress::Event(Event::Classification { period, classification }) => {
-                    self.invariant(due.take() == Some(period) && classification.stop);
                     let first = self.logits.get_or_insert_with(|| classification.logits.clone());
-                    let same = *first == classification.logits;
-                    self.invariant(same);
+                    let same = *first == classification.logits && period == self.recording.period;
+                    self.invariant(same && classification.stop && take(&mut complete));
                     self.classifications += 1;
                 }
             }
         }
-        self.violations += 1;
+        self.invariant(!complete && reports.next().is_none());
     }
 
-    fn reported(&mut self, fault: Fault) {
-        let full = self.reported.push(fault).is_err();
-        self.invariant(!full);
-    }
-
-    /// What processing does with the slots in its queue; the period of the classification that follows.
-    fn take_slots(&mut self) -> Option<u32> {
-        let mut due = None;
-        for Taken { period, index, left, fault } in take(&mut self.recording.queue) {
-            let recording = &mut self.recording;
-            recording.over &= period == recording.period;
-            recording.taken = recording.before(period, index);
-            (recording.period, recording.next_index) = (period, index.wrapping_add(1));
-            if recording.over {
-                continue;
-            }
-            if recording.taken == 0 && left + 1 < recording.need {
-                recording.over = true;
-                self.reference.release = period;
-            } else if let Some(fault) = fault {
-                recording.taken = 0;
-                self.expect(fault);
-            } else {
-                recording.taken += 1;
-                if recording.taken == recording.need {
-                    recording.over = true;
-                    self.reference.release = period;
-                    match (
-                        self.model_damaged,
-                        core::mem::replace(&mut self.model_reported, self.model_damaged),
-                    ) {
-                        (false, _) => due = Some(period),
-                        (true, false) => self.expect(MODEL_FAULT),
-                        (true, true) => (),
-                    }
-                }
-            }
+    /// What processing does with the sensing slot in its queue. Returns whether the recording is complete.
+    fn take_slot(&mut self, fault: Option<Fault>) -> bool {
+        let Kept { period, sensed, sequencer, .. } = &self.kept;
+        let (period, index, recording) = (*period, sensed.wrapping_sub(1), &mut self.recording);
+        let taken = recording.before(period, index);
+        let over = recording.over && period == recording.period;
+        *recording = Recording { period, next_index: index.wrapping_add(1), taken, over };
+        if over {
+            return false;
         }
-        due
+        if taken == 0 && sequencer.sensing_left() + 1 < self.need {
+            recording.over = true;
+        } else if let Some(fault) = fault {
+            recording.taken = 0;
+            self.expect(fault);
+            return false;
+        } else {
+            recording.taken += 1;
+            recording.over = recording.taken == self.need;
+        }
+        if recording.over {
+            self.messages.release = period;
+        }
+        recording.over && recording.taken == self.need
     }
 }
-
-/// Any change of a model.
-const MODEL_FAULT: Fault = Fault::Model(ModelError::Checksum { stated: 0, computed: 0 });

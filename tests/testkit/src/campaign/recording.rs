@@ -3,9 +3,9 @@
 //! A fault is injected into a recording of one period; the next has none. The n-th samples of every recording are the same seeded
 //! noise, so that the logits of every classification must be those of the first.
 
-use super::environment::{CATCH_UP, Contexts, Copies, Environment, Transfer};
+use super::environment::{CATCH_UP, Contexts, Copies, Environment, MODEL_FAULT, Transfer};
 use super::samples::{self, Corruption};
-use super::schedule::drift;
+use super::schedule::{drift, one_bit};
 use super::{Outcome, below};
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
@@ -90,6 +90,7 @@ impl<const VALUES: usize, M: FnMut() -> Option<Contexts<VALUES>>> Recordings<VAL
             let bit = below(&mut self.rng, bytes as u32 * 8) as usize;
             self.begin();
             flip(bit);
+            self.radio.expect(MODEL_FAULT);
             self.radio.model_damaged = true;
             self.radio.finish(Transfer::Done);
             self.radio.whole_period(Transfer::Done);
@@ -145,11 +146,11 @@ impl<const VALUES: usize, M: FnMut() -> Option<Contexts<VALUES>>> Recordings<VAL
                 radio.slot(Transfer::Corrupted(Corruption::random(kind, rng)));
             }
             _ => {
-                let damaged = [None, Some(Copies::Older), Some(Copies::Newest), Some(Copies::Both)];
-                let damaged = damaged.get(below(rng, 4) as usize).copied().flatten();
-                let change = (below(rng, Retained::LEN as u32), 1 << below(rng, 32));
+                let copies = [Copies::Newest, Copies::Older, Copies::Both];
+                let copies = copies.get(below(rng, 4) as usize); // or none
+                let damage = copies.map(|&copies| (copies, one_bit(rng)));
                 let planner = Planner::new(self.settings.layout, self.settings.rates);
-                radio.reset(damaged, change, below(rng, CATCH_UP), planner, &mut self.make);
+                radio.reset(damage, below(rng, CATCH_UP), planner, &mut self.make);
             }
         }
     }

@@ -51,7 +51,7 @@ fn rates(rng: &mut impl Rng) -> [u32; USERS] {
 }
 
 /// Any word of a copy, and one of its bits.
-fn one_bit(rng: &mut impl Rng) -> (u32, u32) {
+pub(super) fn one_bit(rng: &mut impl Rng) -> (u32, u32) {
     (below(rng, Retained::LEN as u32), 1 << below(rng, 32))
 }
 
@@ -67,8 +67,7 @@ impl<const VALUES: usize> Schedule<VALUES> {
         let planner = Planner::new(settings.layout, settings.rates);
         let number = u32::MAX - below(rng, 1000);
         let mut environment = Environment::new(contexts, retained, planner, need, number, None);
-        environment.set_layout(layout(rng));
-        environment.begin_event();
+        environment.plan(&settings.rates, Some(layout(rng)));
         Schedule(environment)
     }
 
@@ -77,17 +76,19 @@ impl<const VALUES: usize> Schedule<VALUES> {
         let radio = &mut self.0;
         radio.begin_event();
         radio.play(1, Transfer::Lost);
-        radio.play(below(rng, radio.plan().period() - 3), Transfer::Lost);
+        let (_, left) = radio.position();
+        radio.play(below(rng, left - 2), Transfer::Lost);
         apply(radio, kind, rng);
         radio.finish(Transfer::Lost);
         let before = radio.violations;
         radio.whole_period(Transfer::Lost);
-        radio.end_event(radio.violations == before, outcome);
+        let recovered = radio.violations == before;
+        radio.end_event(recovered, outcome);
     }
 }
 
 fn apply<const VALUES: usize>(radio: &mut Environment<VALUES>, kind: usize, rng: &mut impl Rng) {
-    let left = radio.plan().period() - radio.position();
+    let (_, left) = radio.position();
     match kind {
         0 => radio.skip(1 + below(rng, (left - 1).min(CATCH_UP))),
         1 => radio.skip(left.min(CATCH_UP + 1) + below(rng, 500)),
@@ -111,13 +112,13 @@ fn apply<const VALUES: usize>(radio: &mut Environment<VALUES>, kind: usize, rng:
             }
         }
         8 => {
-            let user = radio.rates().iter().position(|&rate| rate > 0).unwrap_or(0);
-            radio.set_rate(user, 0);
+            let mut rates = radio.rates();
+            rates.iter_mut().filter(|rate| **rate > 0).take(1).for_each(|rate| *rate = 0);
+            radio.plan(&rates, None);
         }
         9 => {
             radio.play(left - 1, Transfer::Lost);
-            radio.set_layout(layout(rng));
-            rates(rng).into_iter().enumerate().for_each(|(user, rate)| radio.set_rate(user, rate));
+            radio.plan(&rates(rng), Some(layout(rng)));
         }
         // too few are left for a recording
         10 => radio.play(left - 1, Transfer::Done),
