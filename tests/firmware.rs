@@ -63,7 +63,10 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
             assert!(says("faults 0") && says("periods 1") && says("done"), "{}: {text}", firmware.name);
             let records = records(&firmware, &log);
             assert_eq!(records.len(), 2, "{records:?}");
-            assert!(records[0].starts_with("info Period(PeriodReport { period: 1, replanned: true,"), "{records:?}");
+            assert!(
+                records[0].starts_with("info Period(PeriodReport { period: 1, replanned: true,"),
+                "{records:?}"
+            );
             let expected = format!("class: {}, confidence: {:?}", answer.class, answer.confidence);
             assert!(records[1].contains(&expected), "{records:?} should say {expected}");
         }
