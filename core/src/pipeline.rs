@@ -165,8 +165,7 @@ struct Recognition {
 
 /// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
 /// a microcontroller.
-#[derive(Debug)]
-pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
+pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     front_end: FrontEnd<'b, T>,
     scratch: &'b mut [i8],
     kernels: K,

@@ -80,7 +80,12 @@ fn every_field_of_the_header_has_its_range() {
     field("blocks", 33, byte, &[0, 9], &[1, 8]);
     field("classes", 34, byte, &[0, 1, 17], &[2, 3, 16]);
     field("signature", 35, byte, &[2, 255], &[0, 1]);
-    for at in 48..64 {
+    // a sensor that is none: a first sample of a gate, or one sample alone
+    for at in 48..56 {
+        assert!(matches!(outcome(at, &[1]), Err(ModelError::Field { name: "radar", .. })), "{at}");
+    }
+    assert_eq!(outcome(48, &[128, 0, 8, 12, 5, 4, 6, 0]), Ok(()));
+    for at in 56..64 {
         assert_eq!(outcome(at, &[1]), Err(ModelError::Field { name: "reserved", value: 0 }));
     }
 }

@@ -4,7 +4,7 @@ use super::{Filled, Report, SLOT_BUFFERS, Totals};
 use crate::error::Error;
 use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
 use crate::scheduler::Plan;
-use crate::signal::stft::NativeStft;
+use crate::signal::stft::{NativeStft, Stft};
 use core::sync::atomic::AtomicU32;
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -30,7 +30,7 @@ pub struct RadarMemory<
     const SCRATCH: usize,
     const I16X8S: usize,
     const WORDS: usize,
-    T: 'static = NativeStft,
+    T: Stft + 'static = NativeStft,
 > {
     pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
     /// The pipeline, once it is made. Not an `Option`, so that the whole memory is zeros and takes no flash.
@@ -137,14 +137,14 @@ pub(super) struct ProcessingEnds<const VALUES: usize> {
 }
 
 /// Where the pipeline is made.
-pub(super) struct PipelinePlace<T: 'static> {
+pub(super) struct PipelinePlace<T: Stft + 'static> {
     buffers: PipelineBuffers<'static>,
     made: &'static mut Vec<Made<T>, 1>,
 }
 
 type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
 
-impl<T> PipelinePlace<T> {
+impl<T: Stft> PipelinePlace<T> {
     pub fn make(
         self,
         make: impl FnOnce(PipelineBuffers<'static>) -> Result<Made<T>, Error>,
@@ -164,7 +164,7 @@ impl<
     const SCRATCH: usize,
     const I16X8S: usize,
     const WORDS: usize,
-    T,
+    T: Stft,
 > RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>
 {
     /// Bytes of this memory.

@@ -73,7 +73,7 @@ enum Report {
         period: u32,
         release: crate::scheduler::sequencer::Release,
     },
-    /// Nothing is known: a plan is needed.
+    /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,
 }
 
@@ -92,7 +92,7 @@ impl Shape {
 }
 
 /// A radar module, to be split into its two contexts.
-pub struct RadarModule<const VALUES: usize, T: 'static = NativeStft> {
+pub struct RadarModule<const VALUES: usize, T: Stft + 'static = NativeStft> {
     slots: SlotContext<VALUES>,
     processing: ProcessingContext<VALUES, T>,
 }

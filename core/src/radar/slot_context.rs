@@ -103,10 +103,12 @@ pub struct SlotContext<const VALUES: usize> {
 
 impl<const VALUES: usize> SlotContext<VALUES> {
     /// Goes on from what survived a reset, else begins a period of `plan` with the first slot.
-    pub(super) fn new(ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
+    pub(super) fn new(mut ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
         let mut state = SlotState::new(plan);
         let (sequence, expected) = match retained.load(None, &mut state) {
             Loaded::Newest(sequence) | Loaded::Previous(sequence) if !state.unplanned => {
+                // the running plan may be of other settings, or give slots back
+                let _ = ends.reports.enqueue(Report::PlanNeeded); // the first report
                 (sequence, Some(state.next))
             }
             _ => {

@@ -121,11 +121,11 @@ struct Job {
 }
 
 /// Raw slots in, image out; `T` is the arithmetic of the transform.
-#[derive(Debug)]
-pub struct FrontEnd<'b, T = NativeStft> {
+pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
+    spectrum: T::Spectrum,
     gram: Gram,
     taken: usize,
     /// Where the recording's range samples begin: 0, or behind those that a job still needs.
@@ -150,6 +150,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             fast_time: FastTime::new(config, reference)?,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
+            spectrum: T::ZERO,
             gram: Gram::new(),
             taken: 0,
             origin: 0,
@@ -269,10 +270,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Frames { next, largest } => {
                 let bins = self.settings.bins_per_row;
                 let grid = self.levels.get_mut(..cells)?;
-                let mut spectrum = T::ZERO;
-                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut spectrum);
-                T::probe(&spectrum, next, probe);
-                let largest = largest.max(log_magnitudes::<T>(&spectrum, bins, next, job.frames, grid));
+                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut self.spectrum);
+                T::probe(&self.spectrum, next, probe);
+                let largest = largest.max(log_magnitudes::<T>(&self.spectrum, bins, next, job.frames, grid));
                 if next + 1 < job.frames {
                     Stage::Frames { next: next + 1, largest }
                 } else {
@@ -282,8 +282,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Quantize { row, largest } => {
                 let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
                 let (image, levels) = (self.image.get_mut(part.clone())?, self.levels.get(part)?);
+                let range = self.settings.range;
                 for (pixel, &level) in image.iter_mut().zip(levels) {
-                    *pixel = quantize_db(level, largest, self.settings.range);
+                    *pixel = quantize_db(level, largest, range);
                 }
                 if row + ROWS_A_STEP >= ROWS {
                     self.job = None;

@@ -214,7 +214,7 @@ mod tests {
     fn about(i: i16, q: i16) -> Vec<i16> {
         let pair = |n: usize| {
             let swing = 31 * (n as i16 / 2) + 1;
-            let swing = if n / 8 % 2 == 0 { swing } else { -swing };
+            let swing = if (n / 8).is_multiple_of(2) { swing } else { -swing };
             [i + swing, q - swing]
         };
         (0..1000).flat_map(pair).collect()

@@ -10,28 +10,26 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-#[path = "../../../core/src/dsn/random_model.rs"]
-mod random_model;
-
-#[cfg(target_os = "none")]
 mod firmware {
-    use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
+    use sdp3_core::config::RadarConfig;
+    use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot};
-    use sdp3_core::dsn::model::crc32;
+    use sdp3_core::dims::{Beat, Complex, ROWS};
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, scratch_bytes};
-    use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
+    use sdp3_core::early_exit::EarlyExit;
+    use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::selftest;
-    use sdp3_core::signal::clutter::{Gram, Weights};
+    use sdp3_core::signal::clutter::{Gram, Projection};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::random_model::{Numbers, Size, write};
+    use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
-    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;
+    type Largest = PipelineMemory<0, 1000, 1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;
     static MEMORY: Single<Largest> = Single::new(Largest::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
 
@@ -100,7 +98,7 @@ mod firmware {
         fn gram(&mut self, _gram: &Gram) {
             self.start();
         }
-        fn weights(&mut self, _weights: &Weights) {
+        fn projection(&mut self, _projection: &Projection) {
             self.add(2);
         }
         fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {
@@ -153,21 +151,21 @@ mod firmware {
 
     /// Counts a recognition of noise; all stages' values go to `probe`.
     fn count<T: Stft>(model: &Model<'_>, memory: &mut Largest, by: By, probe: &mut DigestProbe) -> Shares {
-        let mut buffers = memory.view();
-        let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.tiles);
+        let (mut buffers, exit) = (memory.view(), [EarlyExit::single(*model)]);
+        let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.kernels);
         let By::Tiles(places) = by else {
-            return recognise(Receiver::<_, T>::with_kernels(*model, buffers, Portable), probe);
+            return recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, Portable), probe);
         };
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
         let tiles = WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
         let Some(kernels) = WinogradF2::new(model, tiles) else { fail("packed weights do not fit") };
-        recognise(Receiver::<_, T>::with_kernels(*model, buffers, kernels), probe)
+        recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, kernels), probe)
     }
 
     /// Instructions of the largest step of a network with nothing packed ahead.
     fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
         let buffers = memory.view();
-        let mut kernels = WinogradF2::shared(buffers.tiles);
+        let mut kernels = WinogradF2::shared(buffers.kernels);
         let image = part(buffers.front_end.image, ROWS * model.frames());
         image.fill(1);
         let (mut network, mut largest) = (Network::new(), 0);
@@ -182,22 +180,35 @@ mod firmware {
     }
 
     fn recognise<K: Kernels, T: Stft>(
-        receiver: Result<Receiver<'_, '_, K, T>, ReceiverError>,
+        pipeline: Result<Pipeline<'_, '_, K, T>, sdp3_core::Error>,
         probe: &mut DigestProbe,
     ) -> Shares {
-        let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
+        let Ok(mut pipeline) = pipeline else { fail("a network does not fit its memory") };
         let mut shares = Shares::new();
+        let mut slot = [0; RadarConfig::PAPER.values_per_slot()];
+        let slots = pipeline.first_exit_slots();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
-        while receiver.missing() > 0 {
-            selftest::noise(&mut rng, &mut slot);
+        for _ in 1..slots {
+            noise(&mut rng, &mut slot);
             shares.start();
-            let _ = receiver.push(&slot, &mut shares);
+            let _ = pipeline.push(&slot, &mut shares);
             shares.add(1);
         }
+        // the last one begins the recognition
+        noise(&mut rng, &mut slot);
+        let _ = pipeline.push(&slot, &mut shares);
         shares.start();
-        let _ = receiver.classify(&mut shares);
-        let _ = receiver.classify(probe);
+        let _ = pipeline.classify(&mut shares);
+        // once more for the values
+        pipeline.reset();
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+        for _ in 0..slots {
+            noise(&mut rng, &mut slot);
+            let _ = pipeline.push(&slot, probe);
+        }
+        if pipeline.classify(probe).is_none() {
+            fail("a recording cannot be classified");
+        }
         shares
     }
 
