@@ -29,7 +29,7 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 type Result<T> = std::result::Result<T, Error>;
 
 /// Faults of a part. Each part has a seed of its own, so that the counts do not depend on the number of threads.
-const PART: u64 = 100_000;
+const PART: u64 = 1000 * KINDS.len() as u64;
 /// Faults for one recording with a fault.
 const FAULTS_PER_RECORDING: u64 = 1000;
 /// Recordings of a part: eight of each kind.

@@ -21,7 +21,7 @@ fn every_target_agrees_and_the_json_has_its_fields() {
         let expected = [
             "beat",
             "gram",
-            "weights",
+            "projection",
             "slow-time",
             "frame",
             "image",

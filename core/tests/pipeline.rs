@@ -135,10 +135,12 @@ fn the_only_exit_has_its_networks_confidence() {
             core::array::from_fn(|k| if k == 0 { weight } else { 0 })
         );
     }
-    // a step worth nothing would make every class the first
+    // a step worth nothing as evidence: the only exit needs no evidence, one of two is refused
     let nothing = altered(&file, scale_at, &1e-6_f32.to_le_bytes());
-    let mut memory = Memory::of(&parse(&nothing));
-    assert_eq!(plain([EarlyExit::single(parse(&nothing))], &mut memory).err(), Some(Error::Exits));
+    let (first, later) = (EarlyExit::single(parse(&nothing)), random_model(200, 2));
+    let mut memory = Memory::of(&parse(&later));
+    assert_eq!(plain([first], &mut memory).err(), None);
+    assert_eq!(plain([first, exit(parse(&later), &[1, 1])], &mut memory).err(), Some(Error::Exits));
 }
 
 #[test]

@@ -4,8 +4,8 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, GRAM_SLOTS, Gram, Projection, SWEEPS, SvdRange, UNIT_PROJECTION, largest_part, project,
-    slow_time_shift,
+    ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, SvdRange, UNIT_PROJECTION, largest_part,
+    project, slow_time_shift,
 };
 use super::dechirp::Iq;
 use super::fast_time::FastTime;
@@ -92,13 +92,13 @@ const ROWS_A_STEP: usize = 16;
 
 /// Steps of the image of a recording.
 pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
-    SWEEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
+    SOLVER_STEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
 }
 
 /// Where the making of an image stands.
 #[derive(Debug, Clone)]
 enum Stage {
-    /// Sweeps of the eigenvalue solver.
+    /// Rotations of the eigenvalue solver.
     Solve,
     /// The largest part of slow time over the slots before this one.
     Scale { from: usize, largest: u64 },
@@ -225,7 +225,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// One bounded step of the image; the image, `[64, frames]` row-major, when it is done.
     ///
-    /// A step is a sweep of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
+    /// A step is four rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
     pub fn step(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
         let job = self.job.as_mut()?;
         let cells = ROWS * job.frames;

@@ -39,7 +39,7 @@ fn faults_of_the_schedule_and_corrupted_samples_are_found() {
 fn recordings_survive_faults() {
     let retained: &'static Retained = Box::leak(Box::new(Retained::new()));
     let mut recordings = Recordings::new(NEED, retained, || contexts(retained), 1).expect("a module");
-    let table = recordings.run(24);
+    let table = recordings.run(60);
     recording::KINDS.iter().zip(&table).for_each(|(kind, outcome)| println!("{kind:<32}{outcome}"));
     assert!(holds(&table, table.len()));
 }
