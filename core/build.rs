@@ -1,4 +1,4 @@
-//! Names what the compiler's target promises and stable Rust does not say, as `cfg`s.
+//! Sets a `cfg` for each processor extension of the compiler's target that stable Rust does not state.
 //!
 //! `arm_dsp`: the DSP extension: thumbv7em, `-C target-feature=+dsp`, or `-C target-cpu` of a core that has it. `arm_mve`:
 //! `-C target-cpu` of a core with Helium. Then `SDP3_ARM_CPU` is that core, for the assembler.

@@ -1,4 +1,4 @@
-//! The only door to floats: free functions with the same bits on every target and in every build.
+//! The crate's floating-point functions: free functions with the same bits on every target and in every build.
 //!
 //! Method calls such as `x.sqrt()` are never used in this crate: in a graph that links `std` they silently become
 //! another implementation. `libm` is compiled from source everywhere; `+ - * /` are IEEE 754.

@@ -1,4 +1,4 @@
-//! Power-on self test: the signal chain on a seeded signal whose digests are known, and a network's kernels beside the plain loops.
+//! Power-on self test: the signal chain on a seeded signal with known digests, and a network's kernels against the plain loops.
 //!
 //! It shows a wrong build, a damaged table or a floating-point unit in flush-to-zero mode before the first slot does. The generator
 //! of the signal is the caller's, by the interface of rand_core.
@@ -71,7 +71,7 @@ impl Probe for Operators {
     }
 }
 
-/// The first operator, from 0, whose output by `kernels` is not that of the plain loops, on an image of noise; `None` if all agree.
+/// The first operator, from 0, with an output by `kernels` other than that of the plain loops, on an image of noise; `None` if all agree.
 ///
 /// Image and scratch as of [`infer`]; what they hold is lost. Cost: one recognition and one by the plain loops, some four times as
 /// long.
@@ -111,7 +111,7 @@ mod tests {
         assert!(known[0] != known[1] && known.iter().zip(other).all(|(known, other)| *known != other));
     }
 
-    /// Other kernels, but for one operator, whose output is 3 everywhere.
+    /// Other kernels, but one operator gives 3 everywhere.
     struct Wrong<K>(K, usize);
 
     impl<K: Kernels> Kernels for Wrong<K> {

@@ -99,7 +99,7 @@ fn rows(image: &[i8]) -> Vec<usize> {
 
 const WALL: Echo = Echo { amplitude: 12_000.0, delay: 0.2, doppler: 0.0, delay_step: 0.0 };
 
-/// A target whose Doppler frequency is `bins` 256ths of the slot rate. At 350 wavelengths a range cell (3.5 GHz, 10 MHz) its
+/// A target with a Doppler frequency of `bins` 256ths of the slot rate. At 350 wavelengths a range cell (3.5 GHz, 10 MHz) its
 /// delay changes with it.
 fn target(bins: f64) -> Echo {
     let doppler = bins / 256.0;

@@ -9,7 +9,7 @@ use sdp3_core::signal::front_end::{FrontEnd, Preprocessing};
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use support::{Memory, noise_slots};
 
-/// An echo whose phase turns by `bin` 256ths a slot, the same in all range cells.
+/// An echo that rotates by `bin` 256ths of a turn a slot, the same in all range cells.
 fn tone(n: usize, bin: i32) -> Beat {
     let angle = core::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
     [Complex::new((1e6 * angle.cos()) as i32, (1e6 * angle.sin()) as i32); BEATS]

@@ -78,7 +78,7 @@ fn all_is_used(file: &[u8]) {
     }
 }
 
-/// For the numbers of channels whose convolutions the Winograd kernels cover; others need no border row.
+/// For the numbers of channels that the Winograd kernels cover; others need no border row.
 #[test]
 fn every_element_of_the_memory_is_used() {
     for (channels, stride, slots) in [(8, 1, 200), (8, 2, 144), (16, 1, 152), (16, 2, 200), (32, 1, 160)] {

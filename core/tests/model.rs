@@ -20,7 +20,7 @@ const ADD: usize = STEM + channelwise(9) + channelwise(1) + 2 * channelwise(9 * 
 /// An addition has three scales, multipliers and shifts, and a zero.
 const HEAD: usize = ADD + 8 + 12 + 12 + 4;
 
-/// Bytes of a layer with so many weights a channel, all of whose parts are whole words here.
+/// Bytes of a layer with so many weights a channel. All its parts are whole words here.
 const fn channelwise(taps: usize) -> usize {
     MULTIPLIERS + 4 * CHANNELS + 4 * CHANNELS + CHANNELS + CHANNELS * taps
 }

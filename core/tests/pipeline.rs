@@ -20,7 +20,7 @@ fn parse(file: &[u8]) -> Model<'_> {
     Model::parse(file).expect("a model")
 }
 
-/// An exit whose own and earlier logits weigh this much.
+/// An exit with these weights of its own and of the earlier logits.
 fn exit<'m>(model: Model<'m>, first: &[i32]) -> EarlyExit<'m> {
     let mut weights = [0; EXITS];
     weights[..first.len()].copy_from_slice(first);

@@ -66,7 +66,7 @@ macro_rules! radar_memory {
 
 /// Where one context puts values into a queue of size `N`.
 ///
-/// heapless looks up a queue's size when it runs. The comparison tells it to the compiler, which leaves out the division by it, and
+/// heapless looks up a queue's size when it runs. With the comparison the compiler knows it, and leaves out the division by it and
 /// the panic of a division by zero.
 pub(super) struct Sender<T: 'static, const N: usize>(Producer<'static, T>);
 

@@ -40,7 +40,7 @@ pub enum Progress {
     Idle,
     /// One step of something; there may be more.
     Busy,
-    /// Something to tell.
+    /// Something to report.
     Event(Event),
 }
 

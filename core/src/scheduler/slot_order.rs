@@ -68,7 +68,7 @@ pub struct SlotOrder {
 }
 
 impl SlotOrder {
-    /// The order for shares of at most [`USERS`] users, whose sum is the number of slots, below 2^31.
+    /// The order for shares of at most [`USERS`] users. Their sum is the number of slots, below 2^31.
     pub fn new(shares: &[u32]) -> Self {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
         let mut windows = [Window::first(0, 0); USERS];

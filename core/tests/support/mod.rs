@@ -27,7 +27,7 @@ pub fn random_model(slots: u16, seed: u64) -> Vec<u8> {
     bytes
 }
 
-/// The file with other bytes at `at`, its checksum mended.
+/// The file with other bytes at `at`, its checksum corrected.
 pub fn altered(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
     let mut file = file.to_vec();
     file[at..at + bytes.len()].copy_from_slice(bytes);

@@ -40,7 +40,7 @@ mod firmware {
         counts: [u64; KINDS.len()],
         /// Events of each kind.
         events: [u64; KINDS.len()],
-        /// The last frame: the grey levels of the frame before it are part of the count.
+        /// The last frame: the log magnitudes of the frame before it are part of the count.
         frame: u64,
     }
 
@@ -134,14 +134,14 @@ mod firmware {
     /// What computes the layers.
     #[derive(Clone, Copy, PartialEq)]
     enum By {
-        /// Tiles, with so many places for packed convolutions.
-        Tiles(usize),
+        /// F(2x2, 3x3), with so many places for packed convolutions.
+        Winograd(usize),
         /// The plain loops.
         Loops,
     }
 
     /// Every convolution packed ahead, for the networks of two blocks below.
-    const AHEAD: By = By::Tiles(4);
+    const AHEAD: By = By::Winograd(4);
 
     /// The part of a buffer that is wanted.
     fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
@@ -153,12 +153,13 @@ mod firmware {
     fn count<T: Stft>(model: &Model<'_>, memory: &mut Largest, by: By, probe: &mut DigestProbe) -> Shares {
         let (mut buffers, exit) = (memory.view(), [EarlyExit::single(*model)]);
         let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.kernels);
-        let By::Tiles(places) = by else {
+        let By::Winograd(places) = by else {
             return recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, Portable), probe);
         };
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let tiles = WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
-        let Some(kernels) = WinogradF2::new(model, tiles) else { fail("packed weights do not fit") };
+        let memory =
+            WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
+        let Some(kernels) = WinogradF2::new(model, memory) else { fail("packed weights do not fit") };
         recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, kernels), probe)
     }
 
@@ -219,7 +220,7 @@ mod firmware {
     }
 
     impl Bench {
-        /// Counts a network by tiles and by the plain loops, in this order, and compares their layers.
+        /// Counts a network by the Winograd kernels and by the plain loops, in this order, and compares their layers.
         fn both<T: Stft>(&mut self, size: Size, by: By) -> [Shares; 2] {
             let length = write(size, 1, Numbers::Trained, crc32, self.model);
             let bytes = self.model.get(..length).unwrap_or(&[]);
@@ -247,7 +248,7 @@ mod firmware {
         fn layers(&mut self, name: &str, channels: usize, stride: u8, frames: u16) -> u64 {
             let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
             let [ahead, _] = self.both::<NativeStft>(size, AHEAD);
-            let [when_run, _] = self.both::<NativeStft>(size, By::Tiles(1));
+            let [when_run, _] = self.both::<NativeStft>(size, By::Winograd(1));
             println(format_args!("work {name} {}", ahead.mean("convolution")));
             println(format_args!("work {name}-with-packing {}", when_run.mean("convolution")));
             ahead.mean("stem")
@@ -270,13 +271,13 @@ mod firmware {
         bench.layers("conv-32x64x8-8", 8, 1, 128);
         // the default network, as the station computes it
         let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
-        let [shares, plain] = bench.both::<NativeStft>(whole, By::Tiles(1));
+        let [shares, plain] = bench.both::<NativeStft>(whole, By::Winograd(1));
         work("network-step-largest", bench.largest_step(whole));
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };
-        work("stft-frame", bench.both::<FixedStft>(single, By::Tiles(1))[0].frame);
-        work("stft-frame-f32", bench.both::<FloatStft>(single, By::Tiles(1))[0].frame);
+        work("stft-frame", bench.both::<FixedStft>(single, By::Winograd(1))[0].frame);
+        work("stft-frame-f32", bench.both::<FloatStft>(single, By::Winograd(1))[0].frame);
         for (kind, count) in KINDS.iter().zip(shares.counts) {
             println(format_args!("work chain-{kind} {count}"));
         }
