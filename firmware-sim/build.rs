@@ -1,4 +1,4 @@
-//! Hands the machine's memory map to the linker, and its counter and virtual clock to the runtime. A host build needs none.
+//! Hands the machine's memory map to the linker, and its counter, virtual clock and slot to the runtime. A host build needs none.
 //!
 //! `build` sets the variables from the table `machines`. The cfgs are `board`, the memory map's name, and `armv8m`, a processor
 //! with a stack limit register.
@@ -9,7 +9,7 @@ fn main() {
         "cargo:rustc-check-cfg=cfg(board, values(\"mps2\", \"an505\", \"an547\", \"riscv-virt\", \"arm-virt\"))"
     );
     println!("cargo:rerun-if-changed=memory");
-    for name in ["SDP3_MEMORY", "SDP3_TICK_PS", "SDP3_INSTRUCTION_PS"] {
+    for name in ["SDP3_MEMORY", "SDP3_TICK_PS", "SDP3_INSTRUCTION_PS", "SDP3_SLOT_INSTRUCTIONS"] {
         println!("cargo:rerun-if-env-changed={name}");
         println!("cargo:rustc-env={name}={}", read(name));
     }

@@ -6,12 +6,13 @@
 //! and named by stage and index.
 
 use sdp3::conformance::compare::verify_host;
+use sdp3::conformance::digests::digests;
 use sdp3::conformance::proof::Proof;
 use sdp3::conformance::qemu::{Firmware, machines};
 use sdp3::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use sdp3::predictor::parameters::Architecture;
 use sdp3::results::TargetVerdict;
-use sdp3::scenario::{Class, Scenario};
+use sdp3::scenario::{Class, Scenario, builtin::named};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_tests::networks::{Random, quantized};
@@ -73,8 +74,38 @@ fn random_networks(count: u64) -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// 200 recordings need `count = 200`.
+/// Random networks for the wide-band sensors: recordings of the scenarios of their names, and extreme inputs.
+fn wide_band_sensors() -> Result<Vec<Case>> {
+    let mut cases = Vec::new();
+    for (name, seed) in [("bgt60", 100), ("iwr", 101)] {
+        let scenario = named(Path::new(name)).ok_or_else(|| format!("no scenario {name}"))?.scenario();
+        let architecture = Architecture { channels: 8, blocks: 1, stem_stride: 2, classes: 5 };
+        let mut network = quantized(architecture, 6, seed);
+        network.preprocessing.radar = scenario.radar.config();
+        let slots = u32::from(network.preprocessing.sensing_slots);
+        let model = network.to_bytes()?;
+        let take = |(index, class): (usize, Class)| Case {
+            name: format!("{name}, {}", class.name()),
+            model: model.clone(),
+            transform: if index.is_multiple_of(2) { Transform::Float } else { Transform::Fixed },
+            slots: recording(&scenario, stored_rho(&scenario).0, 5, Set::Demo, class, 0, slots).slots,
+        };
+        cases.extend(Class::ALL.into_iter().enumerate().map(take));
+        let prefixed = |case: Case| Case { name: format!("{name}, {}", case.name), ..case };
+        cases.extend(stimuli(&model, slots as usize, seed).into_iter().map(prefixed));
+    }
+    Ok(cases)
+}
+
+/// The paper's radar with 200 recordings if `count = 200`, then the wide-band sensors.
 fn suite(count: u32) -> Result<Suite> {
+    let mut suite = paper_suite(count)?;
+    suite.cases.extend(wide_band_sensors()?);
+    Ok(suite)
+}
+
+/// The cases of the paper's radar.
+fn paper_suite(count: u32) -> Result<Suite> {
     let mut cases = Vec::new();
     for carrier in CARRIERS {
         let each = count.div_ceil((CARRIERS.len() * Class::ALL.len()) as u32);
@@ -85,6 +116,40 @@ fn suite(count: u32) -> Result<Suite> {
     cases.extend(random_networks(u64::from(count.div_ceil(20)))?);
     let schedule = ScheduleCase { period: 4000, spacing: 3, sensing: 600, shares: vec![1500, 1000, 900] };
     Ok(Suite { cases, schedule })
+}
+
+/// Every stage of the paper's radar, as one line for each and the case's name before them.
+fn digest_lines(count: u32) -> Result<Vec<String>> {
+    let suite = paper_suite(count)?;
+    let found = digests(&suite)?;
+    let mut lines = Vec::new();
+    for (case, stages) in suite.cases.iter().zip(&found.cases) {
+        lines.push(format!("# {}", case.name));
+        lines.extend(stages.iter().map(|(stage, n, digest)| format!("{stage} {n} {digest:016x}")));
+    }
+    lines.push("# schedule".to_owned());
+    lines.push(format!("schedule {} {:016x}", found.schedule.0, found.schedule.1));
+    Ok(lines)
+}
+
+/// Holds this machine's digests to those in a file, whose lines before the first case say where they are from.
+fn known(file: &str) -> Result<bool> {
+    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+    let found = digest_lines(30)?;
+    let expected: Vec<&str> =
+        text.lines().skip_while(|line| Some(*line) != found.first().map(String::as_str)).collect();
+    let mut case = "";
+    for (expected, found) in expected.iter().zip(&found) {
+        if let Some(name) = expected.strip_prefix("# ") {
+            case = name;
+        }
+        if expected != found {
+            println!("{file}: {case}: expected {expected:?}, found {found:?}");
+            return Ok(false);
+        }
+    }
+    println!("{} lines of digests, {} known", found.len(), expected.len());
+    Ok(!expected.is_empty() && expected.len() == found.len())
 }
 
 fn print(verdict: &TargetVerdict) {
@@ -144,12 +209,16 @@ fn changed(firmware: &str, machine: &str) -> Result<bool> {
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match &arguments[..] {
+        [flag, file] if flag == "--digests" => known(file),
         [flag, firmware, machine] if flag == "--changed" => changed(firmware, machine),
         [firmware, count, machines @ ..] if !machines.is_empty() => match count.parse() {
             Ok(count) => compare(firmware, count, machines),
             Err(_) => Err(format!("{count} is no number of recordings").into()),
         },
-        _ => Err("usage: conformance FIRMWARE RECORDINGS MACHINE... | --changed FIRMWARE MACHINE".into()),
+        _ => Err(
+            "usage: conformance FIRMWARE RECORDINGS MACHINE... | --changed FIRMWARE MACHINE | --digests FILE"
+                .into(),
+        ),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

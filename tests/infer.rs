@@ -5,11 +5,10 @@
 //! `INSTRUCTION-SET COUNT` with the nanoseconds of COUNT single inferences, one thread, and the logits of the last.
 
 use sdp3::formats::tflite::export;
+use sdp3::inference::{Isa, VectorKernels};
 use sdp3::predictor::parameters::Architecture;
 use sdp3_core::dims::ROWS;
-use sdp3_core::dsn::vector::VectorMemory;
-use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector, scratch_bytes};
-use sdp3_core::simd::{Isa, Line};
+use sdp3_core::dsn::{Model, infer};
 use sdp3_tests::networks::{images, quantized};
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -35,15 +34,14 @@ fn make(folder: &Path) -> Result<()> {
 }
 
 /// Times `count` inferences, image after image.
-fn time(model: &Model, kernels: impl Kernels, images: &[Vec<i8>], count: usize) -> Result<String> {
-    let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
-    let network = Network::with_kernels(model.clone(), &mut scratch, kernels);
-    let mut network = network.ok_or("too little scratch memory")?;
+fn time(model: &Model, isa: Isa, images: &[Vec<i8>], count: usize) -> Result<String> {
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
+    let mut kernels = VectorKernels::new(model, isa).ok_or("not available here")?;
     let mut line = String::new();
     let mut logits = String::new();
     for image in images.iter().cycle().take(count) {
         let started = Instant::now();
-        let answer = network.infer(image, &mut ());
+        let answer = infer(model, image, &mut scratch, &mut kernels, &mut ());
         line += &format!("{} ", started.elapsed().as_nanos());
         logits = format!("{:?}", answer.logits.as_slice());
     }
@@ -61,16 +59,7 @@ fn clock(file: &Path, images: &Path) -> Result<()> {
         let line = line?;
         let (name, count) = line.split_once(' ').ok_or("a line is INSTRUCTION-SET COUNT")?;
         let isa = Isa::ALL.into_iter().find(|isa| isa.name() == name).ok_or("no such instruction set")?;
-        let mut lines = vec![Line::ZERO; Vector::lines(&model)];
-        let mut words = vec![0; Vector::words(&model)];
-        let answer = if isa == Isa::Scalar {
-            time(&model, Portable, &images, count.parse()?)?
-        } else {
-            let memory = VectorMemory { lines: &mut lines, words: &mut words };
-            let kernels = Vector::new(&model, isa, memory).ok_or("not available here")?;
-            time(&model, kernels, &images, count.parse()?)?
-        };
-        println!("{answer}");
+        println!("{}", time(&model, isa, &images, count.parse()?)?);
         std::io::stdout().flush()?;
     }
     Ok(())

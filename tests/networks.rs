@@ -8,7 +8,7 @@ use sdp3::predictor::interchange::header;
 use sdp3::predictor::parameters::{Architecture, Images, Norm, Parameters};
 use sdp3::predictor::quantization::quantize;
 use sdp3::scenario::Scenario;
-use sdp3_core::dsn::{Model, Network, scratch_bytes};
+use sdp3_core::dsn::{Model, Portable, infer};
 use sdp3_core::probe::Probe;
 
 /// A linear congruential generator (Numerical Recipes' constants); its upper bits are used.
@@ -121,8 +121,8 @@ impl Probe for Layers {
 /// If the bytes are no model file.
 pub fn layers(model_file: &[u8], image: &[i8]) -> Vec<Vec<i8>> {
     let model = Model::parse(model_file).expect("a model");
-    let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
     let mut layers = Layers::default();
-    Network::new(model, &mut scratch).expect("enough scratch").infer(image, &mut layers);
+    infer(&model, image, &mut scratch, &mut Portable, &mut layers);
     layers.0
 }

@@ -3,7 +3,9 @@
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
 use sdp3_core::dims::{Beat, Complex};
-use sdp3_core::signal::clutter::{Gram, SvdRange, UNIT_WEIGHTS, WEIGHT_BITS, Weights, weights};
+use sdp3_core::signal::clutter::{
+    Gram, PROJECTION_BITS, Projection, SvdRange, UNIT_PROJECTION, clutter_projection,
+};
 use sdp3_core::signal::dechirp::CHIRP;
 use sdp3_core::signal::stft::{FloatStft, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
@@ -43,7 +45,7 @@ fn the_chirp_table_is_exact() {
     let vectors = front_end();
     for (n, sample) in CHIRP.iter().enumerate() {
         let at = |name: &str| vectors["chirp"][name][n].as_i64().expect("an integer");
-        assert_eq!((i64::from(sample.i), i64::from(sample.q)), (at("cos"), at("sin")), "sample {}", n + 1);
+        assert_eq!((i64::from(sample[0]), i64::from(sample[1])), (at("cos"), at("sin")), "sample {}", n + 1);
     }
 }
 
@@ -61,8 +63,8 @@ fn slow_time_is_numpys_truncated_svd() {
         .collect();
     let mut gram = Gram::new();
     beats.iter().for_each(|beat| gram.add(beat));
-    let project = |w: &Weights, beat: &Beat| {
-        let scale = f64::from(1 << WEIGHT_BITS);
+    let project = |w: &Projection, beat: &Beat| {
+        let scale = f64::from(1 << PROJECTION_BITS);
         w.iter().zip(beat).fold((0.0, 0.0), |sum, (w, b)| {
             let (wr, wi) = (f64::from(w.re) / scale, f64::from(w.im) / scale);
             let (br, bi) = (f64::from(b.re), f64::from(b.im));
@@ -72,9 +74,9 @@ fn slow_time_is_numpys_truncated_svd() {
     let strongest = vectors["clutter"]["singular_values"][0].as_f64().expect("a number");
     for cut in list(&vectors["clutter"]["cuts"]) {
         let bound = |name: &str| cut[name].as_u64().expect("an integer") as u8;
-        let w = weights(&gram, SvdRange { first: bound("first"), last: bound("last") });
+        let w = clutter_projection(&gram, SvdRange { first: bound("first"), last: bound("last") });
         if (bound("first"), bound("last")) == (1, 8) {
-            assert_eq!(w, UNIT_WEIGHTS);
+            assert_eq!(w, UNIT_PROJECTION);
         }
         for (beat, expected) in beats.iter().zip(list(&cut["y"])) {
             let (found, expected) = (project(&w, beat), pair(expected));

@@ -1,11 +1,11 @@
 //! Do recognitions in integers and in floats agree? What `tests/transforms` runs.
 
 use rayon::prelude::*;
-use sdp3::predictor::receiver::OwnedBuffers;
+use sdp3::formats::slots::Slots;
+use sdp3::predictor::memory::OwnedMemory;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
-use sdp3_core::dims::Slot;
 use sdp3_core::dsn::Model;
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use std::process::ExitCode;
@@ -17,13 +17,13 @@ type Result<T> = std::result::Result<T, Error>;
 const AGREEMENT: f64 = 0.995;
 
 /// The class a model recognises, by the transform `T`.
-fn recognise<T: Stft>(model: &Model<'_>, slots: &[Slot]) -> Result<u8> {
-    let mut buffers = OwnedBuffers::for_model(model);
-    let mut receiver = buffers.receiver_by::<T>(model.clone())?;
+fn recognise<T: Stft>(model: &Model<'_>, slots: &Slots) -> Result<u8> {
+    let mut memory = OwnedMemory::for_model(model);
+    let mut pipeline = memory.pipeline::<T>(*model)?;
     for slot in slots {
-        receiver.push(slot, &mut ())?;
+        pipeline.push(slot, &mut ())?;
     }
-    Ok(receiver.classify(&mut ())?.class)
+    Ok(pipeline.classify(&mut ()).ok_or("the recording is incomplete")?.class)
 }
 
 /// Counts of a model: recordings, those of which both say the same, and those that each says right.

@@ -5,8 +5,8 @@
 //! and Weinberger, 2017), with several stacking. Its softmax is the calibrated confidence. Evidence is exact integer arithmetic.
 
 use crate::dsn::Model;
-use crate::dsn::head::MAX_CLASSES;
-use crate::math::{fast_expf, roundf};
+use crate::dsn::head::{MAX_CLASSES, softmax_confidence};
+use crate::math::roundf;
 use heapless::Vec;
 
 /// Most exits.
@@ -62,12 +62,8 @@ pub fn decide(evidence: &[i32]) -> (u8, f32) {
             top = (class, value);
         }
     }
-    let mut sum = 0.0_f32;
-    for &value in evidence {
-        let below = (i64::from(value) - i64::from(top.1)) as f32 / (1_i32 << EVIDENCE_BITS) as f32;
-        sum += if below < -16.0 { 0.0 } else { fast_expf(below) };
-    }
-    (top.0 as u8, if sum > 0.0 { fast_expf(0.0) / sum } else { 0.0 })
+    let above = |&value: &i32| (i64::from(value) - i64::from(top.1)) as f32 / (1_i32 << EVIDENCE_BITS) as f32;
+    (top.0 as u8, softmax_confidence(evidence.iter().map(above)))
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ mod tests {
         let mut state = 1_u32;
         for round in 0..200_000 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let shift = -1 - (state >> 20) as i8 % 20;
+            let shift = -1 - ((state >> 20) % 20) as i8;
             let multiplier = [0, 1 << 30, i32::MAX, (1 << 30) + (state >> 2) as i32][round % 4];
             // at the halves of the output's steps, at both ends, and anywhere
             let half = ((state >> 9) as i32 % 300) << -shift | 1 << (-1 - shift);

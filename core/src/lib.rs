@@ -1,41 +1,46 @@
-//! The radar module of sdp3: from raw samples of a sensing slot to the class of a human motion, and the scheduler
-//! that decides which slot senses. `no_std`, no allocation, the same bits on every processor.
+//! The radar module of sdp3: from the samples of a sensing slot to the class of a human motion, and the schedule that says which
+//! slot senses. `no_std`, no allocation, the same bits on every processor.
 //!
-//! # The street
+//! # The signal chain
 //!
-//! Data walks down one street; each file takes what the previous one gives and none looks back.
+//! A radio shares its slots between communication and sensing. In a sensing slot the radar sends one FMCW sweep. Its samples
+//! become at most eight range samples; those of N_s slots form the beat matrix, of which the strongest singular components are
+//! clutter. What is left is summed to one slow-time signal. Its spectrogram is an image that an int8 network classifies.
 //!
 //! ```text
-//! slot (1000 x i16 I/Q)
-//!   dechirp      times the conjugate chirp, summed in eight blocks       -> beat [8] i32
-//!   clutter      exact Gram matrix, leading eigenvectors, w; y = w^H b    -> slow time [N_s] i32
-//!   stft         Kaiser window, 256-point FFT                             -> spectrum [256] f32 or i32
-//!   spectrogram  exact integer logarithm, 50 dB of grey                   -> image [64, frames] i8
-//!   dsn          int8 residual network                                    -> logits, class, confidence
+//! samples of a slot, i16        for example [1000] I/Q at 10 MHz
+//!    | signal::fast_time        times the conjugate chirp, summed in blocks; or the gate of a sensor that dechirps
+//! range samples                 [range = 8]                  complex i32
+//!    | signal::clutter          Gram matrix, leading eigenvectors, projection
+//! slow time                     [slow_time = N_s]            complex i32
+//!    | signal::stft             Kaiser window, 256-point FFT, every 8 slots
+//! spectrum                      [doppler = 256]              complex f32 or i32
+//!    | signal::spectrogram      64 log2 of the power, quantised over 50 dB
+//! image                         [64, frames]                 i8
+//!    | dsn                      residual network
+//! logits, class, confidence     [classes]                    i8
 //! ```
 //!
-//! [`front_end`] is the street up to the image, [`receiver`] the whole of it as one object: push a slot, ask for a
-//! class; [`anytime`] asks on the way and stops when it is sure. [`schedule`] divides a period between sensing and the
-//! receivers; [`station`] joins scheduler and receiver: one call per slot. [`guard`] stands between them and a world that
-//! loses slots, skips numbers and flips bits. The ground they stand on: [`frame`] (sizes), [`fixed`] (the rounding rule of
-//! int8), [`math`] (the only door to floats), `ranges` (that no sum outgrows its word, proved when it is compiled).
-//! [`probe`] lets an observer see every stage's values, [`mod@values`] gives them as bytes, [`digest`] folds them to one
-//! number per stage, and [`selftest`] runs the street on a seeded signal whose digest is known.
+//! # Two contexts
 //!
-//! # Which numbers are whose
+//! [`radar`] is what firmware uses: [`radar::SlotContext`] in the slot interrupt, short and bounded; [`radar::ProcessingContext`]
+//! in a task that is polled, one bounded step a call. Early exits, supervision and recovery after a reset are inside.
+//! [`pipeline`] is the signal chain alone, [`scheduler`] the schedule alone. [`config`] describes the sensor.
 //!
-//! Dechirp, Gram matrix, projection, grey levels, the int8 network and the schedule are defined in integers. The
-//! eigenvectors and the FFT are f32, written with `+ - * /` and `libm` only, in one fixed order: they too have the
-//! same bits on every IEEE 754 processor with flush-to-zero off, with or without an FPU. On microcontrollers
-//! the FFT is by default another one, in integers: [`stft::NativeStft`].
+//! # Numbers
 //!
-//! # Rules of the house
+//! Range samples, Gram matrix, projection, log magnitudes, the network and the schedule are integers. The eigenvectors and one of the two
+//! FFTs are f32, written with `+ - * /` and `libm` only, in one fixed order: they have the same bits on every IEEE 754 processor
+//! with flush-to-zero off, with or without an FPU. On microcontrollers the FFT is the other one, in integers
+//! ([`signal::stft::NativeStft`]). `ranges` proves at compile time that no sum outgrows its word.
 //!
-//! Unsafe code is denied but in one module of [`simd`] for each family of processors, the vector instructions of x86-64
-//! and the DSP and Helium instructions of Arm; each has a portable twin and a test that runs both.
-//! Everything from outside is checked once ([`dsn::Model::parse`], [`receiver::Receiver::new`],
-//! [`schedule::Plan::new`]); after that no call can fail for reasons of data. Memory is the caller's
-//! ([`receiver::Memory`]) and its size is a constant.
+//! # Rules
+//!
+//! Everything from outside is checked once ([`dsn::Model::parse`], [`radar::RadarModule::new`], [`scheduler::SensingLayout::new`]);
+//! after that nothing can fail for reasons of data. No call panics, allocates or loops without a bound. Memory is the caller's, in
+//! one type whose size is a constant. Unsafe code is denied but for the DSP and Helium instructions of Arm in one module of
+//! [`simd`], which has a portable reference with the same bits. [`probe`] shows every stage's values to an observer, [`digest`]
+//! folds them to one number a stage.
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
@@ -60,8 +65,8 @@ pub mod simd;
 pub mod supervision;
 pub mod values;
 
+pub use dsn::Shape;
 pub use error::Error;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+pub use radar::{Progress, RadarModule, Settings, SlotAction, SlotContext};
+pub use scheduler::SensingLayout;
+pub use supervision::retained::Retained;

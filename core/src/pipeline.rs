@@ -10,16 +10,28 @@ use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
 use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
 use crate::probe::Probe;
+use crate::selftest;
 use crate::signal::dechirp::WordAligned;
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS, image_steps};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use heapless::Vec;
+use rand_core::Rng;
 
 impl Shape {
     /// Range samples that a pipeline keeps: a recording's, and the first of the next one.
     pub const fn beats(&self) -> usize {
         self.sensing_slots + OVERLAP_SLOTS
+    }
+
+    /// Bytes of all memory of a pipeline, [`PipelineMemory::BYTES`] of these sizes.
+    pub const fn required_bytes(&self) -> usize {
+        let kernels = self.winograd_sizes();
+        let slow_time = self.beats() * size_of::<Beat>() + self.sensing_slots * size_of::<Complex<i32>>();
+        let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
+        let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
+        let sum = kernels.vectors * size_of::<I16x8>() + words + slow_time + cells + self.scratch_bytes();
+        sum.next_multiple_of(size_of::<I16x8>())
     }
 }
 
@@ -153,8 +165,7 @@ struct Recognition {
 
 /// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
 /// a microcontroller.
-#[derive(Debug)]
-pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
+pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     front_end: FrontEnd<'b, T>,
     scratch: &'b mut [i8],
     kernels: K,
@@ -222,7 +233,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
                 && model.radar() == last.radar()
         };
         let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
-        let valid = all.iter().enumerate().all(|(number, exit)| exit.is_valid(number) && agrees(exit));
+        // the only exit's class is its network's, whatever a step is worth
+        let weighs = |number: usize, exit: &EarlyExit<'_>| all.len() == 1 || exit.is_valid(number);
+        let valid = all.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
         if !(ascending && valid) {
             return Err(Error::Exits);
         }
@@ -242,7 +255,8 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             }
         }
         // valid: the parser has checked both
-        let front_end = FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
+        let front_end =
+            FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
         Ok(Pipeline {
             front_end,
             scratch: buffers.scratch,
@@ -331,7 +345,12 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     /// Begins the recognition that is due, if none is under way.
     fn begin_recognition(&mut self, probe: &mut impl Probe) {
         if self.recognition.is_none() && self.exit_due() && self.front_end.begin_image(probe) {
-            self.recognition = Some(Recognition { exit: self.next_exit, period: self.period, imaged: false, outdated: false });
+            self.recognition = Some(Recognition {
+                exit: self.next_exit,
+                period: self.period,
+                imaged: false,
+                outdated: false,
+            });
             self.next_exit += 1;
             self.network = Network::new();
         }
@@ -354,7 +373,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             let mut evidence = Evidence::new();
             let _ = evidence.resize(classification.logits.len(), 0); // at most MAX_CLASSES: the parser has checked
             let passed = self.logits.iter().chain([&classification.logits]);
-            passed.zip(&exit.weights).for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
+            passed
+                .zip(&exit.weights)
+                .for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
             (classification.class, classification.confidence) = decide(&evidence);
         }
         classification.exit = number as u8;
@@ -380,6 +401,15 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             steps += 1;
         }
         steps
+    }
+
+    /// Whether every operator of every exit's network gives what the plain loops give: [`selftest::network`]. Before the first slot.
+    pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
+        let (scratch, kernels) = (&mut *self.scratch, &mut self.kernels);
+        self.exits.iter().all(|EarlyExit { model, .. }| {
+            let image = self.front_end.image_memory().get_mut(..ROWS * model.frames());
+            image.is_some_and(|image| selftest::network(model, image, scratch, kernels, rng).is_none())
+        })
     }
 
     /// Finishes the recognition that is under way.

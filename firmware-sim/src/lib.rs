@@ -1,12 +1,10 @@
 //! Firmware support: start-up, semihosting and logging for emulated Cortex-M, RISC-V and AArch64 machines.
 //!
-//! [`rt`] has the assembly and most unsafe code; [`semihosting`] is its safe face: files, text, arguments and the exit
-//! code of the emulator; `fault` ends what went wrong. [`log`] carries defmt frames to a file. [`dma`] is a double buffer between an interrupt and the
-//! idle loop, and [`station`] the program of a base station that uses it: where a port begins.
+//! [`rt`] has the assembly and most unsafe code; [`semihosting`] is the safe interface to it: files, text, arguments and the exit
+//! code of the emulator; `fault` ends what went wrong. [`log`] carries defmt frames to a file. [`station`] is the board on which the
+//! program of `porting.rs` runs.
 #![cfg_attr(target_os = "none", no_std)]
 
-#[cfg(target_os = "none")]
-pub mod dma;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(all(feature = "target", target_os = "none"))]

@@ -1,37 +1,36 @@
-//! The program of `docs/porting.md`: what a port of the radar module needs, and what the firmware here runs.
+//! The program of `docs/porting.md`: what a port of the radar module needs. The stations include it as it is, and so does a test on
+//! the host. `board` is the port's own.
+#![allow(unsafe_code)] // the section
 
-use crate::board::{Board, report, sleep};
-use sdp3_core::radar::{Progress, RadarModule, Settings, SlotAction, SlotContext};
-use sdp3_core::supervision::retained::Retained;
-use sdp3_core::{Error, dsn::Shape, radar_memory, scheduler::SensingLayout};
-use static_cell::ConstStaticCell;
+use crate::{board, static_cell::ConstStaticCell}; // of the crate static_cell
+// docs/porting.md and core/README.md show what follows
+use sdp3_core::{Progress, RadarModule, Retained, SensingLayout, Settings, Shape, SlotAction, radar_memory};
 
-static MODEL: &[u8] = sdp3_testkit::models::DSN_1000; // a port: include_bytes!("dsn-1000.sdp3")
-const SHAPE: Shape = Shape::of(MODEL).expect("a model");
+const SHAPE: Shape = Shape::of(board::MODEL).expect("a model"); // MODEL: include_bytes!("model.sdp3")
 static MEMORY: ConstStaticCell<radar_memory!(SHAPE)> = ConstStaticCell::new(<radar_memory!(SHAPE)>::new());
 #[unsafe(link_section = ".uninit.retained")] // RAM that start-up leaves alone
 static RETAINED: Retained = Retained::new();
 
-/// The slot interrupt.
-pub fn slot(slots: &mut SlotContext<{ SHAPE.slot_values() }>, number: u32, board: &mut impl Board) {
+/// The slot interrupt. At the end of the transfer: `slots.samples_ready()`.
+pub fn slot(slots: &mut board::Slots, number: u32) {
     match slots.begin(number) {
-        SlotAction::Sense(buffer) => board.start_transfer(&mut buffer.0), // at its end: slots.samples_ready()
-        SlotAction::Serve(user) => board.transmit(user),
+        SlotAction::Sense(buffer) => board::start_transfer(&mut buffer.0),
+        SlotAction::Serve(user) => board::transmit(user),
         SlotAction::Idle => {}
     }
 }
 
-/// Start-up and the idle loop.
-pub fn run(board: impl FnOnce(SlotContext<{ SHAPE.slot_values() }>)) -> Result<(), Error> {
-    let layout = SensingLayout::new(4000, 3, 1000)?;
-    let settings = Settings { layout, rates: [1500, 2500, 3000, 0, 0, 0, 0, 0], threshold: 2.0 };
-    let (slots, mut processing) = RadarModule::single(MODEL, settings, MEMORY.take(), &RETAINED)?.split();
-    board(slots); // the interrupt's from now on
+/// Start-up, then the idle loop.
+pub fn run() -> Result<(), sdp3_core::Error> {
+    let settings =
+        Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: board::BITS, threshold: 2.0 };
+    let (slots, mut task) = RadarModule::single(board::MODEL, settings, MEMORY.take(), &RETAINED)?.split();
+    board::start(slots, &mut task); // from here on `slots` belongs to the interrupt
     loop {
-        match processing.poll() {
-            Progress::Event(event) => report(event),
+        match task.poll() {
+            Progress::Event(event) => board::report(&task, event),
             Progress::Busy => {}
-            Progress::Idle => sleep(),
+            Progress::Idle => board::sleep(),
         }
     }
 }

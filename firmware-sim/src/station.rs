@@ -1,81 +1,80 @@
-//! A base station's firmware, the example of `docs/porting.md`: an interrupt every slot, the chain in the idle loop.
+//! The board of the stations: a timer interrupt every slot, a converter that plays a file of slots, and a log.
 //!
-//! The interrupt plays the scheduler and, in a sensing slot, moves the converter's samples into a double buffer; the idle
-//! loop takes them out, dechirps and adds to the Gram matrix, and classifies when a recording is complete, in the
-//! communication slots that follow. The converter is a file of slots, i16 I/Q.
+//! `porting.rs` is the program that runs on it. The emulator writes the samples of a whole slot into the buffer at once, which takes
+//! one instruction: that stands for a DMA and its interrupt.
 
-use crate::dma::{DoubleBuffer, Reader, Writer};
 use crate::log;
-use crate::rt::{Owned, paint_stack, stack_used, start_ticks, wait};
-use crate::semihosting::{File, arguments, exit, print, print_number};
-use core::sync::atomic::{AtomicU32, Ordering};
-use sdp3_core::dims::Iq;
-use sdp3_core::dsn::Model;
-use sdp3_core::pipeline::{Buffers, Receiver};
-use sdp3_core::scheduler::{USERS, Scheduler, Sensing, SlotUse};
+use crate::rt::{self, Owned, paint_stack, stack_used, start_ticks};
+use crate::semihosting::{File, arguments, exit, println};
+use core::fmt::Display;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use rand_core::SeedableRng;
+use sdp3_core::config::RadarConfig;
+use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
+use sdp3_core::scheduler::USERS;
+use sdp3_core::{Error, Progress, RadarModule, SensingLayout, Settings, SlotAction, selftest};
 
-/// Instructions of a 250 us slot on a processor that does 240 million a second.
-const SLOT_INSTRUCTIONS: u32 = 60_000;
-/// Slots of a period: two seconds.
-const PERIOD_SLOTS: u32 = 8000;
-/// Bits that a slot carries to each receiver, as the link last said.
-const SLOT_BITS: [u32; 3] = [1500, 2500, 3000];
+const VALUES: usize = RadarConfig::PAPER.values_per_slot();
 
-static BUFFER: DoubleBuffer = DoubleBuffer::new();
-static CONVERTER: Owned<Converter> = Owned::new();
-/// Sensing slots lost because the idle loop was two behind.
-static OVERRUNS: AtomicU32 = AtomicU32::new(0);
-/// Periods begun.
+/// The slot interrupt's context.
+pub type Slots = SlotContext<VALUES>;
+/// The task's context.
+pub type Processing = ProcessingContext<VALUES>;
+
+/// Both.
+pub type Module = RadarModule<VALUES>;
+
+/// Bits that a slot carries to each user.
+pub const BITS: [u32; USERS] = [1500, 2500, 3000, 0, 0, 0, 0, 0];
+
+static SLOTS: Owned<Slots> = Owned::new();
+static SAMPLES: Owned<File> = Owned::new();
+/// Transfers of samples that have ended.
+static TRANSFERS: AtomicU32 = AtomicU32::new(0);
+/// Periods begun and faults reported.
 static PERIODS: AtomicU32 = AtomicU32::new(0);
+static FAULTS: AtomicU32 = AtomicU32::new(0);
 
-/// What the interrupt owns.
-struct Converter {
-    scheduler: Scheduler,
-    samples: File,
-    writer: Writer,
+fn count(counter: &AtomicU32) {
+    counter.store(counter.load(Relaxed).wrapping_add(1), Relaxed); // one writer each: no atomic addition is needed
 }
 
-impl Converter {
-    /// One slot begins.
-    fn slot(&mut self) {
-        if self.scheduler.position() == 0 {
-            PERIODS.store(PERIODS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+/// The interrupt of the slot timer, and of the transfer that it starts.
+pub fn slot_interrupt(slot: impl FnOnce(&mut Slots, u32)) {
+    SLOTS.with(|slots| {
+        let before = TRANSFERS.load(Relaxed);
+        slot(slots, rt::slots());
+        if TRANSFERS.load(Relaxed) != before {
+            slots.samples_ready();
         }
-        if self.scheduler.next() != SlotUse::Sensing {
-            return;
-        }
-        let samples = &mut self.samples;
-        let moved = self.writer.fill(|slot| {
-            for sample in slot {
-                let mut bytes = [0; 4];
-                samples.read(&mut bytes);
-                *sample = Iq::from_le_bytes(bytes);
-            }
-        });
-        if !moved {
-            OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
-        }
-    }
+    });
 }
 
-/// What a program's `firmware_tick` calls.
-pub fn slot_interrupt() {
-    CONVERTER.with(Converter::slot);
+/// The samples of the next slot of the file; behind its last one the first follows.
+pub fn start_transfer(buffer: &mut [i16]) {
+    SAMPLES.with(|samples| {
+        if samples.read_values(buffer) || samples.seek(0) && samples.read_values(buffer) {
+            count(&TRANSFERS);
+        }
+    });
+}
+
+/// The radio, which is not emulated.
+pub fn transmit(_user: u8) {}
+
+/// Sleeps until the next interrupt.
+pub fn sleep() {
+    rt::wait();
 }
 
 /// Ends the run with a message and exit code 2.
-fn fail(what: &str) -> ! {
-    defmt::error!("{=str}", what);
-    print("error: ");
-    print(what);
-    print("\n");
+pub fn fail(what: impl Display) -> ! {
+    println(format_args!("error: {what}"));
     exit(2)
 }
 
-/// Recognises one recording of a model, prints the class, and ends the run.
-///
-/// Arguments of the emulator: the file of slots, and optionally one for defmt records.
-pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
+/// Opens what the emulator's arguments name, the file of slots and optionally one for defmt records, and tests the signal chain.
+pub fn power_on() {
     paint_stack();
     let mut buffer = [0; 1024];
     let mut words = arguments(&mut buffer).split_ascii_whitespace();
@@ -83,49 +82,66 @@ pub fn run(model: Model<'static>, buffers: Buffers<'static>) -> ! {
     if words.next().is_some_and(|path| !log::open(path)) {
         fail("the file for records cannot be made");
     }
-    // every fourth slot senses until the recording is complete; the rest go to three receivers, and of them at least a second,
-    // 4000 slots, lies behind the recording: the time to classify it before the next begins
-    let Ok(sensing) = Sensing::new(PERIOD_SLOTS, 3, model.sensing_slots() as u32) else {
-        fail("no plan has so many sensing slots")
-    };
-    let mut rates = [0; USERS];
-    rates.iter_mut().zip(SLOT_BITS).for_each(|(rate, bits)| *rate = bits);
-    let scheduler = Scheduler::new(sensing, rates);
-    let mut receiver = match Receiver::new(model, buffers) {
-        Ok(receiver) => receiver,
-        Err(error) => {
-            defmt::error!("{}", error);
-            fail("the model needs more memory than there is")
-        }
-    };
-    let Some((writer, mut reader)) = BUFFER.split() else { fail("the buffer is taken") };
-    defmt::info!("{}", scheduler.plan());
-    CONVERTER.give(Converter { scheduler, samples, writer });
-    start_ticks(SLOT_INSTRUCTIONS);
-    idle(&mut receiver, &mut reader);
-    let Ok(answer) = receiver.classify(&mut ()) else { fail("the recording is not complete") };
-    defmt::info!("{}", answer);
-    print("recognised ");
-    print(receiver.model().class_name(usize::from(answer.class)));
-    for (name, value) in [
-        ("\nperiods ", PERIODS.load(Ordering::Relaxed) as usize),
-        ("\noverruns ", OVERRUNS.load(Ordering::Relaxed) as usize),
-        ("\nstack ", stack_used()),
-    ] {
-        print(name);
-        print_number(value);
+    SAMPLES.give(samples);
+    let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+    if selftest::run(&mut rng) != selftest::KNOWN_ANSWERS {
+        fail("the self test of the signal chain failed");
     }
-    print("\ndone\n");
-    exit(0)
 }
 
-/// The idle loop until a recording is complete: sleeps unless a slot lies in the buffer.
-fn idle(receiver: &mut Receiver<'_, '_>, reader: &mut Reader) {
+/// Tests the networks, then starts the slot timer.
+pub fn start(slots: Slots, processing: &mut Processing) {
+    let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+    if !processing.self_test(&mut rng) {
+        fail("the self test of a network failed");
+    }
+    SLOTS.give(slots);
+    start_ticks(rt::SLOT);
+}
+
+/// What `porting.rs` does in a slot.
+pub fn slot(slots: &mut Slots, number: u32) {
+    match slots.begin(number) {
+        SlotAction::Sense(buffer) => start_transfer(&mut buffer.0),
+        SlotAction::Serve(user) => transmit(user),
+        SlotAction::Idle => {}
+    }
+}
+
+/// What `porting.rs` does with a module, for stations that make it otherwise.
+pub fn serve(module: Result<Module, Error>) -> ! {
+    let (slots, mut task) = match module {
+        Ok(module) => module.split(),
+        Err(error) => fail(error),
+    };
+    start(slots, &mut task);
     loop {
-        match reader.read(|slot| receiver.push(slot, &mut ())) {
-            Some(Ok(0) | Err(_)) => return,
-            Some(Ok(_)) => (),
-            None => wait(),
+        match task.poll() {
+            Progress::Event(event) => report(&task, event),
+            Progress::Busy => {}
+            Progress::Idle => sleep(),
         }
+    }
+}
+
+/// Settings of the paper's period; all exits are asked.
+pub fn settings() -> Result<Settings, Error> {
+    Ok(Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: BITS, threshold: 2.0 })
+}
+
+/// Logs an event; prints the first classification that needs no more slots, and ends the run.
+pub fn report(processing: &Processing, event: Event) {
+    defmt::info!("{}", event);
+    match event {
+        Event::Period(_) => count(&PERIODS),
+        Event::Fault(_) => count(&FAULTS),
+        Event::Classification { classification, .. } if classification.stop => {
+            println(format_args!("recognised {}", processing.class_name(classification.class)));
+            let [periods, faults] = [&PERIODS, &FAULTS].map(|counter| counter.load(Relaxed));
+            println(format_args!("exit {}", classification.exit));
+            println(format_args!("periods {periods}\nfaults {faults}\nstack {}\ndone", stack_used()));
+            exit(0)
+        }
+        Event::Classification { .. } => {}
     }
 }

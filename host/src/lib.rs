@@ -12,6 +12,7 @@
 pub mod bounded;
 pub mod conformance;
 pub mod formats;
+pub mod inference;
 pub mod optimizer;
 pub mod output;
 pub mod pipeline;

@@ -9,7 +9,9 @@ use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::formats::measured;
+use crate::formats::slots::Slots;
 use crate::optimizer::anytime;
+use crate::optimizer::campaign::radar::Station;
 use crate::optimizer::shares::integer_rates;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
@@ -17,7 +19,7 @@ use crate::predictor::anytime::calibration::weights;
 use crate::predictor::anytime::{Part, Policy, collect};
 use crate::predictor::learning_curve::bootstrap::replicates;
 use crate::predictor::learning_curve::{best_curve, predict};
-use crate::predictor::receiver::OwnedBuffers;
+use crate::predictor::memory::OwnedMemory;
 use crate::predictor::spectrograms::{GALLERY_RECORDING, images_of, picture};
 use crate::progress::Progress;
 use crate::results::{
@@ -27,10 +29,8 @@ use crate::results::{
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
-use sdp3_core::dims::Slot;
-use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::early_exit::{Anytime, Exit};
-use sdp3_core::station::Station;
+use sdp3_core::dsn::Model;
+use sdp3_core::early_exit::EarlyExit;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -250,31 +250,32 @@ impl Job {
 
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
-        use sdp3_core::scheduler::{USERS, Scheduler, SensingLayout, SlotUse};
+        use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
         let model = parsed
             .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
             .max_by_key(Model::sensing_slots)?;
         let class = Class::AdultWalking;
         let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
-        let mut buffers = OwnedBuffers::for_model(&model);
-        let receiver = Anytime::new([Exit::alone(model.clone(), Portable)], 2.0, buffers.view()).ok()?;
-        let sensing = SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
+        let mut memory = OwnedMemory::for_model(&model);
+        let pipeline = memory.early_exits(vec![EarlyExit::single(model)], 2.0).ok()?;
+        let sensing =
+            SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
         let mut rates = [0; USERS];
         rates.iter_mut().zip(integer_rates(&point.slot_bit)).for_each(|(rate, own)| *rate = own);
-        let mut station = Station::new(Scheduler::new(sensing, rates), receiver);
+        let mut station = Station::new(Scheduler::new(sensing, rates), pipeline);
         let mut signal = slots.iter();
-        let mut verdict = None;
+        let mut found = None;
         for _ in 0..point.period_slots {
             if station.begin() == SlotUse::Sensing {
-                verdict = station.sensed(signal.next()?).or(verdict);
+                found = station.sensed(signal.next()?).or(found);
             }
         }
-        let verdict = verdict?;
+        let found = found?;
         Some(Recognised {
             truth: class.name().to_owned(),
-            class: model.class_name(usize::from(verdict.class)).to_owned(),
-            confidence: f64::from(verdict.confidence),
+            class: model.class_name(usize::from(found.class)).to_owned(),
+            confidence: f64::from(found.confidence),
         })
     }
 
@@ -284,7 +285,7 @@ impl Job {
         for (index, bytes) in models.iter().enumerate() {
             let model = Model::parse(bytes).map_err(|e| format!("model {index}: {e}"))?;
             let slots = model.sensing_slots();
-            let take = |class: Class, n: u32| -> Vec<Slot> {
+            let take = |class: Class, n: u32| -> Slots {
                 recording(&self.scenario, rho, self.seed, Set::Demo, class, n, slots as u32).slots
             };
             let largest = index + 1 == models.len();

@@ -8,8 +8,11 @@ use super::per_channel::PerChannelQuant;
 /// Most input channels of a convolution.
 pub const MAX_CHANNELS: usize = 32;
 
-/// Values under a kernel.
-const PATCH: usize = 9 * MAX_CHANNELS;
+/// The values under a kernel.
+pub type Patch = [i16; 9 * MAX_CHANNELS];
+
+/// A [`Patch`] for scratch.
+pub const EMPTY_PATCH: Patch = [0; 9 * MAX_CHANNELS];
 
 /// A 3x3 convolution; weights `[output, 3, 3, input]`.
 #[derive(Debug, Clone, Copy)]
@@ -33,23 +36,29 @@ pub const fn pad_before(n: usize, stride: usize) -> usize {
 }
 
 impl Conv<'_> {
-    /// All output channels of output pixel `(y, x)`, from `[height, width, inputs]`.
+    /// All output channels of output pixel `(y, x)`, from `[height, width, inputs]`; `patch` is scratch.
     ///
     /// Cost: outputs x 9 x inputs multiply-accumulates. Padding contributes nothing.
-    pub fn pixel(&self, input: &[i8], size: (usize, usize), (y, x): (usize, usize), output: &mut [i8]) {
-        let (height, width) = size;
+    pub fn pixel(
+        &self,
+        input: &[i8],
+        (height, width): (usize, usize),
+        (y, x): (usize, usize),
+        patch: &mut Patch,
+        output: &mut [i8],
+    ) {
         let first_row = (y * self.stride).wrapping_sub(pad_before(height, self.stride));
         let first_column = (x * self.stride).wrapping_sub(pad_before(width, self.stride));
-        // the neighbourhood in i16 with the zero point taken off; outside the image it is zero
-        let mut patch = [0_i16; PATCH];
-        let zero = i16::from(self.quant.in_zp);
-        let inputs = self.inputs.max(1);
+        // the neighbourhood with the zero point taken off; outside the image it is zero
+        let (zero, inputs) = (i16::from(self.quant.in_zp), self.inputs.max(1));
         for (k, cell) in patch.chunks_exact_mut(inputs).take(9).enumerate() {
             let (y, x) = (first_row.wrapping_add(k / 3), first_column.wrapping_add(k % 3));
-            if y < height && x < width {
-                for (out, &value) in cell.iter_mut().zip(established(input.get((y * width + x) * inputs..))) {
-                    *out = i16::from(value) - zero;
-                }
+            if y >= height || x >= width {
+                cell.fill(0);
+                continue;
+            }
+            for (out, &value) in cell.iter_mut().zip(established(input.get((y * width + x) * inputs..))) {
+                *out = i16::from(value) - zero;
             }
         }
         let patch = established(patch.get(..9 * inputs));

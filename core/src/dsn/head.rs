@@ -15,8 +15,6 @@ pub struct Head<'m> {
     pub quant: PerChannelQuant<'m>,
     /// Input channels.
     pub inputs: usize,
-    /// What one step of a logit is worth, in nat.
-    pub scale: f32,
 }
 
 impl Head<'_> {
@@ -31,14 +29,12 @@ impl Head<'_> {
             *out = self.quant.output(o, sum);
         }
     }
+}
 
-    /// Probability of `class` by softmax, f32, relative error below 0.6 %.
-    pub fn confidence(&self, logits: &[i8], class: usize) -> f32 {
-        let Some(&top) = logits.get(class) else { return 0.0 };
-        softmax_confidence(
-            logits.iter().map(|&logit| (i32::from(logit) - i32::from(top)) as f32 * self.scale),
-        )
-    }
+/// Probability of `class` by softmax of logits of `scale` nat a step; 0 if there is no such class.
+pub fn confidence(logits: &[i8], class: usize, scale: f32) -> f32 {
+    let Some(&top) = logits.get(class) else { return 0.0 };
+    softmax_confidence(logits.iter().map(|&logit| (i32::from(logit) - i32::from(top)) as f32 * scale))
 }
 
 /// Probability of the class with the largest logit, from how far each class's, its own too, lies above it, in nat: 0 or
@@ -66,7 +62,7 @@ pub fn arg_max(logits: &[i8]) -> usize {
 mod tests {
     use super::*;
 
-    /// Two classes of one weight each, a logit step being one nat.
+    /// Two classes of one weight each.
     fn head() -> Head<'static> {
         let layer = PerChannelQuant {
             in_zp: -3,
@@ -79,7 +75,7 @@ mod tests {
             shifts: &[1, 0], // doubled again, and not
             weights: &[2, 253],
         };
-        Head { quant: layer, inputs: 1, scale: 1.0 }
+        Head { quant: layer, inputs: 1 }
     }
 
     #[test]
@@ -101,13 +97,12 @@ mod tests {
 
     #[test]
     fn far_below_the_best_counts_nothing() {
-        let head = head();
-        assert_eq!(head.confidence(&[7, 7], 0), 0.5);
-        assert_eq!(head.confidence(&[1], 1), 0.0, "no such class");
-        assert_eq!(head.confidence(&[-17, -17, -17, -17, -17, 0], 5), 1.0);
-        assert!(head.confidence(&[-16, -16, -16, -16, -16, 0], 5) < 1.0);
+        assert_eq!(confidence(&[7, 7], 0, 1.0), 0.5);
+        assert_eq!(confidence(&[1], 1, 1.0), 0.0, "no such class");
+        assert_eq!(confidence(&[-17, -17, -17, -17, -17, 0], 5, 1.0), 1.0);
+        assert!(confidence(&[-16, -16, -16, -16, -16, 0], 5, 1.0) < 1.0);
         let exact = 1.0 / (1.0 + libm::exp(-1.0) + libm::exp(-3.0));
-        let found = f64::from(head.confidence(&[2, 1, -1], 0));
+        let found = f64::from(confidence(&[2, 1, -1], 0, 1.0));
         assert!((found / exact - 1.0).abs() < 6e-3, "{found} {exact}");
     }
 }

@@ -4,7 +4,7 @@
 
 use super::add::Add;
 use super::batch_norm::BatchNormRelu;
-use super::conv::{Conv, MAX_CHANNELS, same};
+use super::conv::{Conv, EMPTY_PATCH, MAX_CHANNELS, same};
 use super::established;
 use super::pool::average;
 use core::ops::Range;
@@ -20,8 +20,6 @@ pub enum Operator<'a> {
         image: &'a [i8],
         /// Height and width of the image.
         size: (usize, usize),
-        /// Scratch: two rows of the convolution's output.
-        rows: &'a mut [i8],
         /// `[height / stride / 2, width / stride / 2, channels]`.
         output: &'a mut [i8],
     },
@@ -42,8 +40,8 @@ pub enum Operator<'a> {
         input: &'a [i8],
         /// Height and width.
         size: (usize, usize),
-        /// Scratch: the stem's.
-        rows: &'a mut [i8],
+        /// Scratch: a row of the input.
+        row: &'a mut [i8],
         /// Of the input's shape.
         output: &'a mut [i8],
     },
@@ -83,11 +81,11 @@ pub struct Portable;
 /// Values of a step that treats every value alone.
 const RUN: usize = 256;
 
-/// Multiply-accumulates of a step that convolves.
-const PRODUCTS: usize = 1 << 12;
+/// Multiply-accumulates of a step that convolves; one output counts another sixteen.
+const PRODUCTS: usize = 7680;
 
 /// Values that a step of the average adds.
-const SUMMANDS: usize = 1 << 12;
+const SUMMANDS: usize = 1 << 14;
 
 /// Piece `step` of `all` values in pieces of `length`, and whether it is the last.
 #[inline(always)]
@@ -118,12 +116,13 @@ impl Kernels for Portable {
         match operator {
             Operator::Stem { layer, image, size, output, .. } => {
                 let (channels, width) = (layer.quant.channels, (same(size.1, layer.stride) / 2).max(1));
-                pixels(output, channels, PRODUCTS / (36 * channels).max(1), step, |p, out| {
+                let mut patch = EMPTY_PATCH;
+                pixels(output, channels, PRODUCTS / (100 * channels).max(1), step, |p, out| {
                     let (y, x) = (2 * (p / width), 2 * (p % width));
                     out.fill(i8::MIN);
                     for (y, x) in [(y, x), (y, x + 1), (y + 1, x), (y + 1, x + 1)] {
                         let mut values = [0; MAX_CHANNELS];
-                        layer.pixel(image, size, (y, x), &mut values);
+                        layer.pixel(image, size, (y, x), &mut patch, &mut values);
                         out.iter_mut().zip(values).for_each(|(out, value)| *out = value.max(*out));
                     }
                 })
@@ -136,9 +135,16 @@ impl Kernels for Portable {
             }
             Operator::Conv { layer, input, size, output, .. } => {
                 let (channels, width) = (layer.quant.channels, size.1.max(1));
-                pixels(output, channels, PRODUCTS / (9 * layer.inputs * channels).max(1), step, |p, out| {
-                    layer.pixel(input, size, (p / width, p % width), out);
-                })
+                let mut patch = EMPTY_PATCH;
+                pixels(
+                    output,
+                    channels,
+                    PRODUCTS / ((9 * layer.inputs + 16) * channels).max(1),
+                    step,
+                    |p, out| {
+                        layer.pixel(input, size, (p / width, p % width), &mut patch, out);
+                    },
+                )
             }
             Operator::Add { layer, x, branch } => {
                 let (range, last) = piece(x.len(), RUN, step);
@@ -146,7 +152,7 @@ impl Kernels for Portable {
                 last
             }
             Operator::Average { input, channels, output } => {
-                let count = (SUMMANDS * channels / input.len().max(1)).max(1);
+                let count = (SUMMANDS * channels / input.len().max(1)).max(4) / 4 * 4;
                 let (range, last) = piece(channels, count, step);
                 average(input, channels, range.start, established(output.get_mut(range)));
                 last

@@ -16,8 +16,6 @@ pub mod model;
 pub mod network;
 pub mod per_channel;
 pub mod pool;
-#[cfg(test)]
-mod random_model;
 pub mod shape;
 pub mod winograd;
 

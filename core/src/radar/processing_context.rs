@@ -6,11 +6,12 @@ use crate::crc32::{Crc32, crc32};
 use crate::dsn::{Classification, ModelError, WinogradF2};
 use crate::early_exit::EXITS;
 use crate::pipeline::{Pipeline, Refused};
-use crate::scheduler::{PeriodCounts, PeriodReport, PlanError, Planner, SensingLayout};
+use crate::scheduler::{Changes, PeriodCounts, PeriodReport, PlanError, Planner, SensingLayout};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::{Fault, sample_health};
 use core::sync::atomic::Ordering;
 use heapless::Vec;
+use rand_core::Rng;
 
 /// Bytes of a model that one step checks.
 pub(super) const CHECK_BYTES: usize = 1024;
@@ -39,7 +40,7 @@ pub enum Progress {
     Idle,
     /// One step of something; there may be more.
     Busy,
-    /// Something to tell.
+    /// Something to report.
     Event(Event),
 }
 
@@ -53,12 +54,16 @@ struct Check {
 }
 
 /// The task's side of a radar module.
-pub struct ProcessingContext<const VALUES: usize, T: 'static = NativeStft> {
+pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
     pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
     planner: Planner,
     /// Losses that no plan gives back yet.
     counts: PeriodCounts,
+    /// Whether a period has begun since the last plan.
+    plan_due: bool,
+    /// Why the plan that is on its way differs from the running one.
+    changes: Changes,
     /// Period of the slots that are being taken.
     period: u32,
     next_index: u32,
@@ -76,12 +81,17 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {
-        let checksums = pipeline.exits().iter().map(|exit| crc32(exit.model.bytes())).collect();
+        let mut checksums = Vec::new();
+        for exit in pipeline.exits() {
+            let _ = checksums.push(crc32(exit.model.bytes())); // as many places as exits
+        }
         ProcessingContext {
             ends,
             pipeline,
             planner,
             counts: PeriodCounts::default(),
+            plan_due: false,
+            changes: Changes::default(),
             period: 0,
             next_index: 0,
             unused: false,
@@ -99,7 +109,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         if let Some(progress) = self.take_slot() {
             return progress;
         }
-        if self.planner.has_changes() && self.ends.plans.ready() {
+        if (self.plan_due || self.planner.has_changes()) && self.ends.plans.ready() {
             self.plan();
             return Progress::Busy;
         }
@@ -145,6 +155,11 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         self.pipeline.set_threshold(threshold);
     }
 
+    /// Whether the networks' kernels work, at power-on: [`Pipeline::self_test`]. Before the first slot.
+    pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
+        self.pipeline.self_test(rng)
+    }
+
     /// Name of a class.
     pub fn class_name(&self, class: u8) -> &'static str {
         self.pipeline.exits().first().map_or("", |exit| exit.model.class_name(usize::from(class)))
@@ -155,10 +170,11 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
             Report::Fault(fault) => Progress::Event(Event::Fault(fault)),
             Report::Period { period, replanned, counts } => {
                 self.counts.add(&counts);
-                let mut changes = counts.changes();
-                if self.ends.plans.ready() {
-                    changes = self.plan();
-                }
+                // the plan that has begun leaves its queue one slot later
+                self.plan_due = true;
+                let Changes { lost, sensing_lost, released, .. } = counts.changes();
+                let because = if replanned { core::mem::take(&mut self.changes) } else { Changes::default() };
+                let changes = Changes { lost, sensing_lost, released, ..because };
                 Progress::Event(Event::Period(PeriodReport { period, replanned, changes }))
             }
             Report::Released { period, release } => {
@@ -174,12 +190,13 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
     }
 
     /// Makes the next plan, if it is another one.
-    fn plan(&mut self) -> crate::scheduler::Changes {
+    fn plan(&mut self) {
+        self.plan_due = false;
         let (plan, changes) = self.planner.next_plan(&core::mem::take(&mut self.counts));
         if let Some(plan) = plan {
+            self.changes = changes;
             let _ = self.ends.plans.enqueue(plan); // the caller has asked whether there is room
         }
-        changes
     }
 
     /// Takes the oldest slot out of its queue; `None` if there is none, or it has to wait for a recognition.

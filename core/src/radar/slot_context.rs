@@ -56,7 +56,7 @@ impl State for SlotState {
 }
 
 impl SlotState {
-    /// A period of this plan begins with the next slot, whose number is not known yet.
+    /// A period of this plan begins with the next slot. Its number is not known yet.
     fn new(plan: &Plan) -> Self {
         SlotState {
             sequencer: Sequencer::new(plan),
@@ -72,7 +72,7 @@ impl SlotState {
     }
 }
 
-/// A sensing slot whose samples are on their way.
+/// A sensing slot that waits for its samples.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     number: u32,
@@ -103,10 +103,12 @@ pub struct SlotContext<const VALUES: usize> {
 
 impl<const VALUES: usize> SlotContext<VALUES> {
     /// Goes on from what survived a reset, else begins a period of `plan` with the first slot.
-    pub(super) fn new(ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
+    pub(super) fn new(mut ends: SlotEnds<VALUES>, retained: &'static Retained, plan: &Plan) -> Self {
         let mut state = SlotState::new(plan);
         let (sequence, expected) = match retained.load(None, &mut state) {
             Loaded::Newest(sequence) | Loaded::Previous(sequence) if !state.unplanned => {
+                // the running plan may be of other settings, or give slots back
+                let _ = ends.reports.enqueue(Report::PlanNeeded); // the first report
                 (sequence, Some(state.next))
             }
             _ => {
@@ -131,7 +133,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The use of the slot that the radio gives this number.
     ///
-    /// Cost: two passes over 83 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
+    /// Cost: two passes over 83 words and O(K) for each slot played; after skipped slots at most eight more.
     pub fn begin(&mut self, number: u32) -> SlotAction<'_, VALUES> {
         let repaired = self.load();
         if self.expected.is_none() {

@@ -33,7 +33,7 @@ impl State for SlotUse {
     }
 }
 
-/// What stood when sensing ended early.
+/// State of a period when its sensing ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Release {
     /// Sensing slots that were left.
@@ -55,9 +55,9 @@ pub struct Sequencer {
     position: u32,
     /// Position of the next sensing slot.
     due: u32,
-    /// SensingLayout slots left in this period.
+    /// Sensing slots left in this period.
     left: u32,
-    /// Slots the users had before their order were dealt anew in this period.
+    /// Slots that the users had in this period before the rest was reassigned.
     before: [u32; USERS],
 }
 
@@ -84,7 +84,7 @@ impl Sequencer {
         self.position
     }
 
-    /// SensingLayout slots of the current period still to come.
+    /// Sensing slots of the current period still to come.
     pub fn sensing_left(&self) -> u32 {
         self.left
     }

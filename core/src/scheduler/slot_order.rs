@@ -68,7 +68,7 @@ pub struct SlotOrder {
 }
 
 impl SlotOrder {
-    /// The order for shares of at most [`USERS`] users, whose sum is the number of slots, below 2^31.
+    /// The order for shares of at most [`USERS`] users. Their sum is the number of slots, below 2^31.
     pub fn new(shares: &[u32]) -> Self {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
         let mut windows = [Window::first(0, 0); USERS];
@@ -104,8 +104,14 @@ impl State for SlotOrder {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
         // one by one: in a loop every word would be compared with the end of the memory
         let [a, b, c, d, e, f, g, h] = &mut self.windows;
-        (a.words(visit), b.words(visit), c.words(visit), d.words(visit));
-        (e.words(visit), f.words(visit), g.words(visit), h.words(visit));
+        a.words(visit);
+        b.words(visit);
+        c.words(visit);
+        d.words(visit);
+        e.words(visit);
+        f.words(visit);
+        g.words(visit);
+        h.words(visit);
         [&mut self.users, &mut self.slots, &mut self.played].into_iter().for_each(visit);
     }
 }

@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// An object whose state is a fixed number of words.
+/// An object with a state of a fixed number of words.
 pub(crate) trait State {
     /// Visits every word in a fixed order; what the visitor leaves in a word becomes the state.
     fn words(&mut self, visit: &mut impl FnMut(&mut u32));

@@ -102,7 +102,7 @@ pub fn check(slot: &[i16], config: &RadarConfig) -> Result<(), SampleFault> {
     let step = (usize::from(config.samples) / LOOKED_AT).max(1);
     let bits = u32::from(config.converter_bits.clamp(8, 16));
     let ends = if config.left_justified {
-        (i16::MIN, i16::MAX << (16 - bits))
+        (i16::MIN, i16::MAX >> (16 - bits) << (16 - bits))
     } else {
         (i16::MIN >> (16 - bits), i16::MAX >> (16 - bits))
     };
@@ -203,7 +203,8 @@ mod tests {
         channel(&mut slot, false).for_each(|x| *x += 3500);
         assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Offset { i: 2500..4500, q: -1000..1000 })));
         // a real sensor of 12 bits
-        let real: Vec<i16> = sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
+        let real: Vec<i16> =
+            sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
         assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
         let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
         assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
@@ -212,8 +213,8 @@ mod tests {
     /// Samples that move every bit about these means.
     fn about(i: i16, q: i16) -> Vec<i16> {
         let pair = |n: usize| {
-            let swing = 31 * (n as i16 / 16) + 1;
-            let swing = if n / 8 % 2 == 0 { swing } else { -swing };
+            let swing = 31 * (n as i16 / 2) + 1;
+            let swing = if (n / 8).is_multiple_of(2) { swing } else { -swing };
             [i + swing, q - swing]
         };
         (0..1000).flat_map(pair).collect()

@@ -1,7 +1,8 @@
 //! Injects faults and prints the counts of their outcomes and the digest of all counts.
 //!
-//! Arguments: `seed=N`; `events=N`, faults of schedule, model and samples; `recordings=N`, faults during recordings, from dechirp to
-//! network. Exit code 0 if no fault of schedule, model or recording was silent and no invariant broke, 1 if one did.
+//! Arguments: `seed=N`; `events=N`, faults of schedule and samples; `recordings=N`, faults during recordings, from dechirp to
+//! network; `models=N`, bits of the model that flip in memory. Exit code 0 if no certain fault was silent and no invariant broke, 1
+//! if one did.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -14,21 +15,36 @@ mod firmware {
     use rand_core::SeedableRng;
     use rand_xoshiro::Xoshiro128PlusPlus;
     use sdp3_core::dsn::Shape;
-    use sdp3_core::early_exit::{Anytime, Exit};
-    use sdp3_core::memory_for;
-    use sdp3_core::supervision::{Guarded, Intact};
-    use sdp3_firmware_sim::rt::Single;
+    use sdp3_core::radar::RadarModule;
+    use sdp3_core::radar_memory;
+    use sdp3_core::supervision::retained::Retained;
+    use sdp3_firmware_sim::rt::{Single, flip_bit};
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
-    use sdp3_testkit::campaign::{CERTAIN, KINDS, Outcome, digest, holds, recording, run};
+    use sdp3_testkit::campaign::environment::Contexts;
+    use sdp3_testkit::campaign::recording::{self, Recordings, settings};
+    use sdp3_testkit::campaign::schedule::Schedule;
+    use sdp3_testkit::campaign::{CERTAIN, KINDS, Outcome, digest, holds, run};
 
-    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
-    const SHAPE: Shape = match Shape::of(MODEL) {
+    const FILE: &[u8] = sdp3_testkit::models::DSN_200;
+    const SHAPE: Shape = match Shape::of(FILE) {
         Some(shape) => shape,
         None => panic!("dsn-200.sdp3 is no model"),
     };
-    type Small = memory_for!(SHAPE);
-    static MEMORY: Single<Small> = Single::new(Small::new());
-    static COPY: Single<[u8; 1 << 14]> = Single::new([0; 1 << 14]);
+    const NEED: u32 = SHAPE.sensing_slots as u32;
+    const VALUES: usize = SHAPE.slot_values();
+    type Memory = radar_memory!(SHAPE);
+
+    /// One for the schedule, one for the recordings, and one for each reset.
+    static MEMORIES: [Single<Memory>; 10] = [const { Single::new(Memory::new()) }; 10];
+    static RETAINED: [Retained; 2] = [const { Retained::new() }; 2];
+    /// The model in memory that can be written.
+    static MODEL: Single<[u8; FILE.len()]> = Single::new([0; FILE.len()]);
+
+    fn contexts(model: &'static [u8], retained: &'static Retained) -> Option<Contexts<VALUES>> {
+        let memory = MEMORIES.iter().find_map(Single::take)?;
+        let module = RadarModule::single(model, settings(NEED).ok()?, memory, retained);
+        Some(module.ok()?.split())
+    }
 
     /// Prints the outcomes and their digest. Returns whether every kind occurred and no invariant broke, with nothing silent in the
     /// first `certain` kinds.
@@ -38,34 +54,45 @@ mod firmware {
         holds(table, certain) && (events < kinds.len() as u64 || table.iter().all(|o| o.injected > 0))
     }
 
+    /// All faults; `None`: there is no memory left.
+    fn all(seed: u64, events: u64, recordings: u64, models: u64) -> Option<bool> {
+        let (file, [schedule, recorded]) = (MODEL.take()?, &RETAINED);
+        file.copy_from_slice(FILE);
+        let file: &'static [u8] = file;
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let mut radio =
+            Schedule::new(contexts(file, schedule)?, &settings(NEED).ok()?, schedule, NEED, &mut rng);
+        let mut held = print("digest", &KINDS, CERTAIN, &run(&mut radio, &mut rng, events), events);
+        let mut radio = Recordings::new(NEED, recorded, || contexts(file, recorded), seed)?;
+        let kinds = &recording::KINDS;
+        held &= print("recordings", kinds, kinds.len(), &radio.run(recordings), recordings);
+        let outcome = radio.damage_model(models, file.len(), |bit| flip_bit(file, bit));
+        Some(held & print("models", &["model, one bit"], 1, &[outcome], models))
+    }
+
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         let mut buffer = [0; 1024];
-        let (mut seed, mut events, mut recordings) = (1_u64, 1000_u64, 12_u64);
+        let (mut seed, mut events, mut recordings, mut models) = (1_u64, 1000_u64, 12_u64, 2_u64);
         for word in arguments(&mut buffer).split_ascii_whitespace() {
             match word.split_once('=').map(|(name, value)| (name, value.parse())) {
                 Some(("seed", Ok(number))) => seed = number,
                 Some(("events", Ok(number))) => events = number,
                 Some(("recordings", Ok(number))) => recordings = number,
+                Some(("models", Ok(number))) => models = number,
                 _ => {
-                    println(format_args!("an argument is none of seed=N, events=N, recordings=N"));
+                    println(format_args!("an argument is none of seed=N, events=N, recordings=N, models=N"));
                     exit(2)
                 }
             }
         }
-        let (Some(copy), Some(memory)) = (COPY.take(), MEMORY.take()) else { exit(2) };
-        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
-        let table = run(&mut rng, events, MODEL, copy);
-        let mut held = print("digest", &KINDS, CERTAIN, &table, events);
-        let Ok((intact, model)) = Intact::accept(MODEL) else { exit(2) };
-        let Ok(watch) = recording::watch(model.sensing_slots() as u32) else { exit(2) };
-        let mut buffers = memory.view();
-        let Ok(kernels) = buffers.take_kernels(&model) else { exit(2) };
-        let Ok(receiver) = Anytime::new([Exit::alone(model, kernels)], 2.0, buffers) else { exit(2) };
-        let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
-        let table = recording::run::<Xoshiro128PlusPlus, _, _>(&mut station, seed, recordings);
-        held &= print("recordings", &recording::KINDS, recording::KINDS.len(), &table, recordings);
-        exit(usize::from(!held))
+        match all(seed, events, recordings, models) {
+            Some(held) => exit(usize::from(!held)),
+            None => {
+                println(format_args!("there is no memory for another module"));
+                exit(2)
+            }
+        }
     }
 }

@@ -69,7 +69,7 @@ mod firmware {
     /// N and N_s of the layouts that take turns; the last leaves too few sensing slots for any recording.
     const LAYOUTS: [(u32, u32); 7] =
         [(4000, 1000), (4400, 1000), (4000, 1000), (4100, 1010), (1200, 250), (1000, 220), (900, 150)];
-    /// Steps of processing that can be told apart.
+    /// Kinds of processing steps.
     const STEPS: [&str; 4] = ["step", "fault", "period", "classification"];
 
     /// An injected fault.
@@ -173,7 +173,7 @@ mod firmware {
         number: u32,
         /// Whether a transfer is under way.
         transfer: bool,
-        /// Times that the state was saved: the parity tells the newer copy.
+        /// Times that the state was saved: the parity says which copy is newer.
         saves: usize,
         /// Sensing slots of the running period, and whether none of them was touched.
         sensed: u32,

@@ -10,10 +10,9 @@ fn main() {
 mod firmware {
     use rand_core::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_core::dims::{Iq, Slot};
-    use sdp3_core::signal::dechirp::CHIRP;
+    use sdp3_core::signal::dechirp::{CHIRP, WordAligned};
     use sdp3_core::simd::NativeDualMac;
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Points, plain_products, unpack};
+    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Tile, plain_products, widen};
     use sdp3_core::simd::{conj_mac, mulh};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -44,46 +43,55 @@ mod firmware {
         }
     }
 
-    /// Products of `QUADS` groups of four channels.
-    fn products<const QUADS: usize>(random: &mut impl Rng) {
+    /// Products of `GROUPS` groups of four channels.
+    fn products<const GROUPS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let mut draw = |points: &mut Points<QUADS>| {
-                points.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
+            let mut draw = |tile: &mut Tile<GROUPS>| {
+                tile.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
             };
-            let (mut inputs, mut weights) = ([[I16x8::ZERO; QUADS]; POINTS], [[I16x8::ZERO; QUADS]; POINTS]);
+            let (mut inputs, mut weights) =
+                ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
-            let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
-            NativeDualMac::default().products(&inputs, &weights, &mut found);
-            plain_products::<NativeDualMac, QUADS>(&inputs, &weights, &mut expected);
+            let found = NativeDualMac::default().products(&inputs, &weights);
+            let expected = plain_products::<NativeDualMac, GROUPS>(&inputs, &weights);
             same("products", round, found, expected);
         }
     }
 
     /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
     fn sums(random: &mut impl Rng) {
-        fn chain<P: DualMac>(pairs: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
+        fn chain<P: DualMac>(mac: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
             let mut sum = 0;
             for (k, value) in values.into_iter().enumerate() {
-                sum = if signs >> k & 1 == 0 { pairs.add(sum, value) } else { pairs.sub(sum, value) };
+                sum = if signs >> k & 1 == 0 { mac.add(sum, value) } else { mac.sub(sum, value) };
             }
-            pairs.settle(sum)
+            mac.unpack(sum)
         }
         for round in 0..16 * ROUNDS {
             let values =
-                [0; 4].map(|_: i32| unpack(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
+                [0; 4].map(|_: i32| widen(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
             let signs = round as u32;
             let found = chain(NativeDualMac::default(), signs, values);
             same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
         }
     }
 
+    /// The paper's eight blocks of 125 samples, and blocks of other lengths.
     fn dechirping(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let slot: Slot = core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
-            same("dechirp", round, conj_mac::conj_mac(&slot, &CHIRP), conj_mac::plain(&slot, &CHIRP));
+            let slot =
+                WordAligned::<1000>(core::array::from_fn(|_| [half(random, round), half(random, round)]));
+            let reference = WordAligned::<1000>(CHIRP);
+            for (block, samples) in [(125, 1000), (128, 1000), (250, 1000), (64, 256), (63, 900)] {
+                let (slot, reference) = (&slot.0[..samples], &reference.0[..samples]);
+                let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);
+                conj_mac::conj_mac(slot, reference, block, &mut found);
+                conj_mac::portable(slot, reference, block, &mut expected);
+                same("dechirp", round, found, expected);
+            }
         }
     }
 

@@ -8,38 +8,43 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod firmware {
-    use sdp3_core::dsn::{Model, Shape, model::KEY_LEN};
-    use sdp3_core::memory_for;
-    use sdp3_firmware_sim::rt::Single;
-    use sdp3_firmware_sim::semihosting::exit;
-    use sdp3_firmware_sim::station::{run, slot_interrupt};
+    use sdp3_core::dsn::{Model, format::KEY_LEN};
+    use sdp3_core::early_exit::EarlyExit;
+    use sdp3_core::{Error, RadarModule, Retained, Shape, radar_memory};
+    use sdp3_firmware_sim::rt::static_cell::ConstStaticCell;
+    use sdp3_firmware_sim::station::{Module, power_on, serve, settings, slot, slot_interrupt};
 
     static MODEL: &[u8] = sdp3_testkit::models::DSN_200_SIGNED;
     static KEY: &[u8; KEY_LEN] = sdp3_testkit::models::PUBLIC_KEY;
     /// Oldest revision that runs: a station in the field keeps it where no update can lower it.
     const OLDEST: u32 = 0;
-    const SHAPE: Shape = match Shape::of(MODEL) {
-        Some(shape) => shape,
-        None => panic!("dsn-200-signed.sdp3 is no model"),
-    };
-    type Small = memory_for!(SHAPE);
-    static MEMORY: Single<Small> = Single::new(Small::new());
+    const SHAPE: Shape = Shape::of(MODEL).expect("a model");
+    static MEMORY: ConstStaticCell<radar_memory!(SHAPE)> =
+        ConstStaticCell::new(<radar_memory!(SHAPE)>::new());
+    #[allow(unsafe_code)] // a section that start-up leaves alone; the module checks what it finds
+    #[unsafe(link_section = ".uninit.retained")]
+    static RETAINED: Retained = Retained::new();
 
-    // 40 KiB are left for the stack and everything else
-    const _: () = assert!(Small::BYTES <= 24 * 1024 && Small::BYTES == SHAPE.required_bytes());
+    fn module() -> Result<Module, Error> {
+        let exit = EarlyExit::single(Model::parse_signed(MODEL, KEY, OLDEST)?);
+        RadarModule::new(&[exit], settings()?, MEMORY.take(), &RETAINED)
+    }
+
+    #[inline(never)] // its frame does not lie under the self test's
+    fn run() -> ! {
+        serve(module())
+    }
 
     #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_tick() {
-        slot_interrupt();
+        slot_interrupt(slot);
     }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
-        match (Model::parse_signed(MODEL, KEY, OLDEST), MEMORY.take()) {
-            (Ok(model), Some(memory)) => run(model, memory.view()),
-            _ => exit(2),
-        }
+        power_on();
+        run()
     }
 }

@@ -1,4 +1,4 @@
-//! The station with a short recording, N_s = 200, and eight channels, its memory sized by the model at compile time.
+//! The same program with a short recording, N_s = 200, and eight channels.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -7,36 +7,34 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-mod firmware {
-    use sdp3_core::dsn::{Model, Shape};
-    use sdp3_core::memory_for;
-    use sdp3_firmware_sim::rt::Single;
-    use sdp3_firmware_sim::semihosting::exit;
-    use sdp3_firmware_sim::station::{run, slot_interrupt};
+#[path = "../porting.rs"]
+mod porting;
+#[cfg(target_os = "none")]
+use sdp3_firmware_sim::rt::static_cell;
 
-    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
-    const SHAPE: Shape = match Shape::of(MODEL) {
-        Some(shape) => shape,
-        None => panic!("dsn-200.sdp3 is no model"),
-    };
-    type Small = memory_for!(SHAPE);
-    static MEMORY: Single<Small> = Single::new(Small::new());
-
-    // 40 KiB are left for the stack and everything else
-    const _: () = assert!(Small::BYTES <= 24 * 1024 && Small::BYTES == SHAPE.required_bytes());
+#[cfg(target_os = "none")]
+mod board {
+    pub use sdp3_firmware_sim::station::*;
+    pub use sdp3_testkit::models::DSN_200 as MODEL;
 
     #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_tick() {
-        slot_interrupt();
+        slot_interrupt(crate::porting::slot);
     }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
-        match (Model::parse(MODEL), MEMORY.take()) {
-            (Ok(model), Some(memory)) => run(model, memory.view()),
-            _ => exit(2),
+        power_on();
+        run()
+    }
+
+    #[inline(never)] // its frame does not lie under the self test's
+    fn run() -> ! {
+        match crate::porting::run() {
+            Ok(()) => fail("the idle loop ended"),
+            Err(error) => fail(error),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The station with the default network and the paper's largest recording, N_s = 1000.
+//! The station with the default network and the paper's largest recording, N_s = 1000: the program of `docs/porting.md`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -7,31 +7,34 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-mod firmware {
-    use sdp3_core::dsn::Model;
-    use sdp3_core::pipeline::StandardMemory;
-    use sdp3_firmware_sim::rt::Single;
-    use sdp3_firmware_sim::semihosting::exit;
-    use sdp3_firmware_sim::station::{run, slot_interrupt};
+#[path = "../porting.rs"]
+mod porting;
+#[cfg(target_os = "none")]
+use sdp3_firmware_sim::rt::static_cell;
 
-    static MODEL: &[u8] = sdp3_testkit::models::DSN_1000;
-    static MEMORY: Single<StandardMemory> = Single::new(StandardMemory::new());
-
-    // 48 KiB are left for the stack and everything else
-    const _: () = assert!(StandardMemory::BYTES <= 144 * 1024);
+#[cfg(target_os = "none")]
+mod board {
+    pub use sdp3_firmware_sim::station::*;
+    pub use sdp3_testkit::models::DSN_1000 as MODEL;
 
     #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_tick() {
-        slot_interrupt();
+        slot_interrupt(crate::porting::slot);
     }
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
-        match (Model::parse(MODEL), MEMORY.take()) {
-            (Ok(model), Some(memory)) => run(model, memory.view()),
-            _ => exit(2),
+        power_on();
+        run()
+    }
+
+    #[inline(never)] // its frame does not lie under the self test's
+    fn run() -> ! {
+        match crate::porting::run() {
+            Ok(()) => fail("the idle loop ended"),
+            Err(error) => fail(error),
         }
     }
 }

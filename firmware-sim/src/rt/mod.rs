@@ -31,20 +31,23 @@ unsafe extern "C" {
 extern "C" fn firmware_no_tick() {}
 
 /// Virtual picoseconds of a tick of the counter and of an instruction, in lowest terms: see `machines`.
-const TICK: u64 = picoseconds(env!("SDP3_TICK_PS")) / COMMON;
-const INSTRUCTION: u64 = picoseconds(env!("SDP3_INSTRUCTION_PS")) / COMMON;
+const TICK: u64 = number(env!("SDP3_TICK_PS")) / COMMON;
+const INSTRUCTION: u64 = number(env!("SDP3_INSTRUCTION_PS")) / COMMON;
 const COMMON: u64 = {
-    let (mut a, mut b) = (picoseconds(env!("SDP3_TICK_PS")), picoseconds(env!("SDP3_INSTRUCTION_PS")));
+    let (mut a, mut b) = (number(env!("SDP3_TICK_PS")), number(env!("SDP3_INSTRUCTION_PS")));
     while b > 0 {
         (a, b) = (b, a % b);
     }
     a
 };
 
-const fn picoseconds(text: &str) -> u64 {
+/// Instructions of a slot of 250 us at the machine's clock.
+pub const SLOT: u32 = number(env!("SDP3_SLOT_INSTRUCTIONS")) as u32;
+
+const fn number(text: &str) -> u64 {
     match u64::from_str_radix(text, 10) {
         Ok(number) => number,
-        Err(_) => panic!("a duration is no number"),
+        Err(_) => panic!("not a number"),
     }
 }
 
@@ -55,8 +58,8 @@ fn from_ticks(ticks: u64) -> u64 {
 
 /// Semihosting call; the result of the emulator.
 pub(crate) fn call(operation: usize, block: &[usize; 4]) -> isize {
-    // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the buffers whose
-    // addresses `semihosting` put there from live exclusive slices.
+    // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the
+    // buffers that `semihosting` put there from live exclusive slices.
     unsafe { trap(operation, block.as_ptr() as usize) }
 }
 
@@ -96,7 +99,7 @@ static TIMER: TimerCell = TimerCell(UnsafeCell::new(Timer {
     interrupted: 0,
 }));
 
-/// Lets `f` use the timer, and tells it the counter, with interrupts masked. It must not call this function.
+/// Calls `f` with the timer and the counter, with interrupts masked. It must not call this function.
 fn timer<R>(f: impl FnOnce(&mut Timer, u64) -> R) -> R {
     // SAFETY: interrupts are masked and `f` is not nested: this is the only reference.
     family::masked(|| f(unsafe { &mut *TIMER.0.get() }, family::ticks()))
@@ -212,6 +215,20 @@ pub(crate) fn test_and_set(flag: &AtomicBool) -> bool {
     })
 }
 
+/// Flips a bit of memory that its readers take for constant: what a particle does.
+///
+/// The bytes must lie in memory that can be written, as those of a [`Single`] do; a bit beyond them is left alone.
+#[inline(never)]
+pub fn flip_bit(bytes: &'static [u8], bit: usize) {
+    if let Some(byte) = bytes.get(bit / 8) {
+        let byte = core::hint::black_box(&raw const *byte).cast_mut();
+        // SAFETY: one core, no interrupt reads it, and every value is a byte. The language knows no memory that changes by itself
+        // under a shared reference: the compiler is kept from seeing where the pointer comes from, and no value of the bytes lives
+        // across this call, which is not inlined.
+        unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << (bit % 8)) };
+    }
+}
+
 /// A static with one owner.
 pub struct Single<T> {
     value: UnsafeCell<T>,
@@ -234,6 +251,29 @@ impl<T> Single<T> {
         }
         // SAFETY: the flag lets exactly one caller pass, ever.
         Some(unsafe { &mut *self.value.get() })
+    }
+}
+
+/// The interface of the crate `static_cell`, which needs an atomic exchange and has a panic path.
+pub mod static_cell {
+    use super::Single;
+
+    /// A value that the compiler makes in a static, and that is taken once.
+    pub struct ConstStaticCell<T>(Single<T>);
+
+    impl<T> ConstStaticCell<T> {
+        /// A static value.
+        pub const fn new(value: T) -> Self {
+            ConstStaticCell(Single::new(value))
+        }
+
+        /// The value; a second call ends the run.
+        pub fn take(&'static self) -> &'static mut T {
+            match self.0.take() {
+                Some(value) => value,
+                None => crate::semihosting::exit(2),
+            }
+        }
     }
 }
 

@@ -1,33 +1,44 @@
 //! The radar module: `dechirp`, `Scheduler`, `Model`.
 
-use crate::refused;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use crate::{parsed, refused};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use sdp3::predictor::receiver::OwnedBuffers;
-use sdp3_core::dsn::Model as Parsed;
-use sdp3_core::dims::{BEATS, Iq, ROWS, SLOT_SAMPLES, Slot};
+use sdp3::formats::slots::Slots;
+use sdp3::inference::Classifier;
+use sdp3::predictor::memory::OwnedMemory;
+use sdp3_core::config::{RadarConfig, SampleFormat};
+use sdp3_core::dims::{BEATS, ROWS};
+use sdp3_core::dsn::{Classification, Model as Parsed};
 use sdp3_core::probe::Probe;
-use sdp3_core::scheduler::{USERS, SensingLayout, SlotUse};
+use sdp3_core::scheduler::{SensingLayout, SlotUse, USERS};
+use sdp3_core::signal::stft::NativeStft;
 
-/// Raw slots of an array [slow time, 1000, 2].
-fn slots(array: &PyReadonlyArray3<'_, i16>) -> PyResult<Vec<Slot>> {
-    let (shape, samples) = (array.shape(), array.as_array());
-    if shape[1] != SLOT_SAMPLES || shape[2] != 2 {
-        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: [slow time, {SLOT_SAMPLES}, 2]")));
+/// Raw slots of an array [slow time, samples, 2], or [slow time, samples] of a real converter.
+fn slots(array: &PyReadonlyArrayDyn<'_, i16>, radar: RadarConfig) -> PyResult<Slots> {
+    let samples = usize::from(radar.samples);
+    let (legal, words) = match radar.format {
+        SampleFormat::Complex => (vec![samples, 2], format!("[slow time, {samples}, 2]")),
+        SampleFormat::Real => (vec![samples], format!("[slow time, {samples}]")),
+    };
+    let shape = array.shape();
+    if shape.get(1..) != Some(&legal[..]) {
+        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: {words}")));
     }
-    let slot = |n: usize| core::array::from_fn(|l| Iq { i: samples[[n, l, 0]], q: samples[[n, l, 1]] });
-    Ok((0..shape[0]).map(slot).collect())
+    Ok(Slots { values: array.as_array().iter().copied().collect(), per_slot: radar.values_per_slot() })
 }
 
-/// [slow time, 1000, 2] to [slow time, 8, 2].
+/// [slow time, samples, 2] or [slow time, samples] to [slow time, 8, 2], for the radar of a scenario.
 #[pyfunction]
+#[pyo3(signature = (slots, scenario = ""))]
 pub fn dechirp<'py>(
     py: Python<'py>,
-    slots: PyReadonlyArray3<'py, i16>,
+    slots: PyReadonlyArrayDyn<'py, i16>,
+    scenario: &str,
 ) -> PyResult<Bound<'py, numpy::PyArray3<i32>>> {
-    let slots = self::slots(&slots)?;
-    let beats = slots.iter().flat_map(|slot| sdp3_core::signal::dechirp::dechirp(slot).map(|z| [z.re, z.im]));
-    PyArray1::from_vec(py, beats.flatten().collect()).reshape([slots.len(), BEATS, 2])
+    let radar = parsed(scenario)?.radar.config();
+    let beats = self::slots(&slots, radar)?.beats(radar).unwrap_or_default();
+    let values = beats.iter().flatten().flat_map(|z| [z.re, z.im]).collect();
+    PyArray1::from_vec(py, values).reshape([beats.len(), BEATS, 2])
 }
 
 /// The scheduler.
@@ -57,15 +68,15 @@ impl Scheduler {
     }
 
     fn next(&mut self) -> i8 {
-        number(self.0.next())
+        number(self.0.next_slot())
     }
 
     fn play<'py>(&mut self, py: Python<'py>, slots: usize) -> Bound<'py, PyArray1<i8>> {
-        PyArray1::from_vec(py, (0..slots).map(|_| number(self.0.next())).collect())
+        PyArray1::from_vec(py, (0..slots).map(|_| number(self.0.next_slot())).collect())
     }
 
     fn lose(&mut self) {
-        self.0.lose();
+        self.0.on_lost();
     }
 
     fn end_sensing(&mut self) {
@@ -76,12 +87,12 @@ impl Scheduler {
         if receiver >= USERS {
             return Err(refused(format!("receiver = {receiver} is outside its legal range: 0..{USERS}")));
         }
-        self.0.set_rate(receiver, rate);
+        self.0.planner_mut().set_rate(receiver, rate);
         Ok(())
     }
 
     fn set_sensing_slots(&mut self, slots: u32) -> PyResult<()> {
-        self.0.set_sensing_slots(slots).map_err(refused)
+        self.0.planner_mut().set_sensing_slots(slots).map_err(refused)
     }
 
     #[getter]
@@ -121,19 +132,24 @@ impl Model {
         Parsed::parse(&self.file).map_err(refused)
     }
 
-    /// Slots through the receiver.
-    fn recognise(&self, slots: &[Slot], probe: &mut impl Probe) -> PyResult<sdp3_core::pipeline::Recognition> {
+    /// Slots through the pipeline.
+    fn recognise(
+        &self,
+        slots: &PyReadonlyArrayDyn<'_, i16>,
+        probe: &mut impl Probe,
+    ) -> PyResult<Classification> {
         let model = self.parsed()?;
+        let slots = self::slots(slots, model.radar())?;
         if slots.len() != model.sensing_slots() {
             let (have, need) = (slots.len(), model.sensing_slots());
             return Err(refused(format!("slots: {have} are outside the legal range: the model takes {need}")));
         }
-        let mut buffers = OwnedBuffers::for_model(&model);
-        let mut receiver = buffers.receiver(model).map_err(refused)?;
-        for slot in slots {
-            receiver.push(slot, &mut ()).map_err(refused)?;
+        let mut memory = OwnedMemory::for_model(&model);
+        let mut pipeline = memory.pipeline::<NativeStft>(model).map_err(refused)?;
+        for slot in &slots {
+            pipeline.push(slot, &mut ()).map_err(refused)?;
         }
-        receiver.classify(probe).map_err(refused)
+        pipeline.classify(probe).ok_or_else(|| refused("slots: too few for a window"))
     }
 }
 
@@ -175,10 +191,10 @@ impl Model {
     fn image<'py>(
         &self,
         py: Python<'py>,
-        slots: PyReadonlyArray3<'py, i16>,
+        slots: PyReadonlyArrayDyn<'py, i16>,
     ) -> PyResult<Bound<'py, numpy::PyArray2<i8>>> {
         let mut kept = Kept::default();
-        self.recognise(&self::slots(&slots)?, &mut kept)?;
+        self.recognise(&slots, &mut kept)?;
         PyArray1::from_vec(py, kept.0).reshape([ROWS, self.frames()?])
     }
 
@@ -199,18 +215,17 @@ impl Model {
             }
         };
         let pixels: Vec<i8> = image.as_array().iter().copied().collect();
-        let mut buffers = OwnedBuffers::for_model(&model);
-        let mut network = buffers.network(model).map_err(refused)?;
+        let mut classifier = Classifier::new(model);
         let mut logits = Vec::with_capacity(count * classes);
         for image in pixels.chunks_exact(ROWS * frames) {
-            logits.extend_from_slice(&network.infer(image, &mut ()).logits);
+            logits.extend_from_slice(&classifier.classify(image, &mut ()).logits);
         }
         let wanted = if shape.len() == 2 { vec![classes] } else { vec![count, classes] };
         PyArray1::from_vec(py, logits).reshape(wanted)
     }
 
-    fn classify(&self, slots: PyReadonlyArray3<'_, i16>) -> PyResult<(String, f32)> {
-        let answer = self.recognise(&self::slots(&slots)?, &mut ())?;
+    fn classify(&self, slots: PyReadonlyArrayDyn<'_, i16>) -> PyResult<(String, f32)> {
+        let answer = self.recognise(&slots, &mut ())?;
         let model = self.parsed()?;
         Ok((model.class_name(usize::from(answer.class)).to_owned(), answer.confidence))
     }

@@ -11,14 +11,14 @@
 
 use super::reference::{network, schedule, signal};
 use super::suite::{Case, Suite, Transform};
-use crate::predictor::receiver::OwnedBuffers;
+use crate::predictor::memory::OwnedMemory;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, Complex};
 use sdp3_core::dsn::Model;
 use sdp3_core::probe::Probe;
 use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
-use sdp3_core::signal::clutter::{Gram, Weights};
+use sdp3_core::signal::clutter::{Gram, Projection};
 use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
 
 /// Bound of the weights' backward error: see the module.
@@ -55,12 +55,13 @@ pub fn run_core(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
 fn run_by<T: Stft>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError> {
     let fail = |reason: String| CaseError { case: case.name.clone(), reason };
     let model = Model::parse(&case.model).map_err(|e| fail(e.to_string()))?;
-    let mut buffers = OwnedBuffers::for_model(&model);
-    let mut receiver = buffers.receiver_by::<T>(model).map_err(|e| fail(e.to_string()))?;
+    let mut memory = OwnedMemory::for_model(&model);
+    let mut pipeline = memory.pipeline::<T>(model).map_err(|e| fail(e.to_string()))?;
     for slot in &case.slots {
-        receiver.push(slot, probe).map_err(|e| fail(e.to_string()))?;
+        pipeline.push(slot, probe).map_err(|e| fail(e.to_string()))?;
     }
-    receiver.classify(probe).map(|_| ()).map_err(|e| fail(e.to_string()))
+    let missing = fail(format!("{} of {} sensing slots", pipeline.taken(), model.sensing_slots()));
+    pipeline.classify(probe).map(|_| ()).ok_or(missing)
 }
 
 /// Keeps every stage's values.
@@ -68,7 +69,7 @@ fn run_by<T: Stft>(case: &Case, probe: &mut impl Probe) -> Result<(), CaseError>
 struct Recorder {
     beats: Vec<Vec<signal::Int>>,
     gram: Vec<signal::Int>,
-    weights: Vec<signal::Int>,
+    projection: Vec<signal::Int>,
     slow_time: Vec<signal::Int>,
     frames: Vec<Vec<(f32, f32)>>,
     fixed_frames: Vec<Vec<signal::Int>>,
@@ -90,8 +91,8 @@ impl Probe for Recorder {
     fn gram(&mut self, gram: &Gram) {
         self.gram = gram.upper().iter().map(|z| (z.re, z.im)).collect();
     }
-    fn weights(&mut self, weights: &Weights) {
-        self.weights = ints(weights);
+    fn projection(&mut self, projection: &Projection) {
+        self.projection = ints(projection);
     }
     fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
         self.slow_time = ints(slow_time);
@@ -170,23 +171,22 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let mut beat = Tally::bits("beat");
     beat.exact(&[core.beats.len()], &[case.slots.len()]);
     for (slot, found) in case.slots.iter().zip(&core.beats) {
-        let samples: Vec<(i16, i16)> = slot.iter().map(|s| (s.i, s.q)).collect();
-        beat.exact(found, &signal::beat(&samples));
+        beat.exact(found, &signal::beat(slot, &header.radar));
     }
     let mut gram = Tally::bits("gram");
     gram.exact(&core.gram, &signal::gram(&core.beats));
 
-    let mut weights = Tally { rule: "backward error <= 2^-17".into(), ..Tally::bits("weights") };
+    let mut weights = Tally { rule: "backward error <= 2^-17".into(), ..Tally::bits("projection") };
     let scale = f64::from(1 << 28);
     let found: Vec<_> =
-        core.weights.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
+        core.projection.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
     let errors = signal::backward_error(&core.gram, header.first, header.last, &found);
     for (index, error) in errors.into_iter().enumerate() {
         weights.bounded(index, error, WEIGHT_BOUND);
     }
 
     let mut slow_time = Tally::bits("slow-time");
-    slow_time.exact(&core.slow_time, &signal::slow_time(&core.beats, &core.weights));
+    slow_time.exact(&core.slow_time, &signal::slow_time(&core.beats, &core.projection));
 
     let frame = match case.transform {
         Transform::Float => compare_frames(&core, &header),

@@ -50,7 +50,7 @@ fn place(stage: Stage, at: usize) -> String {
         Stage::Beat => format!("slot {}, index {} {part}", at / (2 * BEATS), at % (2 * BEATS) / 2),
         Stage::Frame => format!("frame {}, index {} {part}", at / (2 * FFT_LEN), at % (2 * FFT_LEN) / 2),
         Stage::SlowTime => format!("slot {}, {part}", at / 2),
-        Stage::Gram | Stage::Weights => format!("index {} {part}", at / 2),
+        Stage::Gram | Stage::Projection => format!("index {} {part}", at / 2),
         Stage::Image | Stage::Layer | Stage::Logits | Stage::Class | Stage::Confidence => {
             format!("index {at}")
         }

@@ -5,4 +5,5 @@ pub mod measured;
 pub mod model_file;
 pub mod numpy;
 pub mod points;
+pub mod slots;
 pub mod tflite;

@@ -4,6 +4,9 @@
 //! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
 //! `sdp3_core::dsn::model` reads it.
 
+use crate::scenario::Scenario;
+use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
+use sdp3_core::dsn::Model;
 use std::fmt::Write as _;
 
 mod check;
@@ -21,12 +24,16 @@ pub const VERSION: u16 = 1;
 pub const HEADER_BYTES: usize = 64;
 /// Bytes of a class name, zero padded.
 pub const NAME_BYTES: usize = 24;
+/// Where the header holds the radar's configuration: eight bytes, zeros for the paper's.
+pub const RADAR_AT: usize = 48;
 /// Doppler rows of every image.
 pub const ROWS: u16 = 64;
 
 /// How raw slots become the network's image; the radar module takes all of it from the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preprocessing {
+    /// The sensor's samples.
+    pub radar: RadarConfig,
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u16,
     /// First singular component kept, 1..=8.
@@ -146,6 +153,34 @@ const KIND_AFFINE: u8 = 2;
 const KIND_ADD: u8 = 3;
 const KIND_HEAD: u8 = 4;
 
+/// Refuses a model for another radar than the scenario's, or for another N_s.
+///
+/// # Errors
+/// What the radar module's parser finds wrong, or what differs.
+pub fn check_use(bytes: &[u8], scenario: &Scenario, sensing_slots: u32) -> Result<(), ModelFileError> {
+    let model = Model::parse(bytes)?;
+    let field = |field: &str, value: String, legal: String| {
+        Err(ModelFileError::Field { field: field.to_owned(), value, legal })
+    };
+    let (found, radar) = (model.radar(), scenario.radar.config());
+    if found != radar {
+        return field(
+            "radar",
+            sweep_words(&found),
+            format!("{}, as the scenario has it", sweep_words(&radar)),
+        );
+    }
+    let found = model.sensing_slots();
+    if found != sensing_slots as usize {
+        return field(
+            "sensing_slots",
+            found.to_string(),
+            format!("{sensing_slots}, as the file's name says"),
+        );
+    }
+    Ok(())
+}
+
 impl QuantizedNetwork {
     /// Channels of every convolution.
     pub fn channels(&self) -> usize {
@@ -216,6 +251,8 @@ impl QuantizedNetwork {
         out.extend_from_slice(&sizes);
         out.extend_from_slice(&p.carrier_khz.to_le_bytes());
         out.extend_from_slice(&p.slow_time_us.to_le_bytes());
+        out.resize(RADAR_AT, 0);
+        out.extend_from_slice(&p.radar.to_bytes());
         out.resize(HEADER_BYTES, 0);
         out
     }
@@ -233,8 +270,9 @@ impl QuantizedNetwork {
         );
         let _ = writeln!(
             text,
-            "takes {} sensing slots {} us apart at {} GHz",
+            "takes {} sensing slots of {} {} us apart at {} GHz",
             p.sensing_slots,
+            sweep_words(&p.radar),
             p.slow_time_us,
             f64::from(p.carrier_khz) / 1e6
         );
@@ -272,6 +310,24 @@ impl QuantizedNetwork {
         }
         text
     }
+}
+
+/// A slot's samples and what becomes of them, in words.
+fn sweep_words(radar: &RadarConfig) -> String {
+    let format = match radar.format {
+        SampleFormat::Complex => "complex",
+        SampleFormat::Real => "real",
+    };
+    let dechirp = match (radar.dechirp, radar.gate) {
+        (Dechirp::Digital, _) => format!("dechirped into {} blocks", radar.range_samples),
+        (Dechirp::Analog, None) => format!("of a beat summed in {} blocks", radar.range_samples),
+        (Dechirp::Analog, Some(gate)) => format!(
+            "of a beat gated to {} x {} range bins from bin {} on",
+            radar.range_samples, gate.bins_per_sample, gate.first_bin
+        ),
+    };
+    let justified = if radar.left_justified { ", left-justified," } else { "" };
+    format!("{} {format} samples of {} bits{justified} {dechirp}", radar.samples, radar.converter_bits)
 }
 
 impl Weighted {
@@ -459,6 +515,7 @@ pub(crate) mod tests {
         let (carrier_khz, slow_time_us) = (r.u32(), r.u32());
         assert_eq!(r.take::<20>(), [0; 20]);
         let preprocessing = Preprocessing {
+            radar: RadarConfig::PAPER,
             sensing_slots,
             first_kept,
             last_kept,
@@ -500,5 +557,31 @@ pub(crate) mod tests {
         for part in ["200 sensing slots", "3.5 GHz", "64 x 10", "50.0 dB", "block 1 conv2", "head"] {
             assert!(text.contains(part), "{part} missing in {text}");
         }
+    }
+
+    #[test]
+    fn a_model_belongs_to_a_radar_and_a_number_of_slots() {
+        let paper = Scenario::default();
+        let bytes = network().to_bytes().unwrap();
+        assert_eq!(bytes[RADAR_AT..RADAR_AT + 16], [0; 16], "the paper's radar leaves no trace");
+        check_use(&bytes, &paper, 200).unwrap();
+        let refused = |bytes: &[u8], scenario: &Scenario, slots| {
+            check_use(bytes, scenario, slots).unwrap_err().to_string()
+        };
+        assert!(refused(&bytes, &paper, 300).contains("sensing_slots is 200, must be 300"));
+        let bgt60 = crate::scenario::builtin::named("bgt60".as_ref()).unwrap().scenario();
+        let error = refused(&bytes, &bgt60, 200);
+        assert!(
+            error.contains("1000 complex samples") && error.contains("must be 128 real samples of 12 bits"),
+            "{error}"
+        );
+        let mut other = network();
+        other.preprocessing.radar = bgt60.radar.config();
+        let bytes = other.to_bytes().unwrap();
+        check_use(&bytes, &bgt60, 200).unwrap();
+        assert_eq!(QuantizedNetwork::from_bytes(&bytes).unwrap(), other);
+        assert!(other.describe().contains("8 x 4 range bins from bin 6 on"), "{}", other.describe());
+        other.preprocessing.radar.samples = 63;
+        assert!(other.to_bytes().unwrap_err().to_string().contains("radar is RadarConfig"));
     }
 }

@@ -1,105 +1,111 @@
-//! What every convolution on vectors is made of: views of its memory, groups of sixteen outputs, and the way back to int8.
+//! What the vector convolutions share: the padded input as words, and the way from sums back to int8.
 
-use crate::dsn::conv::Conv;
-use crate::dsn::per_channel::PerChannelQuant;
-use crate::simd::{LANES, Lanes, Line, Rescale};
+use super::packing::{OutputGroup, by_winograd};
+use super::simd::{Kernel, LANES, Requantizer, SimdI32};
+use sdp3_core::dsn::conv::Conv;
+use sdp3_core::dsn::per_channel::PerChannelQuant;
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
 pub struct Convolution<'a> {
     pub layer: &'a Conv<'a>,
-    pub lines: &'a [Line],
-    pub words: &'a mut [i32],
+    pub groups: &'a [OutputGroup],
+    pub words: &'a mut Vec<i32>,
     pub input: &'a [i8],
     pub size: (usize, usize),
     pub output: &'a mut [i8],
 }
 
-impl Convolution<'_> {
-    /// Rewrites the input as words, `[rows, columns, step]`, with a border of one pixel and what else the map holds.
+impl Kernel for Convolution<'_> {
+    /// Runs by Winograd's transforms where products cost most, else directly.
     #[inline(always)]
-    pub fn spread<L: Lanes>(&mut self, lanes: L, step: usize, (rows, columns): (usize, usize)) {
-        let (height, width) = self.size;
-        let row = columns * step;
-        let mut border = [0; 2];
-        if let Some(border) = border.get_mut(..4 / L::INPUTS) {
-            lanes.words(&[self.layer.layer.in_zp; 4], border);
+    fn run<S: SimdI32>(self, simd: S) {
+        let inputs = self.layer.inputs;
+        if by_winograd(inputs, S::INPUTS) {
+            return if inputs == 16 { self.winograd::<S, 8>(simd) } else { self.winograd::<S, 16>(simd) };
         }
+        match inputs / 4 {
+            1 => self.direct::<S, 1>(simd),
+            2 => self.direct::<S, 2>(simd),
+            3 => self.direct::<S, 3>(simd),
+            4 => self.direct::<S, 4>(simd),
+            5 => self.direct::<S, 5>(simd),
+            6 => self.direct::<S, 6>(simd),
+            7 => self.direct::<S, 7>(simd),
+            _ => self.direct::<S, 8>(simd),
+        }
+    }
+}
+
+/// Makes a buffer hold `length` words.
+pub fn reserve(words: &mut Vec<i32>, length: usize) {
+    if words.len() < length {
+        words.resize(length, 0);
+    }
+}
+
+impl Convolution<'_> {
+    /// Rewrites the input as words `[rows, columns, step]`: in a border of one pixel of its zero point, and so to the end.
+    #[inline(always)]
+    pub fn pad_input<S: SimdI32>(&mut self, simd: S, step: usize, (rows, columns): (usize, usize)) {
+        let (height, width) = self.size;
+        let mut border = [0; 2];
+        simd.input_words(&[self.layer.quant.in_zp; 4], &mut border[..4 / S::INPUTS]);
         let [border, _] = border; // all inputs of it are the same
         let row_length = width * self.layer.inputs;
-        for (y, words) in self.words.chunks_exact_mut(row.max(1)).take(rows).enumerate() {
-            let line = y.checked_sub(1).filter(|&y| y < height).map(|y| y * row_length);
-            let Some(values) = line.and_then(|at| self.input.get(at..)?.get(..row_length)) else {
+        for (y, words) in self.words.chunks_exact_mut(columns * step).take(rows).enumerate() {
+            if y == 0 || y > height {
                 words.fill(border);
                 continue;
-            };
-            let (left, rest) = words.split_at_mut_checked(step).unwrap_or_default();
-            let (inside, right) = rest.split_at_mut_checked(width * step).unwrap_or_default();
+            }
+            let (left, rest) = words.split_at_mut(step);
+            let (inside, right) = rest.split_at_mut(width * step);
             left.fill(border);
             right.fill(border);
-            lanes.words(values, inside);
+            simd.input_words(&self.input[(y - 1) * row_length..][..row_length], inside);
         }
     }
 }
 
-/// Biases, scales and words of sixteen outputs.
-pub struct Group<'a> {
-    pub biases: &'a Line,
-    pub rescale: &'a Rescale,
-    pub words: &'a [Line],
-}
-
-impl<'a> Group<'a> {
-    /// Splits a group of `words` words off the front.
-    #[inline(always)]
-    pub fn take(lines: &mut &'a [Line], words: usize) -> Option<Self> {
-        let (biases, rest) = lines.split_first()?;
-        let (rescale, rest) = rest.split_first_chunk()?;
-        let (words, rest) = rest.split_at_checked(words)?;
-        *lines = rest;
-        Some(Group { biases, rescale, words })
-    }
-}
-
-/// Four pixels to int8.
+/// Requantises the sums of four pixels.
 #[inline(always)]
-pub fn finish<L: Lanes>(
-    lanes: L,
-    layer: &PerChannelQuant<'_>,
-    rescale: &Rescale,
-    sums: [L::V; 4],
+pub fn requantize<S: SimdI32>(
+    simd: S,
+    quant: &PerChannelQuant<'_>,
+    by: &Requantizer,
+    sums: [S::I32; 4],
 ) -> [i8; 4 * LANES] {
     let mut values = sums;
     // results of negative sums are below the zero point: where that is the least output, their rounding is no matter
-    if layer.act_min >= layer.out_zp {
+    if quant.act_min >= quant.out_zp {
         for value in &mut values {
-            *value = lanes.rescale::<false>(*value, rescale);
+            *value = simd.requantize::<false>(*value, by);
         }
     } else {
         for value in &mut values {
-            *value = lanes.rescale::<true>(*value, rescale);
+            *value = simd.requantize::<true>(*value, by);
         }
     }
-    lanes.narrow(values, layer.act_min, layer.act_max)
+    simd.narrow(values, quant.act_min, quant.act_max)
 }
 
-/// Writes sixteen channels of up to four pixels of a row; `first` is the first channel's number.
+/// Writes sixteen channels, `first` and those behind it, of up to four pixels of a row.
 #[inline(always)]
-pub fn put(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], pixel: usize) {
-    let Some(rest) = row.get_mut(pixel * channels..) else { return };
+pub fn store(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], pixel: usize) {
+    let rest = &mut row[pixel * channels..];
     if channels == LANES
         && let Some(out) = rest.first_chunk_mut()
     {
         *out = *values;
     } else {
-        put_some(values, first, channels, rest);
+        store_partial(values, first, channels, rest);
     }
 }
 
-/// [`put`] where pixels are not whole vectors, or fewer than four are left.
+/// [`store`] where pixels are not whole vectors, or fewer than four are left.
 #[inline(never)]
-fn put_some(values: &[i8; 4 * LANES], first: usize, channels: usize, rest: &mut [i8]) {
+fn store_partial(values: &[i8; 4 * LANES], first: usize, channels: usize, rest: &mut [i8]) {
     let (values, _) = values.as_chunks::<LANES>();
-    for (values, pixel) in values.iter().zip(rest.chunks_exact_mut(channels.max(1))) {
+    for (values, pixel) in values.iter().zip(rest.chunks_exact_mut(channels)) {
         for (out, &value) in pixel.iter_mut().skip(first).zip(values) {
             *out = value;
         }

@@ -1,162 +1,118 @@
-//! The network's layers on a processor's vectors, bit for bit the plain loops.
+//! The int8 network on this machine's vector instructions, with the bits of the core's plain loops.
 //!
-//! Weights are packed once into the caller's memory. A layer whose numbers no vector form covers (a shift outside
-//! -20..=-1, an accumulator beyond 2^30) runs by the plain loops; training and TFLite's converter make none.
+//! [`VectorKernels`] computes one operator a step; [`Classifier`] is the whole network with its memory.
 
-mod convolution;
 mod direct;
 mod layer;
 mod packing;
 mod pointwise;
+mod simd;
 mod stem;
-mod winograd;
+mod winograd_f4;
 
-use super::add::Add;
-use super::batch_norm::BatchNormRelu;
-use super::conv::{Conv, same};
-use super::kernels::{Kernels, Portable};
-use super::model::{MAX_BLOCKS, Model};
-use crate::dims::ROWS;
-use crate::simd::{Isa, Line, Unit};
-use heapless::Vec;
 use layer::Convolution;
-use packing::Packer;
-use pointwise::{Average, PointwiseAdd, PointwiseAffine};
+use packing::{ChannelPhase, OutputGroup, PackedAdd};
+use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
+use sdp3_core::dsn::conv::Conv;
+use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};
+use sdp3_core::probe::Probe;
+pub use simd::Isa;
+use simd::{Backend, LANES};
 use stem::Stem;
 
-/// Layers with packed numbers: the stem and four a block.
-const LAYERS: usize = 1 + 4 * MAX_BLOCKS;
-
-/// The caller's memory of a [`Vector`].
+/// The packed weights of an operator.
 #[derive(Debug)]
-pub struct VectorMemory<'b> {
-    /// Packed weights, [`Vector::lines`] of them.
-    pub lines: &'b mut [Line],
-    /// One padded activation map, [`Vector::words`] of them.
-    pub words: &'b mut [i32],
+enum Packed {
+    Conv(Vec<OutputGroup>),
+    BatchNormRelu(Vec<ChannelPhase>),
+    Add(Box<PackedAdd>),
 }
 
-/// A model's packed weights with the instruction set they are packed for.
+/// The kernels of one instruction set, with a model's weights packed for them.
+///
+/// Operators that vectors cannot compute run by [`Portable`]: those with a right shift outside 1 to 20, or with sums that
+/// could leave +-2^30. Training and TFLite's converter make none.
 #[derive(Debug)]
-pub struct Vector<'b> {
-    unit: Option<Unit>,
-    isa: Isa,
-    lines: &'b [Line],
-    words: &'b mut [i32],
-    /// Where the layer's lines begin; `None` for the plain loops.
-    layers: Vec<Option<usize>, LAYERS>,
+pub struct VectorKernels {
+    backend: Option<Backend>,
+    /// By the operator's index; `None` for [`Portable`].
+    operators: Vec<Option<Packed>>,
+    /// The padded input of a convolution.
+    words: Vec<i32>,
 }
 
-impl<'b> Vector<'b> {
-    /// Lines of 64 bytes that a model's weights take.
-    pub fn lines(model: &Model<'_>) -> usize {
-        let channels = model.channels();
-        let groups = channels.div_ceil(16);
-        let stem = groups * (6 + 3 * 2);
-        let points = if packing::transforms(channels) { winograd::POINTS } else { 9 };
-        let conv = groups * (6 + points * channels / 2);
-        stem + model.blocks() * (2 * conv + packing::phases(channels) * 7 + packing::ADD_LINES)
+impl VectorKernels {
+    /// Packs a model's weights for an instruction set; `None` if the processor does not have it ([`Isa::available`]).
+    pub fn new(model: &Model<'_>, isa: Isa) -> Option<Self> {
+        let backend = Backend::new(isa);
+        let mut operators = Vec::new();
+        if let Some(backend) = backend {
+            let conv = |conv: &Conv<'_>| packing::convolution(conv, backend.word_inputs()).map(Packed::Conv);
+            operators.push(conv(&model.stem()));
+            for block in (0..model.blocks()).map_while(|index| model.block(index)) {
+                operators.push(packing::batch_norm(&block.batch_norm).map(Packed::BatchNormRelu));
+                operators.extend(block.convs.iter().map(conv));
+                operators.push(packing::add(&block.add).map(|add| Packed::Add(Box::new(add))));
+            }
+        }
+        isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
     }
 
-    /// Words of the largest padded activation map.
-    pub fn words(model: &Model<'_>) -> usize {
-        let stride = model.stem_stride();
-        let (height, width) = (same(ROWS, stride), same(model.frames(), stride));
-        let stem = ((height.max(1) - 1) * stride + 3) * width.next_multiple_of(8) * 2;
-        let rows = (height / 2).next_multiple_of(winograd::TILE) + 2 + winograd::ROWS;
-        let map = rows * ((width / 2).next_multiple_of(16) + 2) * model.channels() / 2;
-        stem.max(map)
+    /// [`VectorKernels::new`] for this processor's fastest instruction set.
+    pub fn fastest(model: &Model<'_>) -> Self {
+        Self::new(model, Isa::best()).expect("the best instruction set is available")
     }
+}
 
-    /// Packs a model's weights for an instruction set.
+impl Kernels for VectorKernels {
+    /// One step does the whole operator.
     ///
-    /// `None` if the processor does not have it ([`Isa::available`]) or the memory is too small.
-    pub fn new(model: &Model<'_>, isa: Isa, memory: VectorMemory<'b>) -> Option<Self> {
-        let VectorMemory { lines, words } = memory;
-        if !isa.available() || lines.len() < Self::lines(model) || words.len() < Self::words(model) {
-            return None;
-        }
-        let unit = Unit::new(isa);
-        let mut layers = Vec::new();
-        if let Some(unit) = unit {
-            let mut packer = Packer::new(lines, unit.inputs());
-            let _ = layers.push(packer.convolution(&model.stem));
-            for block in &model.blocks {
-                let [first, second] = &block.conv;
-                let _ = layers.push(packer.affine(&block.affine));
-                let _ = layers.push(packer.convolution(first));
-                let _ = layers.push(packer.convolution(second));
-                let _ = layers.push(packer.add(&block.add));
+    /// # Panics
+    ///
+    /// If the operator is not the one of the model at this index.
+    fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
+        let Some(backend) = self.backend else { return Portable.run(index, operator, step) };
+        let words = &mut self.words;
+        match (operator, self.operators.get(index).and_then(Option::as_ref)) {
+            (Operator::Stem { layer, image, size, output, .. }, Some(Packed::Conv(groups))) => {
+                backend.dispatch(Stem { layer, groups, words, image, size, output });
             }
+            (Operator::BatchNormRelu { layer, input, output }, Some(Packed::BatchNormRelu(phases))) => {
+                backend.dispatch(PointwiseBatchNorm { layer, phases, input, output });
+            }
+            (Operator::Conv { layer, input, size, output, .. }, Some(Packed::Conv(groups))) => {
+                backend.dispatch(Convolution { layer, groups, words, input, size, output });
+            }
+            (Operator::Add { layer, x, branch }, Some(Packed::Add(packed))) => {
+                backend.dispatch(PointwiseAdd { layer, packed, x, branch });
+            }
+            (Operator::Average { input, channels, output }, _) if LANES.is_multiple_of(channels) => {
+                backend.dispatch(Average { input, channels, output });
+            }
+            (operator, _) => return Portable.run(index, operator, step),
         }
-        Some(Vector { unit, isa, lines, words, layers })
-    }
-
-    /// The instruction set.
-    pub fn isa(&self) -> Isa {
-        self.isa
-    }
-
-    /// Layers that run by the plain loops although the instruction set has vectors.
-    pub fn plain_layers(&self) -> usize {
-        self.layers.iter().filter(|at| at.is_none()).count()
-    }
-
-    /// The vectors and a layer's lines.
-    fn packed(&self, at: usize) -> Option<(Unit, &'b [Line])> {
-        let lines: &'b [Line] = self.lines;
-        let start = self.layers.get(at).copied().flatten()?;
-        Some((self.unit?, lines.get(start..)?))
+        true
     }
 }
 
-impl Kernels for Vector<'_> {
-    fn stem(
-        &mut self,
-        stem: &Conv<'_>,
-        image: &[i8],
-        size: (usize, usize),
-        rows: &mut [i8],
-        pooled: &mut [i8],
-    ) {
-        let Some((unit, lines)) = self.packed(0) else {
-            return Portable.stem(stem, image, size, rows, pooled);
-        };
-        unit.run(Stem { layer: stem, lines, words: self.words, image, size, pooled });
+/// A model with its fastest kernels and all memory that it needs: images in, classes out.
+#[derive(Debug)]
+pub struct Classifier<'m> {
+    model: Model<'m>,
+    kernels: VectorKernels,
+    scratch: Vec<i8>,
+}
+
+impl<'m> Classifier<'m> {
+    /// Packs a model's weights.
+    pub fn new(model: Model<'m>) -> Self {
+        let scratch = vec![0; model.shape().scratch_bytes()];
+        Classifier { kernels: VectorKernels::fastest(&model), model, scratch }
     }
 
-    fn affine(&mut self, at: usize, layer: &BatchNormRelu<'_>, input: &[i8], output: &mut [i8]) {
-        let Some((unit, lines)) = self.packed(at) else { return layer.forward(input, output) };
-        unit.run(PointwiseAffine { layer, lines, input, output });
-    }
-
-    fn conv(
-        &mut self,
-        at: usize,
-        layer: &Conv<'_>,
-        input: &[i8],
-        size: (usize, usize),
-        _rows: &mut [i8],
-        output: &mut [i8],
-    ) {
-        let Some((unit, lines)) = self.packed(at) else {
-            return layer.forward(input, size.0, size.1, output);
-        };
-        unit.run(Convolution { layer, lines, words: self.words, input, size, output });
-    }
-
-    fn add(&mut self, at: usize, layer: &Add, x: &mut [i8], branch: &[i8]) {
-        let Some((unit, lines)) = self.packed(at) else { return layer.forward(x, branch) };
-        unit.run(PointwiseAdd { layer, lines, x, branch });
-    }
-
-    fn average(&mut self, input: &[i8], channels: usize, output: &mut [i8]) {
-        match self.unit {
-            Some(unit) if packing::phases(channels) == 1 => {
-                unit.run(Average { input, channels, output });
-            }
-            _ => Portable.average(input, channels, output),
-        }
+    /// Classifies an image, `[64, frames]`.
+    pub fn classify(&mut self, image: &[i8], probe: &mut impl Probe) -> Classification {
+        infer(&self.model, image, &mut self.scratch, &mut self.kernels, probe)
     }
 }
 

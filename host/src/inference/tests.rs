@@ -1,29 +1,27 @@
 //! Whole networks on every instruction set against the plain loops, layer for layer: all widths, odd sizes, extremes.
 
-extern crate std;
-
 use super::*;
-use crate::dsn::Network;
-use crate::dsn::model::crc32;
-use crate::dsn::network::scratch_bytes;
-use crate::probe::Probe;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_core::dims::ROWS;
+use sdp3_testkit::models;
 use sdp3_testkit::random_model::{Numbers, Size, write};
-use std::vec;
-use std::vec::Vec as List;
 
-/// A model file of this shape with random numbers.
-fn model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> List<u8> {
+/// A model file of this shape with random weights.
+fn model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> Vec<u8> {
     let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
     let mut bytes = vec![0; 1 << 17];
-    let length = write(size, seed, numbers, crc32, &mut bytes);
+    let length = write(size, seed, numbers, sdp3_core::crc32::crc32, &mut bytes);
     bytes.truncate(length);
     bytes
 }
 
+fn available() -> impl Iterator<Item = Isa> {
+    Isa::ALL.into_iter().filter(|isa| isa.available())
+}
+
 #[derive(Default, PartialEq)]
-struct Layers(List<List<i8>>);
+struct Layers(Vec<Vec<i8>>);
 
 impl Probe for Layers {
     fn layer(&mut self, _index: usize, activations: &[i8]) {
@@ -34,40 +32,38 @@ impl Probe for Layers {
     }
 }
 
-/// Compares all layers of some images; returns how many layers vectors refused.
+/// Compares all layers of some images; returns how many operators run by the plain loops.
 fn compare(file: &[u8], seed: u64) -> usize {
     let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
     let model = Model::parse(file).expect("a model");
-    let size = scratch_bytes(model.frames(), model.channels(), model.stem_stride());
-    let mut plain_layers = 0;
+    let size = model.shape().scratch_bytes();
+    let mut plain = 0;
     for round in 0..2 {
-        let image: List<i8> = (0..ROWS * model.frames())
-            .map(|_| {
-                if round == 0 { random.next_u32() as i8 } else { [-128, 127][random.next_u32() as usize % 2] }
-            })
-            .collect();
+        let mut pixel = || match round {
+            0 => random.next_u32() as i8,
+            _ => [-128, 127][random.next_u32() as usize % 2],
+        };
+        let image: Vec<i8> = (0..ROWS * model.frames()).map(|_| pixel()).collect();
         let (mut scratch, mut expected) = (vec![0; size], Layers::default());
-        let answer = Network::new(model.clone(), &mut scratch).expect("scratch").infer(&image, &mut expected);
-        for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-            let mut lines = vec![Line([-1; 16]); Vector::lines(&model)];
-            let mut words = vec![-1; Vector::words(&model)];
-            let memory = VectorMemory { lines: &mut lines, words: &mut words };
-            let kernels = Vector::new(&model, isa, memory).expect("memory");
-            assert_eq!(kernels.isa(), isa);
-            plain_layers = kernels.plain_layers().max(plain_layers);
-            let mut scratch = vec![99; size];
-            let mut found = Layers::default();
-            let network = Network::with_kernels(model.clone(), &mut scratch, kernels);
-            let found_answer = network.expect("scratch").infer(&image, &mut found);
-            assert_eq!(found.0.len(), expected.0.len());
-            for (layer, (found, expected)) in found.0.iter().zip(&expected.0).enumerate() {
-                let first = found.iter().zip(expected).position(|(f, e)| f != e);
-                assert_eq!(first, None, "{isa:?}, layer {layer}, {} channels", model.channels());
+        let expected_class = infer(&model, &image, &mut scratch, &mut Portable, &mut expected);
+        for isa in available() {
+            let mut kernels = VectorKernels::new(&model, isa).expect("an available instruction set");
+            plain = plain.max(kernels.operators.iter().filter(|packed| packed.is_none()).count());
+            kernels.words.resize(1 << 10, -1);
+            // the second image meets what the first has left in the kernels' memory
+            for _ in 0..2 {
+                let (mut scratch, mut found) = (vec![99; size], Layers::default());
+                let class = infer(&model, &image, &mut scratch, &mut kernels, &mut found);
+                assert_eq!(found.0.len(), expected.0.len());
+                for (layer, (found, expected)) in found.0.iter().zip(&expected.0).enumerate() {
+                    let first = found.iter().zip(expected).position(|(f, e)| f != e);
+                    assert_eq!(first, None, "{isa:?}, layer {layer}, {} channels", model.channels());
+                }
+                assert_eq!(class, expected_class);
             }
-            assert_eq!(found_answer, answer);
         }
     }
-    plain_layers
+    plain
 }
 
 #[test]
@@ -82,6 +78,12 @@ fn every_width_has_the_bits_of_the_plain_loops() {
 }
 
 #[test]
+fn trained_models_have_the_bits_of_the_plain_loops() {
+    assert_eq!(compare(models::DSN_200, 1), 0);
+    assert_eq!(compare(models::DSN_1000, 2), 0);
+}
+
+#[test]
 fn extremes_have_the_bits_of_the_plain_loops() {
     for seed in 0..12 {
         let file = model(16, 1 + seed as u8 % 2, 33, seed, Numbers::Extreme);
@@ -90,49 +92,53 @@ fn extremes_have_the_bits_of_the_plain_loops() {
 }
 
 #[test]
-fn layers_that_vectors_cannot_hold_run_by_the_plain_loops() {
-    let refused: usize = (0..8).map(|seed| compare(&model(8, 2, 20, seed, Numbers::Any), seed)).sum();
-    assert!(refused > 8, "{refused}");
+fn operators_that_vectors_cannot_compute_run_by_the_plain_loops() {
+    let plain: usize = (0..8).map(|seed| compare(&model(8, 2, 20, seed, Numbers::Any), seed)).sum();
+    assert!(plain > 8, "{plain}");
 }
 
 #[test]
-fn too_little_memory_is_refused() {
+fn one_step_does_a_whole_operator_and_the_plain_loops_keep_their_steps() {
     let file = model(8, 1, 16, 1, Numbers::Usual);
     let model = Model::parse(&file).expect("a model");
-    let (mut lines, mut words) = (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
-    let short = VectorMemory { lines: &mut lines[1..], words: &mut words };
-    assert!(Vector::new(&model, Isa::Arrays, short).is_none());
-    let short = VectorMemory { lines: &mut lines, words: &mut words[1..] };
-    assert!(Vector::new(&model, Isa::Arrays, short).is_none());
+    let block = model.block(0).expect("a block");
+    let input = vec![1; 32 * 8 * 8];
+    for isa in available() {
+        let mut kernels = VectorKernels::new(&model, isa).expect("an available instruction set");
+        let mut output = vec![0; input.len()];
+        let layer = &block.batch_norm;
+        let operator = Operator::BatchNormRelu { layer, input: &input, output: &mut output };
+        assert_eq!(kernels.run(1, operator, 0), isa != Isa::Scalar, "{isa:?}");
+    }
 }
 
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 #[test]
-fn memory_is_as_worked_out_by_hand() {
-    // two blocks; words are the stem's rows, or the map with its border and six rows
-    for (channels, stride, frames, lines, words) in [
-        (8, 1, 30, 12 + 2 * (2 * (6 + 9 * 4) + 7 + 17), 66 * 32 * 2),
-        (12, 1, 30, 12 + 2 * (2 * (6 + 9 * 6) + 21 + 17), 40 * 18 * 6),
-        (16, 2, 110, 12 + 2 * (2 * (6 + 36 * 8) + 7 + 17), 65 * 56 * 2),
-        (32, 1, 67, 24 + 2 * (4 * (6 + 36 * 16) + 14 + 17), 40 * 50 * 16),
+fn kernels_are_made_for_what_the_system_says_the_processor_has() {
+    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").expect("the processor's flags");
+    let flags: Vec<&str> =
+        cpuinfo.lines().find(|l| l.starts_with("flags")).expect("flags").split(' ').collect();
+    let has = |wanted: &[&str]| wanted.iter().all(|flag| flags.contains(flag));
+    let model = Model::parse(models::DSN_200).expect("a model");
+    for (isa, expected) in [
+        (Isa::Scalar, true),
+        (Isa::Arrays, true),
+        (Isa::Avx2, has(&["avx2"])),
+        (Isa::AvxVnni, has(&["avx2", "avx_vnni"])),
+        (Isa::Avx512Vnni, has(&["avx2", "avx512f", "avx512bw", "avx512_vnni"])),
     ] {
-        let file = model(channels, stride, frames, 1, Numbers::Usual);
-        let model = Model::parse(&file).expect("a model");
-        assert_eq!((Vector::lines(&model), Vector::words(&model)), (lines, words), "{channels} channels");
+        assert_eq!(VectorKernels::new(&model, isa).is_some(), expected, "{isa:?}");
     }
 }
 
 #[test]
-fn every_layer_runs_on_vectors_where_there_are_any() {
-    let file = model(8, 1, 16, 1, Numbers::Usual);
-    let model = Model::parse(&file).expect("a model");
-    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-        let (mut lines, mut words) =
-            (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
-        let memory = VectorMemory { lines: &mut lines, words: &mut words };
-        let vector = Vector::new(&model, isa, memory).expect("enough memory");
-        let layers = 1 + 4 * model.blocks();
-        let packed = (0..layers + 1).filter(|&at| vector.packed(at).is_some()).count();
-        assert_eq!(packed, if isa == Isa::Scalar { 0 } else { layers }, "{isa:?}");
-        assert_eq!((vector.isa(), vector.plain_layers()), (isa, 0));
+fn a_classifier_gives_what_the_plain_loops_give() {
+    let model = Model::parse(models::DSN_200).expect("a model");
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
+    let mut classifier = Classifier::new(model);
+    for k in 1..4 {
+        let image: Vec<i8> = (0..ROWS * model.frames()).map(|n| (n * n * k) as i8).collect();
+        let expected = infer(&model, &image, &mut scratch, &mut Portable, &mut ());
+        assert_eq!(classifier.classify(&image, &mut ()), expected);
     }
 }

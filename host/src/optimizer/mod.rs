@@ -273,7 +273,7 @@ pub fn optimise(
         }
     }
     let Some(Priced { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
-        return Err(OptimizerError::Plan(PlanError::Receivers { receivers: 0 }));
+        return Err(OptimizerError::Plan(PlanError::Users { users: 0 }));
     };
     let operating_point =
         case.operating_point.clone().ok_or_else(|| OptimizerError::unreachable(rule, points))?;

@@ -5,12 +5,12 @@
 use super::OptimizerError;
 use super::water_filling::allocate;
 use crate::scenario::Scenario;
-use crate::simulator::radar::{KT, SAMPLE_RATE};
+use crate::simulator::radar::KT;
 
 /// Bits of one slot over sub-carriers with power gains `|H_m|^2`, water-filled for these very gains.
 pub fn slot_bit(scenario: &Scenario, gains: &[f64]) -> f64 {
     let c = &scenario.communication;
-    let noise = KT * SAMPLE_RATE / f64::from(c.subcarriers) * libm::pow(10.0, c.noise_figure_db / 10.0);
+    let noise = KT * c.bandwidth_hz / f64::from(c.subcarriers) * libm::pow(10.0, c.noise_figure_db / 10.0);
     let gamma: Vec<f64> = gains.iter().map(|g| g * c.power_w / noise).collect();
     scenario.frame.slot_s / c.symbol_s * allocate(&gamma).rate_bit
 }

@@ -3,12 +3,15 @@
 //! Every test recording is generated once and given to the receiver of every model.
 
 use super::spectrograms::item;
-use crate::predictor::receiver::OwnedBuffers;
+use crate::formats::slots::Slots;
+use crate::predictor::memory::OwnedMemory;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;
+use sdp3_core::Error;
 use sdp3_core::dsn::{Model, ModelError};
-use sdp3_core::pipeline::ReceiverError;
+use sdp3_core::pipeline::Refused;
+use sdp3_core::signal::stft::NativeStft;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why the core would not take a model.
@@ -22,9 +25,12 @@ pub enum AccuracyError {
         /// Why.
         source: ModelError,
     },
-    /// The receiver cannot run it.
-    #[error("receiver: {0}")]
-    Receiver(ReceiverError),
+    /// The pipeline cannot run it.
+    #[error("pipeline: {0}")]
+    Pipeline(#[from] Error),
+    /// The pipeline does not take a slot.
+    #[error("pipeline: {0}")]
+    Slot(#[from] Refused),
 }
 
 /// Counts `[truth][answer]` of every model, in the order given.
@@ -67,15 +73,14 @@ pub fn through_core(
 }
 
 /// Class of one recording; slots beyond the model's are not used.
-fn classify(bytes: &[u8], slots: &[sdp3_core::dims::Slot]) -> Result<u8, AccuracyError> {
+fn classify(bytes: &[u8], slots: &Slots) -> Result<u8, AccuracyError> {
     let model = Model::parse(bytes).map_err(|source| AccuracyError::Model { sensing_slots: 0, source })?;
-    let need = model.sensing_slots();
-    let mut buffers = OwnedBuffers::for_model(&model);
-    let mut receiver = buffers.receiver(model).map_err(AccuracyError::Receiver)?;
-    for slot in slots.iter().take(need) {
-        receiver.push(slot, &mut ()).map_err(AccuracyError::Receiver)?;
+    let mut memory = OwnedMemory::for_model(&model);
+    let mut pipeline = memory.pipeline::<NativeStft>(model)?;
+    for slot in slots.iter().take(model.sensing_slots()) {
+        pipeline.push(slot, &mut ())?;
     }
-    receiver.classify(&mut ()).map(|answer| answer.class).map_err(AccuracyError::Receiver)
+    Ok(pipeline.classify(&mut ()).ok_or(Refused::Length)?.class)
 }
 
 /// Share on the diagonal of a confusion matrix.

@@ -172,6 +172,7 @@ impl Exchange<'_> {
 pub fn header(scenario: &Scenario, sensing_slots: u32) -> Preprocessing {
     let p = scenario.spectrogram.preprocessing();
     Preprocessing {
+        radar: scenario.radar.config(),
         sensing_slots: sensing_slots as u16,
         first_kept: p.kept.first,
         last_kept: p.kept.last,

@@ -15,11 +15,11 @@ pub mod interchange;
 #[cfg(feature = "train")]
 pub mod learn;
 pub mod learning_curve;
+pub mod memory;
 #[cfg(feature = "train")]
 pub mod network;
 pub mod parameters;
 pub mod quantization;
-pub mod receiver;
 #[cfg(feature = "train")]
 pub mod recipe;
 pub mod safetensors;

@@ -254,6 +254,7 @@ mod tests {
 
     fn preprocessing(frames: u16) -> Preprocessing {
         Preprocessing {
+            radar: sdp3_core::config::RadarConfig::PAPER,
             sensing_slots: 128 + 8 * (frames - 1),
             first_kept: 2,
             last_kept: 8,

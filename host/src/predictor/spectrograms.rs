@@ -4,13 +4,14 @@
 //! `sdp3_core::signal::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
-use crate::predictor::receiver::OwnedBuffers;
+use crate::formats::slots::Slots;
+use crate::predictor::memory::OwnedMemory;
 use crate::results::{Exhibit, Spectrogram};
-use crate::scenario::{Class, Model, Scenario};
+use crate::scenario::{Class, Model, Radar, Scenario};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
-use sdp3_core::dims::{Beat, FFT_LEN, ROWS, Slot};
+use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
 use sdp3_core::signal::front_end::FrontEnd;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -125,8 +126,8 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
 }
 
 /// Images at every N_s of the scenario of a recording's raw slots.
-pub fn images_of(scenario: &Scenario, slots: &[Slot]) -> Vec<Vec<i8>> {
-    images_on_the_way(scenario, slots.len(), |front_end, n| front_end.push(&slots[n], &mut ()))
+pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
+    images_of_beats(scenario, &slots.beats(scenario.radar.config()).unwrap_or_default())
 }
 
 /// Images at every N_s of the scenario of a recording's beats.
@@ -140,8 +141,11 @@ fn images_on_the_way(
     push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
-    let mut buffers = OwnedBuffers::new(slots, settings.frames(slots), 0);
-    let Some(mut front_end) = FrontEnd::new(settings, buffers.view().front_end) else { return Vec::new() };
+    let radar = scenario.radar.config();
+    let mut memory = OwnedMemory::new(&radar, slots, settings.frames(slots), 0);
+    let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
+        return Vec::new();
+    };
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);
@@ -177,6 +181,7 @@ pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sy
         .map(|(model, (carrier_hz, spacing, bins, hop), class)| {
             let mut scenario = scenario.clone();
             scenario.channel.model = model;
+            scenario.radar = scenario.radar.with_sweep_of(&Radar::default());
             scenario.radar.carrier_hz = carrier_hz;
             scenario.frame.spacing_slots = spacing;
             scenario.spectrogram.bins_per_row = bins;

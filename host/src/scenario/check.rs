@@ -76,32 +76,16 @@ impl Scenario {
     pub fn rules(&self) -> Vec<Rule> {
         let mut rules = Rules::default();
         let c = &mut rules;
+        for (axis, &size) in ["x", "y", "z"].iter().zip(&self.room.size_m) {
+            c.within(&format!("room.size_m ({axis})"), size, 1.0, 100.0);
+        }
         self.check_radar(c);
+        c.within("channel.rho", self.channel.rho.unwrap_or(1.0), 0.0, 1.0);
         self.check_frame(c);
         self.check_target(c);
         self.check_learning(c);
         self.check_communication(c);
         rules.list
-    }
-
-    fn check_radar(&self, c: &mut Rules) {
-        for (axis, &size) in ["x", "y", "z"].iter().zip(&self.room.size_m) {
-            c.within(&format!("room.size_m ({axis})"), size, 1.0, 100.0);
-        }
-        c.inside("radar.position_m", &self.radar.position_m, &self.room.size_m);
-        c.within("radar.carrier_hz", self.radar.carrier_hz, 0.5e9, 100e9);
-        let bandwidth = self.radar.bandwidth_hz;
-        let legal = "10000000, the sweep of the radar module (Hz)";
-        c.legal("radar.bandwidth_hz", bandwidth, bandwidth == 10e6, legal);
-        c.within("radar.power_w", self.radar.power_w, 1e-12, 1e3);
-        c.within("radar.antenna_gain_db", self.radar.antenna_gain_db, -10.0, 60.0);
-        c.within("radar.sidelobe_db", self.radar.sidelobe_db, 0.0, 60.0);
-        c.within("radar.noise_figure_db", self.radar.noise_figure_db, 0.0, 40.0);
-        c.within("radar.headroom_db", self.radar.headroom_db, 0.0, 60.0);
-        c.within("radar.phase_noise_deg", self.radar.phase_noise_deg, 0.0, 90.0);
-        c.within("radar.iq_gain_db", self.radar.iq_gain_db, -6.0, 6.0);
-        c.within("radar.iq_phase_deg", self.radar.iq_phase_deg, -30.0, 30.0);
-        c.within("channel.rho", self.channel.rho.unwrap_or(1.0), 0.0, 1.0);
     }
 
     fn check_target(&self, c: &mut Rules) {
@@ -221,6 +205,7 @@ impl Scenario {
     fn check_communication(&self, c: &mut Rules) {
         let m = &self.communication;
         c.count("communication.subcarriers", m.subcarriers, 1, 65_536);
+        c.within("communication.bandwidth_hz", m.bandwidth_hz, 1e4, 10e9);
         c.beside("communication.symbol_s", m.symbol_s, [1e-7, self.frame.slot_s], "at most a slot");
         c.within("communication.power_w", m.power_w, 1e-9, 1e3);
         c.within("communication.noise_figure_db", m.noise_figure_db, 0.0, 40.0);

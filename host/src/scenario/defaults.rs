@@ -28,24 +28,6 @@ impl Default for Room {
     }
 }
 
-impl Default for Radar {
-    fn default() -> Self {
-        Radar {
-            position_m: [1.5, 1.0, 1.0],
-            carrier_hz: 3.5e9,
-            bandwidth_hz: 10e6,
-            power_w: 1.0,
-            antenna_gain_db: 25.0,
-            sidelobe_db: 10.0,
-            noise_figure_db: 10.0,
-            headroom_db: 12.0,
-            phase_noise_deg: 0.0,
-            iq_gain_db: 0.0,
-            iq_phase_deg: 0.0,
-        }
-    }
-}
-
 impl Default for Frame {
     fn default() -> Self {
         Frame {
@@ -133,6 +115,7 @@ impl Default for Communication {
     fn default() -> Self {
         Communication {
             subcarriers: 64,
+            bandwidth_hz: 10e6,
             symbol_s: 50e-6,
             power_w: 1.0,
             noise_figure_db: 10.0,

@@ -11,6 +11,7 @@ mod defaults;
 mod learning;
 mod overrides;
 mod people;
+mod radar;
 mod read;
 mod rules;
 mod schema;
@@ -20,6 +21,7 @@ pub use check::ScenarioError;
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
+pub use radar::{Dechirp, Format, Radar};
 pub use read::told;
 pub use rules::Rule;
 
@@ -63,34 +65,6 @@ pub struct Room {
     pub size_m: [f64; 3],
 }
 
-/// The radar at the base station. Sweep, bandwidth and sampling are the core's: 10 MHz in 100 us at 10 MHz.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Radar {
-    /// Position in m.
-    pub position_m: [f64; 3],
-    /// Carrier frequency in Hz.
-    pub carrier_hz: f64,
-    /// Swept bandwidth in Hz: the radar module's, and the band the sub-carriers share.
-    pub bandwidth_hz: f64,
-    /// Transmit power in W.
-    pub power_w: f64,
-    /// Gain of the transmit antenna and of the receive antenna, each, in dB.
-    pub antenna_gain_db: f64,
-    /// Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
-    pub sidelobe_db: f64,
-    /// Receiver noise figure in dB (290 K).
-    pub noise_figure_db: f64,
-    /// Head room between the strongest expected echo and the converter's full scale in dB.
-    pub headroom_db: f64,
-    /// Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees.
-    pub phase_noise_deg: f64,
-    /// Gain mismatch of Q against I in dB.
-    pub iq_gain_db: f64,
-    /// Deviation of I and Q from quadrature in degrees.
-    pub iq_phase_deg: f64,
-}
-
 /// Time frame: slots, period, spacing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -129,8 +103,10 @@ pub struct SpectrogramSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Communication {
-    /// OFDM sub-carriers M over the radar's 10 MHz.
+    /// OFDM sub-carriers M.
     pub subcarriers: u32,
+    /// Bandwidth that they share in Hz.
+    pub bandwidth_hz: f64,
     /// Duration of an OFDM symbol with its prefix T_o in s.
     pub symbol_s: f64,
     /// Transmit power in W, shared by the sub-carriers.

@@ -29,7 +29,7 @@ impl Rules {
 
     /// A number between bounds that depend on no other field.
     pub(super) fn within(&mut self, field: &str, value: f64, low: f64, high: f64) {
-        self.legal(field, value, (low..=high).contains(&value), &format!("{low}..={high}"));
+        self.legal(field, value, (low..=high).contains(&value), &range(low, high));
         if let Some(rule) = self.list.last_mut() {
             rule.bounds = Some([low, high]);
         }
@@ -42,7 +42,7 @@ impl Rules {
 
     /// A number between bounds of which one is another field's: `low..=high`, in words `legal`.
     pub(super) fn beside(&mut self, field: &str, value: f64, [low, high]: [f64; 2], legal: &str) {
-        self.legal(field, value, (low..=high).contains(&value), &format!("{low}..={high}, {legal}"));
+        self.legal(field, value, (low..=high).contains(&value), &format!("{}, {legal}", range(low, high)));
     }
 
     pub(super) fn interval(&mut self, field: &str, value: &[f64; 2], low: f64, high: f64) {
@@ -60,6 +60,11 @@ impl Rules {
         let holds = position.iter().zip(room).all(|(p, size)| (0.0..=*size).contains(p));
         self.legal(field, format!("{position:?}"), holds, &format!("inside the room [0, 0, 0]..={room:?}"));
     }
+}
+
+/// A range in words; one with a single legal value says so.
+fn range(low: f64, high: f64) -> String {
+    if low == high { format!("{low} (fixed)") } else { format!("{low}..={high}") }
 }
 
 impl Rule {

@@ -121,6 +121,6 @@ mod tests {
         let schema = Scenario::schema();
         let (words, names) = Scenario::meaning(&schema, "channel.model");
         assert!(words == "Which model." && names.contains(&"80211ay".to_owned()), "{words} {names:?}");
-        assert_eq!(Scenario::meaning(&schema, "radar.carrier_hz").0, "Carrier frequency in Hz.");
+        assert_eq!(Scenario::meaning(&schema, "radar.power_w").0, "Transmit power in W.");
     }
 }

@@ -8,12 +8,14 @@ use super::body::Vec3;
 use super::body::capture::{Capture, CaptureError};
 use super::body::gait::joint;
 use super::body::motion::{Person, Truth};
+use super::channel::response::Response;
 use super::channel::target::Target;
-use super::channel::{Blocks, ChannelModel, Path, Scene, Sweep, accumulate, model, tone, wavelength};
-use super::radar::{Converter, Impairments, slot};
+use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
+use super::radar::Receiver;
 use super::random::Random;
+use crate::formats::slots::Slots;
 use crate::scenario::{Class, Scenario};
-use sdp3_core::dims::{Beat, Slot};
+use sdp3_core::dims::Beat;
 
 /// What a recording is for; recordings of different sets share nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +36,7 @@ pub enum Set {
 #[derive(Debug, Clone)]
 pub struct Recording {
     /// Sensing slots, in order.
-    pub slots: Vec<Slot>,
+    pub slots: Slots,
     /// The person.
     pub truth: Truth,
 }
@@ -44,6 +46,7 @@ pub struct Simulation<'a> {
     scenario: &'a Scenario,
     people: Vec<Target>,
     channel: Box<dyn ChannelModel>,
+    response: Response,
     front: f64,
     taken: u32,
     paths: Vec<Path>,
@@ -63,6 +66,7 @@ impl<'a> Simulation<'a> {
             people: cast(scenario, class, &mut random),
             channel: model(scenario, radar, radar, rho, stream(seed, set, 1, class, index)),
             // transmit power and both antennas
+            response: Response::of(&scenario.radar),
             front: scenario.radar.power_w.sqrt() * libm::pow(10.0, scenario.radar.antenna_gain_db / 10.0),
             taken: 0,
             paths: Vec::new(),
@@ -81,8 +85,8 @@ impl<'a> Simulation<'a> {
         Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people }
     }
 
-    /// h of the next sensing slot in the beat domain, in sqrt W.
-    pub fn advance(&mut self) -> Sweep {
+    /// The paths of the next sensing slot, with their amplitudes at the receiver in sqrt W.
+    pub fn advance(&mut self) -> &[Path] {
         let mut paths = std::mem::take(&mut self.paths);
         paths.clear();
         let radar = self.scenario.radar.position_m;
@@ -90,22 +94,19 @@ impl<'a> Simulation<'a> {
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
         self.channel.paths(&scene, &mut paths);
         self.taken += 1;
-        let mut sweep = Sweep::default();
-        for path in &paths {
-            accumulate(&mut sweep, &tone(path.gain * self.front, path.delay_s));
-        }
+        paths.iter_mut().for_each(|path| path.gain *= self.front);
         self.paths = paths;
-        sweep
+        &self.paths
     }
 
-    /// The block means of the next `count` sensing slots, in sqrt W.
+    /// The range samples of the next `count` sensing slots by the radar's [`Response`], without noise.
     pub fn advance_blocks(&mut self, count: u32) -> Vec<Blocks> {
         let mut beats = vec![Blocks::default(); count as usize];
         let radar = self.scenario.radar.position_m;
         let interval_s = self.scenario.interval_s();
         let time_s = f64::from(self.taken) * interval_s;
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
-        self.channel.beats(&scene, interval_s, &mut beats);
+        self.channel.beats(&scene, interval_s, &self.response, &mut beats);
         self.taken += count;
         beats.iter_mut().flatten().for_each(|z| *z *= self.front);
         beats
@@ -162,16 +163,18 @@ pub fn recording(
     slots: u32,
 ) -> Recording {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut noise = stream(seed, set, 2, class, index);
-    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
-    let converter = Converter::of(scenario);
-    let slots =
-        (0..slots).map(|_| slot(&simulation.advance(), &converter, &mut impairments, &mut noise)).collect();
-    Recording { slots, truth: simulation.truth().clone() }
+    let mut receiver = receiver(scenario, seed, set, class, index);
+    let mut raw = Slots::with_capacity(scenario.radar.config().values_per_slot(), slots as usize);
+    (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
+    Recording { slots: raw, truth: simulation.truth().clone() }
 }
 
-/// The same recording as beats: what the core's dechirp makes of the raw slots, to -60 dB of the signal; the noise is drawn
-/// per block, with the power it has there.
+fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Receiver<'_> {
+    Receiver::new(scenario, stream(seed, set, 3, class, index), stream(seed, set, 2, class, index))
+}
+
+/// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
+/// sample, with the covariance it has there.
 pub fn beats(
     scenario: &Scenario,
     rho: f64,
@@ -182,11 +185,8 @@ pub fn beats(
     slots: u32,
 ) -> (Vec<Beat>, Truth) {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut noise = stream(seed, set, 2, class, index);
-    let mut impairments = Impairments::new(&scenario.radar, stream(seed, set, 3, class, index));
-    let converter = Converter::of(scenario);
-    let blocks = simulation.advance_blocks(slots);
-    let beats = blocks.iter().map(|b| converter.beat(b, &mut impairments, &mut noise)).collect();
+    let mut receiver = receiver(scenario, seed, set, class, index);
+    let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
     (beats, simulation.truth().clone())
 }
 
@@ -255,7 +255,7 @@ pub struct Aliasing {
 /// Compares the toes, 4.9 times as fast as the body, with lambda PRF / 4.
 pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
     let limb_m_s = 4.9 * 0.5 * scenario.target.adult_height_m[1];
-    let limit = |interval: f64| wavelength(scenario.radar.carrier_hz) / (4.0 * interval);
+    let limit = |interval: f64| wavelength(scenario.radar.centre_hz()) / (4.0 * interval);
     let unambiguous_m_s = limit(scenario.interval_s());
     if limb_m_s <= unambiguous_m_s {
         return None;
@@ -268,64 +268,142 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Model;
-    use sdp3_core::signal::dechirp::dechirp;
+    use crate::scenario::builtin::named;
+    use crate::scenario::{Clusters, Model};
+
+    fn shipped(name: &str) -> Scenario {
+        named(name.as_ref()).unwrap().scenario()
+    }
 
     #[test]
     fn a_recording_depends_on_its_coordinates_alone() {
-        let mut scenario = Scenario::default();
-        for model in Model::ALL {
+        let models = Model::ALL.map(|model| {
+            let mut scenario = Scenario::default();
             scenario.channel.model = model;
+            scenario
+        });
+        for scenario in models.into_iter().chain([shipped("bgt60"), shipped("iwr")]) {
             let take =
                 |index, slots| recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, index, slots);
             let (long, short) = (take(3, 40), take(3, 25));
-            assert_eq!(long.slots[..25], short.slots[..], "{model:?}");
-            assert_ne!(take(4, 25).slots, short.slots, "{model:?}");
+            assert_eq!(long.slots.first(25), short.slots.values, "{}", scenario.name);
+            assert_eq!((long.slots.len(), short.slots.len()), (40, 25));
+            assert_ne!(take(4, 25).slots, short.slots, "{}", scenario.name);
             assert_eq!(long.truth, short.truth);
+        }
+    }
+
+    /// FNV-1a of numbers' bytes.
+    fn digest(bytes: impl Iterator<Item = u8>) -> u64 {
+        bytes
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    #[test]
+    fn recordings_of_the_papers_radar_keep_their_bits() {
+        // digests of raw slots, beats and block means of commit 2205390, before radars had other sweeps
+        let golden = [
+            [0x8b41_2ecc_533d_667a, 0x5725_5606_4928_81fe, 0x506f_1bb0_6814_fcd8],
+            [0xe52a_d5b1_d62c_264c, 0xf800_04fc_0aa4_2d3e, 0x4b18_2f8a_bea1_f9ae],
+            [0xff05_0d67_2c5f_de9d, 0xade6_9337_f458_2482, 0x9288_df77_52c3_8818],
+            [0x46a9_b2bd_c105_c30e, 0x8471_2587_a029_51fa, 0x5660_b932_8fc7_c204],
+            [0xcd94_c2ff_0e58_4270, 0x52df_7405_4cf7_060f, 0x3c2f_f7ef_e54b_3a95],
+            [0xa6b5_7ed6_e208_57d2, 0x15e3_5cbc_f070_70db, 0x508f_a42d_01c6_6363],
+            [0x9ffe_e696_998c_d341, 0xf483_9494_9ffb_ac3f, 0x5e4f_7f40_6771_a632],
+            [0xdaea_5797_1daa_4560, 0xb9a4_f445_e81f_8533, 0x8e8c_89ca_a441_98a1],
+            [0xe4b5_3079_7e6f_af56, 0x35fa_2cae_b3ae_5d48, 0x677d_f182_b0d2_37e5],
+        ];
+        for (k, (model, golden)) in Model::ALL.into_iter().zip(golden).enumerate() {
+            let mut s = Scenario::default();
+            s.channel.model = model;
+            if k % 2 == 1 {
+                s.radar.carrier_hz = 60e9;
+                (s.channel.interferer, s.channel.clusters) = (true, Clusters::Ieee80211ay);
+            }
+            if k % 3 == 2 {
+                (s.radar.phase_noise_deg, s.radar.iq_gain_db, s.radar.iq_phase_deg) = (3.0, 1.0, 2.0);
+            }
+            let class = Class::ALL[k % 5];
+            let raw = recording(&s, 0.997, 9, Set::Test, class, 2, 20).slots;
+            let beats = beats(&s, 0.997, 9, Set::Train, class, 3, 40).0;
+            let blocks = Simulation::new(&s, 0.99, 7, Set::Stand, class, 1).advance_blocks(30);
+            let found = [
+                digest(raw.to_le_bytes().into_iter()),
+                digest(beats.iter().flatten().flat_map(|z| [z.re, z.im]).flat_map(i32::to_le_bytes)),
+                digest(blocks.iter().flatten().flat_map(|z| [z.re, z.im]).flat_map(f64::to_le_bytes)),
+            ];
+            assert_eq!(found, golden, "{model:?}: {found:x?}");
         }
     }
 
     #[test]
     fn raw_slots_and_beats_agree_to_sixty_decibels() {
         // without a converter's noise: its full scale is brought down to the signal
-        let mut scenario = Scenario::default();
-        for (model, carrier_hz) in
-            [(Model::Dahc, 3.5e9), (Model::Dahc, 60e9), (Model::RayTracing, 3.5e9), (Model::Quadriga, 24e9)]
-        {
+        let at = |model, carrier_hz| {
+            let mut scenario = Scenario::default();
             scenario.channel.model = model;
             scenario.radar.carrier_hz = carrier_hz;
+            (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (1.0, 2.0);
+            scenario
+        };
+        let fine = |name: &str| {
+            // the 12 bits of a small converter would round more than that away
+            let mut scenario = shipped(name);
+            scenario.radar.converter_bits = 16;
+            scenario.radar.power_w *= 1e4;
+            scenario
+        };
+        let mut blocks = fine("iwr");
+        (blocks.radar.bins_per_sample, blocks.radar.first_bin) = (0, 0);
+        let mut chirp = at(Model::Dahc, 5.8e9);
+        (chirp.radar.bandwidth_hz, chirp.radar.sample_rate_hz) = (40e6, 40e6);
+        (chirp.radar.sweep_s, chirp.radar.samples, chirp.radar.iq_gain_db, chirp.radar.iq_phase_deg) =
+            (40e-6, 1600, 0.0, 0.0);
+        for mut scenario in [
+            at(Model::Dahc, 3.5e9),
+            at(Model::Dahc, 60e9),
+            at(Model::RayTracing, 3.5e9),
+            at(Model::Quadriga, 24e9),
+            fine("bgt60"),
+            fine("iwr"),
+            blocks,
+            chirp,
+        ] {
+            scenario.check("test").unwrap();
             scenario.radar.noise_figure_db = 0.0;
-            (scenario.radar.phase_noise_deg, scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) =
-                (3.0, 1.0, 2.0);
+            scenario.radar.phase_noise_deg = 3.0;
             let raw = recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
             let (fast, truth) = beats(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
             assert_eq!(raw.truth, truth);
             let (mut error, mut power) = (0.0, 0.0);
-            for (slot, fast) in raw.slots.iter().zip(&fast) {
-                for (a, b) in dechirp(slot).iter().zip(fast) {
+            for (raw, fast) in raw.slots.beats(scenario.radar.config()).unwrap().iter().zip(&fast) {
+                for (a, b) in raw.iter().zip(fast) {
                     let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
                     error += re * re + im * im;
                     power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
                 }
             }
             let db = 10.0 * libm::log10(error / power);
-            assert!(db < -60.0, "{model:?} at {carrier_hz:e}: {db} dB");
+            let (name, carrier_hz) = (&scenario.name, scenario.radar.carrier_hz);
+            assert!(db < -60.0, "{name} at {carrier_hz:e}: {db} dB");
         }
     }
 
     #[test]
     fn the_converter_is_well_driven() {
-        let scenario = Scenario::default();
-        let mut loudest = 0;
-        let mut clipped = 0;
-        for index in 0..10 {
-            let recording = recording(&scenario, 0.997, 1, Set::Test, Class::AdultWalking, index, 30);
-            for s in recording.slots.iter().flatten() {
-                loudest = loudest.max(s.i.unsigned_abs());
-                clipped += u32::from(s.i.unsigned_abs() > 32766);
+        for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr")] {
+            let full = (1_u16 << (scenario.radar.converter_bits - 1)) - 1;
+            let mut loudest = 0;
+            let mut clipped = 0;
+            for index in 0..10 {
+                let recording = recording(&scenario, 0.997, 1, Set::Test, Class::AdultWalking, index, 30);
+                for s in recording.slots.values {
+                    loudest = loudest.max(s.unsigned_abs());
+                    clipped += u32::from(s.unsigned_abs() >= full);
+                }
             }
+            assert!(loudest > full / 8 && clipped == 0, "{}: {loudest}, clipped {clipped}", scenario.name);
         }
-        assert!(loudest > 4_000 && clipped == 0, "{loudest}, clipped {clipped}");
     }
 
     #[test]

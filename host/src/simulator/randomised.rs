@@ -11,6 +11,7 @@ use super::body::Vec3;
 use super::body::motion::{Person, Truth};
 use super::calibration::conditioning::ac_couple;
 use super::channel::dahc::Dahc;
+use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, wavelength};
 use super::random::Random;
@@ -191,7 +192,7 @@ fn seen(room: &Scenario, rho: f64, view: View, people: &[Target], random: Random
     for (k, group) in beats.chunks_mut(GROUP).enumerate() {
         let interval_s = (view.pace[0] + (view.pace[1] - view.pace[0]) * k as f64 / groups) / rate_hz;
         let scene = Scene { slot: 0, time_s, from: view.radar, to: view.radar, people };
-        channel.beats(&scene, interval_s, group);
+        channel.beats(&scene, interval_s, &Response::Paper, group);
         time_s += interval_s * group.len() as f64;
     }
     let mut y: Vec<_> = beats.iter().map(|b| Complex64::new(b[BLOCKS / 2].re, 0.0)).collect();

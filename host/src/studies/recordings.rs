@@ -1,8 +1,9 @@
 //! A folder of measured recordings: found in any depth, each with the motion that its name tells.
 
-use crate::formats::measured::{self, Signal, Stated};
+use crate::formats::measured::{self, Samples, Signal, Stated};
 use crate::pipeline::Failure;
 use crate::simulator::randomised::Motion;
+use sdp3_core::config::RadarConfig;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -90,7 +91,14 @@ pub fn read(folder: &Path, stated: &Stated) -> Result<(Vec<Measured>, Vec<LeftOu
             left_out.push((name, "its name tells no motion: walk, run, still, stand or sit".into()));
             continue;
         };
+        let other = |signal: &Signal| {
+            let values = RadarConfig::PAPER.values_per_slot();
+            matches!(&signal.samples, Samples::Slots(slots) if slots.per_slot != values)
+        };
         match measured::read(&path, stated) {
+            Ok(signal) if other(&signal) => {
+                left_out.push((name, "raw slots of another radar than the paper's".into()))
+            }
             Ok(signal) => {
                 let mut hash = Sha256::new();
                 hash.update(std::fs::read(&path)?);

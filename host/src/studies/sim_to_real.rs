@@ -25,6 +25,7 @@ use crate::simulator::channel::Complex64;
 use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
 use schemars::JsonSchema;
+use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::ROWS;
 use serde::{Deserialize, Serialize};
 
@@ -85,7 +86,10 @@ impl Layout {
         let real = match &signal.samples {
             Samples::Real(x) => x.clone(),
             Samples::Complex(z) => z.iter().map(|z| z.re).collect(),
-            Samples::Slots(slots) => slots_without_clutter(slots).iter().map(|z| z.re).collect(),
+            Samples::Slots(slots) => {
+                let slow = slots_without_clutter(slots, RadarConfig::PAPER).unwrap_or_default();
+                slow.iter().map(|z| z.re).collect()
+            }
         };
         let slow =
             if signal.rate_hz > self.rate_hz { resample(&real, signal.rate_hz, self.rate_hz) } else { real };
@@ -120,6 +124,7 @@ impl Layout {
 
     fn preprocessing(&self) -> Preprocessing {
         Preprocessing {
+            radar: RadarConfig::PAPER,
             sensing_slots: self.second() as u16,
             first_kept: 1,
             last_kept: 8,

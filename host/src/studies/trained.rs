@@ -1,6 +1,7 @@
 //! Networks trained in one room and tested in others.
 
 use super::Workshop;
+use crate::inference::Classifier;
 use crate::pipeline::Failure;
 use crate::predictor::float_network::FloatNetwork;
 use crate::predictor::interchange::header;
@@ -12,9 +13,7 @@ use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 use rayon::prelude::*;
-use sdp3_core::dsn::vector::{Vector, VectorMemory};
-use sdp3_core::dsn::{Model, Network, scratch_bytes};
-use sdp3_core::simd::{Isa, Line};
+use sdp3_core::dsn::Model;
 
 /// Images that one thread takes at a time.
 const PART: usize = 50;
@@ -107,15 +106,9 @@ fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
 pub fn int8_answers(bytes: &[u8], images: &Images) -> Result<Vec<u8>, Failure> {
     let model = Model::parse(bytes).map_err(|e| e.to_string())?;
     let part = |part: &[usize]| {
-        let mut scratch = vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())];
-        let mut lines = vec![Line::ZERO; Vector::lines(&model)];
-        let mut words = vec![0; Vector::words(&model)];
-        let memory = VectorMemory { lines: &mut lines, words: &mut words };
-        let kernels = Vector::new(&model, Isa::best(), memory)?;
-        let mut network = Network::with_kernels(model.clone(), &mut scratch, kernels)?;
-        Some(part.iter().map(|&n| network.infer(images.image(n), &mut ()).class).collect::<Vec<_>>())
+        let mut classifier = Classifier::new(model);
+        part.iter().map(|&n| classifier.classify(images.image(n), &mut ()).class).collect::<Vec<_>>()
     };
     let all: Vec<usize> = (0..images.len()).collect();
-    let answers: Option<Vec<Vec<u8>>> = all.par_chunks(PART).map(part).collect();
-    Ok(answers.ok_or("the model needs more memory")?.concat())
+    Ok(all.par_chunks(PART).flat_map_iter(part).collect())
 }

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::dsn::{Model, Network, Shape};
+use sdp3_core::dsn::{Model, Portable, Shape, infer};
 use sdp3_core::dims::ROWS;
 use sdp3_fuzz::seal;
 
@@ -18,7 +18,7 @@ fn judge(file: &[u8], image: &[u8]) {
     let mut scratch = vec![0; shape.scratch_bytes()];
     let pixels: Vec<i8> =
         (0..ROWS * shape.frames).map(|k| image.get(k % image.len().max(1)).map_or(0, |&b| b as i8)).collect();
-    let answer = Network::new(model, &mut scratch).expect("enough scratch").infer(&pixels, &mut ());
+    let answer = infer(&model, &pixels, &mut scratch, &mut Portable, &mut ());
     assert!(usize::from(answer.class) < classes && (0.0..=1.01).contains(&answer.confidence));
 }
 

@@ -1,16 +1,15 @@
-//! The core's layers, by plain loops, by tiles and by every instruction set there is, against the reference, which is naive and
+//! The core's layers, by plain loops, by Winograd tiles and by every instruction set there is, against the reference, which is naive and
 //! shares no code with them: the same bits for any weights, shapes, scales and images.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3::conformance::reference::network::infer;
+use sdp3::conformance::reference;
+use sdp3::inference::{Isa, VectorKernels};
 use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
-use sdp3_core::dsn::vector::VectorMemory;
-use sdp3_core::dsn::{Kernels, Model, Network, Portable, Vector};
+use sdp3_core::dsn::{Kernels, Model, Portable, infer};
 use sdp3_core::dims::ROWS;
 use sdp3_core::probe::Probe;
-use sdp3_core::simd::dual_mac::Eight;
-use sdp3_core::simd::{Isa, Line};
+use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_fuzz::{Bytes, Sizes, model};
 
 #[derive(Default, PartialEq, Debug)]
@@ -25,10 +24,10 @@ impl Probe for Layers {
     }
 }
 
-fn layers(model: Model<'_>, image: &[i8], kernels: impl Kernels) -> Layers {
+fn layers(model: &Model<'_>, image: &[i8], mut kernels: impl Kernels) -> Layers {
     let mut found = Layers::default();
     let mut scratch = vec![0; model.shape().scratch_bytes()];
-    Network::with_kernels(model, &mut scratch, kernels).expect("enough scratch").infer(image, &mut found);
+    infer(model, image, &mut scratch, &mut kernels, &mut found);
     found
 }
 
@@ -46,22 +45,19 @@ fuzz_target!(|data: &[u8]| {
             }
         })
         .collect();
-    let reference = infer(&file, &image);
+    let reference = reference::network::infer(&file, &image);
     let expected = Layers(reference.layers.into_iter().chain([reference.logits]).collect());
     let model = Model::parse(&file).expect("a sound model");
-    assert_eq!(layers(model.clone(), &image, Portable), expected);
+    assert_eq!(layers(&model, &image, Portable), expected);
     for places in [1, 2 * model.blocks()] {
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let (mut eights, mut words) = (vec![Eight::ZERO; sizes.eights], vec![0; sizes.words]);
-        let memory = WinogradMemory { eights: &mut eights, words: &mut words };
+        let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+        let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
         let kernels = WinogradF2::new(&model, memory).expect("enough memory");
-        assert_eq!(layers(model.clone(), &image, kernels), expected, "tiles, {places} places");
+        assert_eq!(layers(&model, &image, kernels), expected, "tiles, {places} places");
     }
-    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-        let (mut lines, mut words) =
-            (vec![Line::ZERO; Vector::lines(&model)], vec![0; Vector::words(&model)]);
-        let memory = VectorMemory { lines: &mut lines, words: &mut words };
-        let Some(kernels) = Vector::new(&model, isa, memory) else { continue };
-        assert_eq!(layers(model.clone(), &image, kernels), expected, "{}", isa.name());
+    for isa in Isa::ALL {
+        let Some(kernels) = VectorKernels::new(&model, isa) else { continue };
+        assert_eq!(layers(&model, &image, kernels), expected, "{}", isa.name());
     }
 });

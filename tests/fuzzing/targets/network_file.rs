@@ -10,6 +10,7 @@ fuzz_target!(|data: &[u8]| {
     let Some((&kind, rest)) = data.split_first() else { return };
     if kind % 2 == 0 {
         let preprocessing = Preprocessing {
+            radar: sdp3_core::config::RadarConfig::PAPER,
             sensing_slots: 200,
             first_kept: 3,
             last_kept: 8,

@@ -147,8 +147,12 @@ impl<'m> Model<'m> {
     /// The fully connected layer.
     pub fn head(&self) -> Head<'m> {
         let bytes = field(self.content, self.head_at(), quant_len(self.classes(), self.channels()));
-        let scale = f32::from_le_bytes(array(bytes, PREFIX + 4));
-        Head { quant: view(bytes, self.classes(), self.channels()), inputs: self.channels(), scale }
+        Head { quant: view(bytes, self.classes(), self.channels()), inputs: self.channels() }
+    }
+
+    /// What one step of a logit is worth, in nat.
+    pub fn logit_scale(&self) -> f32 {
+        f32::from_le_bytes(array(self.content, self.head_at() + PREFIX + 4))
     }
 
     /// Holds every layer to its legal ranges, in the file's order.

@@ -44,11 +44,13 @@ pub struct Convolution<'a> {
     pub output: &'a mut [i8],
 }
 
-/// Four pixels.
+/// Four pixels of a row: the outputs of two tiles.
 type Pixels<const GROUPS: usize> = [[[i8; 4]; GROUPS]; 4];
 
-/// The outputs of two tiles, upper and lower row.
-type Outputs<const GROUPS: usize> = [Pixels<GROUPS>; 2];
+/// A row as blocks, and the pixels that are left.
+fn pixels<const GROUPS: usize>(row: &mut [i8]) -> (&mut [Pixels<GROUPS>], &mut [[[i8; 4]; GROUPS]]) {
+    row.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<4>()
+}
 
 impl Convolution<'_> {
     /// Does a step: some blocks of a row of tiles, below 45 000 instructions on Cortex-M4F; true after the last.
@@ -87,24 +89,28 @@ impl Convolution<'_> {
             established::<()>(None);
             return true;
         };
-        let mut found: Outputs<GROUPS> = [[[[0; 4]; GROUPS]; 4]; 2];
         let rows = established(self.output.get_mut(y * line..));
         let end = rows.len() <= 2 * line && last == all;
-        let (upper, rest) = rows.split_at_mut(line.min(rows.len()));
-        let lower = established(rest.split_at_mut_checked(line.min(rest.len()))).0;
-        let range = |row: &[i8]| (16 * GROUPS * first).min(row.len())..(16 * GROUPS * last).min(row.len());
-        let (upper_range, lower_range) = (range(upper), range(lower));
-        let upper = established(upper.get_mut(upper_range));
-        let lower = established(lower.get_mut(lower_range));
+        let (upper, lower) = established(rows.split_at_mut_checked(line));
+        let range = 16 * GROUPS * first..(16 * GROUPS * last).min(line);
+        let upper = established(upper.get_mut(range.clone()));
+        let lower = established(lower.get_mut(range));
         let (columns, _) = strip.as_chunks::<GROUPS>();
-        let columns = established(columns.get(4 * first..)).windows(6).step_by(4);
-        let mut below = lower.chunks_mut(16 * GROUPS);
-        for (upper, columns) in upper.chunks_mut(16 * GROUPS).zip(columns) {
-            let Some(six) = columns.first_chunk() else { continue };
+        let mut columns = established(columns.get(4 * first..)).windows(6).step_by(4);
+        let mut block = |rows: [&mut Pixels<GROUPS>; 2]| {
+            let six = columns.next().and_then(|columns| columns.first_chunk());
+            let Some(six) = six else { return established(None) };
             transform_rows(mac, six, inputs);
-            outputs(mac, inputs, self.weights, self.constants, &mut found);
-            store(&found[0], upper);
-            store(&found[1], below.next().unwrap_or_default());
+            outputs(mac, inputs, self.weights, self.constants, rows);
+        };
+        let ((upper_blocks, upper_rest), (lower_blocks, lower_rest)) = (pixels(upper), pixels(lower));
+        upper_blocks.iter_mut().zip(lower_blocks).for_each(|(upper, lower)| block([upper, lower]));
+        if !upper_rest.is_empty() {
+            let mut found = [[[[0; 4]; GROUPS]; 4]; 2];
+            block(found.each_mut());
+            for (rest, found) in [upper_rest, lower_rest].into_iter().zip(&found) {
+                rest.iter_mut().zip(found).for_each(|(to, from)| *to = *from);
+            }
         }
         let range = (self.layer.quant.act_min, self.layer.quant.act_max);
         clamp_all(upper, range);
@@ -157,25 +163,24 @@ fn transform_rows<P: DualMac, const GROUPS: usize>(
 }
 
 /// All channels of two tiles.
-#[inline(always)]
+#[inline(never)]
 fn outputs<P: DualMac, const GROUPS: usize>(
     mac: P,
     inputs: &Tile<GROUPS>,
     weights: &[I16x8],
     constants: &[i32],
-    found: &mut Outputs<GROUPS>,
+    mut rows: [&mut Pixels<GROUPS>; 2],
 ) {
     let (weights, _) = weights.as_chunks::<GROUPS>();
     let (weights, _) = weights.as_chunks::<POINTS>();
     let (weights, _) = weights.as_chunks::<2>();
     let (constants, _) = constants.as_chunks::<WORDS>();
     let (constants, _) = constants.as_chunks::<4>();
-    let mut sums = [[[0; 4]; 2]; 4];
     for (group, (weights, constants)) in weights.iter().zip(constants).enumerate().take(GROUPS) {
         for (pair, weights) in weights.iter().enumerate() {
-            mac.products(inputs, weights, &mut sums);
-            finish::<GROUPS, 0>(&sums, &constants[2 * pair], found, group, 2 * pair);
-            finish::<GROUPS, 1>(&sums, &constants[2 * pair + 1], found, group, 2 * pair + 1);
+            let sums = mac.products(inputs, weights);
+            finish::<GROUPS, 0>(&sums, &constants[2 * pair], &mut rows, group, 2 * pair);
+            finish::<GROUPS, 1>(&sums, &constants[2 * pair + 1], &mut rows, group, 2 * pair + 1);
         }
     }
 }
@@ -185,30 +190,21 @@ fn outputs<P: DualMac, const GROUPS: usize>(
 fn finish<const GROUPS: usize, const OUTPUT: usize>(
     sums: &Sums,
     constants: &[i32; WORDS],
-    found: &mut Outputs<GROUPS>,
+    rows: &mut [&mut Pixels<GROUPS>; 2],
     group: usize,
     channel: usize,
 ) {
     let [start, scale @ ..] = *constants;
     let requantizer = Requantizer::from_words(scale);
     let (group, channel) = (group % GROUPS, channel % 4);
-    for row in 0..2 {
+    for (row, pixels) in rows.iter_mut().enumerate() {
         for tile in 0..2 {
             let m = [0, 1, 2, 3].map(|column| sums[column][row][2 * OUTPUT + tile]);
             let middle = m[1].wrapping_add(start);
             let left = m[0].wrapping_add(middle).wrapping_add(m[2]);
             let right = middle.wrapping_sub(m[2]).wrapping_sub(m[3]);
-            found[row][2 * tile][group][channel] = requantizer.apply(left);
-            found[row][2 * tile + 1][group][channel] = requantizer.apply(right);
+            pixels[2 * tile][group][channel] = requantizer.apply(left);
+            pixels[2 * tile + 1][group][channel] = requantizer.apply(right);
         }
-    }
-}
-
-/// Writes up to four pixels.
-#[inline(always)]
-fn store<const GROUPS: usize>(pixels: &Pixels<GROUPS>, line: &mut [i8]) {
-    let (line, _) = line.as_chunks_mut::<4>();
-    for (to, from) in line.iter_mut().zip(pixels.as_flattened()) {
-        *to = *from;
     }
 }

@@ -37,6 +37,7 @@ pub fn pack_batch_norm(layer: &BatchNormRelu<'_>, words: &mut [i32]) -> Option<(
 }
 
 /// Does a step of a normalisation, `[pixels, channels]` to the same shape; true after the last.
+#[inline(never)]
 pub fn batch_norm(
     layer: &BatchNormRelu<'_>,
     words: &[i32],
@@ -91,9 +92,21 @@ pub fn add(layer: &Add, words: &[i32], x: &mut [i8], branch: &[i8], step: usize)
     };
     let (range, last) = piece(x.len(), VALUES, step);
     let (x, branch) = (established(x.get_mut(range.clone())), established(branch.get(range)));
+    add_terms(left, right, requantizer, x, branch);
+    clamp_all(x, (layer.act_min, layer.act_max));
+    last
+}
+
+/// `x = x + branch` out of both tables.
+#[inline(never)]
+fn add_terms(
+    left: &[i32; TABLE],
+    right: &[i32; TABLE],
+    requantizer: Requantizer,
+    x: &mut [i8],
+    branch: &[i8],
+) {
     for (x, &b) in x.iter_mut().zip(branch) {
         *x = requantizer.apply(left[usize::from(*x as u8)].wrapping_add(right[usize::from(b as u8)]));
     }
-    clamp_all(x, (layer.act_min, layer.act_max));
-    last
 }

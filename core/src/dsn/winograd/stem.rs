@@ -27,7 +27,8 @@ pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
         let (weights, constants) = words.split_first_chunk_mut::<POINTS>()?;
         let taps = taps.map(|w| i32::from(w as i8));
         if stem.stride == 1 {
-            *weights.as_chunks_mut().0.first_chunk_mut()? = filter_transform(|tap| taps[tap % 9]);
+            let columns = filter_transform(|tap| taps[tap % 9]).map(|[a, b, c, d]| [b, c, a, -d]);
+            *weights.as_chunks_mut().0.first_chunk_mut()? = columns;
         } else {
             *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
         }
@@ -84,6 +85,7 @@ fn pixel(line: &[i8], x: usize, border: i32) -> i32 {
 }
 
 /// A stride of 1, from pooled pixel `(y, first)` on.
+#[inline(never)]
 fn tiles(
     stem: &Conv<'_>,
     channels: &[[i32; WORDS]],
@@ -118,11 +120,10 @@ fn tiles(
 #[inline(always)]
 fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
     let (mut upper, mut lower) = ([0_i32; 4], [0_i32; 4]);
-    for (k, [d0, d1, d2, d3]) in points.iter().enumerate() {
-        let w = &words[4 * k..4 * k + 4];
-        let (a, b) = (w[1].wrapping_mul(*d1), w[2].wrapping_mul(*d2));
-        upper[k] = a.wrapping_add(b).wrapping_add(w[0].wrapping_mul(*d0));
-        lower[k] = a.wrapping_sub(b).wrapping_sub(w[3].wrapping_mul(*d3));
+    for (k, ([d0, d1, d2, d3], w)) in points.iter().zip(words.as_chunks::<4>().0).enumerate() {
+        let (a, b) = (w[0].wrapping_mul(*d1), w[1].wrapping_mul(*d2));
+        upper[k] = a.wrapping_add(b).wrapping_add(w[2].wrapping_mul(*d0));
+        lower[k] = a.wrapping_sub(b).wrapping_add(w[3].wrapping_mul(*d3));
     }
     let most = |m: [i32; 4]| {
         let left = m[0].wrapping_add(m[1]).wrapping_add(m[2]);
@@ -135,6 +136,7 @@ fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
 type Patch = [[i32; 5]; 5];
 
 /// A stride of 2, from pooled pixel `(y, first)` on.
+#[inline(never)]
 fn patches(
     stem: &Conv<'_>,
     channels: &[[i32; WORDS]],

@@ -1,7 +1,7 @@
 //! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
 //! [`DualMac`].
 //!
-//! The module is compiled only where the target promises the extension; that is what every `unsafe` below stands on.
+//! The module is compiled only for targets that have the extension: every `unsafe` below relies on it.
 
 #[cfg(arm_mve)]
 mod helium;
@@ -11,6 +11,7 @@ pub use helium::Helium;
 use crate::simd::conj_mac::{Iq, portable};
 use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
 use core::arch::{asm, global_asm};
+use core::mem::MaybeUninit;
 
 /// The DSP extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -126,16 +127,19 @@ impl DualMac for Dsp {
     }
 
     #[inline]
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
+        let mut sums = MaybeUninit::uninit();
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
         // SAFETY: each reads 16 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words.
         match GROUPS {
-            2 => unsafe { sdp3_products_2(x, w, sums) },
-            4 => unsafe { sdp3_products_4(x, w, sums) },
-            8 => unsafe { sdp3_products_8(x, w, sums) },
-            _ => plain_products::<Self, GROUPS>(inputs, weights, sums),
+            2 => unsafe { sdp3_products_2(x, w, sums.as_mut_ptr()) },
+            4 => unsafe { sdp3_products_4(x, w, sums.as_mut_ptr()) },
+            8 => unsafe { sdp3_products_8(x, w, sums.as_mut_ptr()) },
+            _ => return plain_products::<Self, GROUPS>(inputs, weights),
         }
+        // SAFETY: each has written them all.
+        unsafe { sums.assume_init() }
     }
 }
 

@@ -5,17 +5,21 @@ use crate::cli::context::Context;
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
-use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::Radar, trace::Trace, world::World};
+use sdp3::optimizer::campaign::{
+    self, Loop, Settings, plain,
+    radar::{Radar, Station},
+    trace::Trace,
+    world::World,
+};
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
-use sdp3::predictor::receiver::OwnedBuffers;
+use sdp3::predictor::memory::OwnedMemory;
 use sdp3::report::{plot::on_white, timeline};
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
-use sdp3_core::dsn::{Model, Portable};
-use sdp3_core::early_exit::{Anytime, EXITS, Exit};
+use sdp3_core::dsn::Model;
+use sdp3_core::early_exit::{EXITS, EarlyExit};
 use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
-use sdp3_core::station::Station;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -119,16 +123,16 @@ fn play(job: &Job, args: &WorldArgs, settings: &Settings) -> Result<(Campaign, S
     let mut trace = Trace::new(&scenario.frame);
     let bytes = if settings.recognise_every > 0 { models(job)? } else { Vec::new() };
     let parsed = bytes.iter().map(|b| Model::parse(b)).collect::<Result<Vec<_>, _>>()?;
-    let mut buffers = parsed.last().map(OwnedBuffers::for_model);
-    let slots = match &mut buffers {
+    let mut memory = parsed.last().map(OwnedMemory::for_model);
+    let slots = match &mut memory {
         None => Loop::Schedule(Box::new(scheduler)),
-        Some(buffers) => {
+        Some(memory) => {
             let exits = match args.threshold {
                 Some(_) => fitted(job, &parsed)?,
                 None => vec![largest(&parsed, settings.sensing_slots)?],
             };
-            let receiver = Anytime::new(exits, args.threshold.unwrap_or(2.0) as f32, buffers.view())?;
-            let station = Station::new(scheduler, receiver);
+            let pipeline = memory.early_exits(exits, args.threshold.unwrap_or(2.0) as f32)?;
+            let station = Station::new(scheduler, pipeline);
             Loop::Station(Box::new(Radar::new(station, scenario, rho(scenario), job.seed)))
         }
     };
@@ -144,7 +148,7 @@ fn play(job: &Job, args: &WorldArgs, settings: &Settings) -> Result<(Campaign, S
 }
 
 /// Every model as an exit, with the weights that `sdp3 anytime` fitted.
-fn fitted<'m>(job: &Job, models: &[Model<'m>]) -> Result<Vec<Exit<'m, Portable>>, Failure> {
+fn fitted<'m>(job: &Job, models: &[Model<'m>]) -> Result<Vec<EarlyExit<'m>>, Failure> {
     let known: AnytimeResult =
         job.output.read_json("anytime.json", "`sdp3 anytime` with the same --out makes it")?;
     let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
@@ -155,20 +159,20 @@ fn fitted<'m>(job: &Job, models: &[Model<'m>]) -> Result<Vec<Exit<'m, Portable>>
     let exit = |(model, known): (&Model<'m>, &AnytimeExit)| {
         let mut weights = [0; EXITS];
         weights.iter_mut().zip(&known.weights).for_each(|(to, from)| *to = *from);
-        Exit { model: model.clone(), kernels: Portable, weights }
+        EarlyExit { model: *model, weights }
     };
     Ok(models.iter().zip(&known.exits).map(exit).collect())
 }
 
 /// The model of most sensing slots that a period has, as the only exit.
-fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<Exit<'m, Portable>, Failure> {
+fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<EarlyExit<'m>, Failure> {
     let fits = models.iter().filter(|m| m.sensing_slots() <= sensing_slots as usize);
     let model = fits.max_by_key(|m| m.sensing_slots());
     let model = model.ok_or_else(|| {
         let least = models.iter().map(Model::sensing_slots).min().unwrap_or(0);
         format!("--sensing-slots = {sensing_slots} is outside its legal range: at least {least}, the smallest model of --out")
     })?;
-    Ok(Exit::alone(model.clone(), Portable))
+    Ok(EarlyExit::single(*model))
 }
 
 /// Decisions per second of the campaign, of the core's scheduler alone, and of the plainest loop, one after the other.

@@ -55,12 +55,43 @@ pub struct Header {
     pub beta: f64,
     /// Frames of the image.
     pub frames: usize,
+    /// The radar.
+    pub radar: Radar,
+}
+
+/// Radar fields of a model file: eight bytes, or zeros for the paper's.
+#[derive(Debug, Clone, Copy)]
+pub struct Radar {
+    /// Samples of a sweep.
+    pub samples: usize,
+    /// Range samples kept.
+    pub kept: usize,
+    /// Real samples.
+    pub real: bool,
+    /// Dechirped in the sensor.
+    pub analog: bool,
+    /// Bins of a range sample, 0 without a gate.
+    pub bins: usize,
+    /// First bin of the gate.
+    pub first_bin: usize,
 }
 
 /// Reads the header.
 pub fn header(model: &[u8]) -> Header {
     let half = |at: usize| usize::from(model[at]) + 256 * usize::from(model[at + 1]);
+    let radar = match half(48) {
+        0 => Radar { samples: 1000, kept: 8, real: false, analog: false, bins: 0, first_bin: 0 },
+        samples => Radar {
+            samples,
+            kept: usize::from(model[50]),
+            real: model[52] & 1 != 0,
+            analog: model[52] & 4 != 0,
+            bins: usize::from(model[53]),
+            first_bin: half(54),
+        },
+    };
     Header {
+        radar,
         first: usize::from(model[14]),
         last: usize::from(model[15]),
         window: half(16),

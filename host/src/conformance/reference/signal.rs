@@ -1,7 +1,8 @@
-//! Dechirp, Gram matrix, weights, projection, STFT and grey levels by their definitions.
+//! Dechirp, range gate, Gram matrix, weights, projection, STFT and grey levels by their definitions.
 //!
 //! Paper, eqs. (X), (Y) and (z); integer scalings as stated in the core's documentation.
 
+use super::network::Radar;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
@@ -10,21 +11,73 @@ pub type Int = (i64, i64);
 /// Complex f64.
 pub type Float = Complex<f64>;
 
-/// Beat of a slot: 8 sums of 125 products with the conjugate chirp, divided by 2^12, halves up.
-pub fn beat(slot: &[(i16, i16)]) -> Vec<Int> {
-    let mut sums = vec![(0_i64, 0_i64); 8];
-    for (index, &(i, q)) in slot.iter().enumerate() {
-        let n = (index + 1) as f64;
-        // reduce the phase before the cosine: pi n^2 / 1000 modulo 2 pi
-        let phase = PI * ((n * n) % 2000.0) / 1000.0;
-        let c = libm::round(32767.0 * libm::cos(phase)) as i64;
-        let s = libm::round(32767.0 * libm::sin(phase)) as i64;
-        let (i, q) = (i64::from(i), i64::from(q));
-        let sum = &mut sums[index / 125];
-        sum.0 += i * c + q * s;
-        sum.1 += q * c - i * s;
+/// Round of x / 2^shift, halves up.
+fn shifted(x: i64, shift: u32) -> i64 {
+    (x + (1 << shift) / 2).div_euclid(1 << shift)
+}
+
+/// Least k with n <= 2^k.
+fn bits(n: usize) -> u32 {
+    (0..).find(|&k| n <= 1 << k).expect("some power")
+}
+
+/// Q1.15 of a real number.
+fn q15(x: f64) -> i64 {
+    libm::round(32767.0 * x) as i64
+}
+
+/// Sample n of the chirp of L samples, t = (n + 1) / f_s.
+fn chirp(n: usize, samples: usize) -> Int {
+    // reduce the phase before the cosine: pi n^2 / L modulo 2 pi
+    let phase = PI * (((n + 1) * (n + 1)) % (2 * samples)) as f64 / samples as f64;
+    (q15(libm::cos(phase)), q15(libm::sin(phase)))
+}
+
+/// Sample n of what a range sample's bins of the DFT, Hann-windowed and with their phases from the sweep's middle, are a product with.
+fn gate(n: usize, range: usize, radar: &Radar) -> Int {
+    let u = (n as f64 + 0.5) / radar.samples as f64 - 0.5;
+    let hann = 0.5 + 0.5 * libm::cos(2.0 * PI * u);
+    let mut sum = Float::new(0.0, 0.0);
+    for bin in radar.first_bin + range * radar.bins..radar.first_bin + (range + 1) * radar.bins {
+        sum += Float::from_polar(1.0, 2.0 * PI * bin as f64 * u);
     }
-    sums.into_iter().map(|(re, im)| ((re + 2048).div_euclid(4096), (im + 2048).div_euclid(4096))).collect()
+    let mean = sum * hann / radar.bins as f64;
+    (q15(mean.re), q15(mean.im))
+}
+
+/// Range samples of a slot, eight with zeros behind those that are kept.
+///
+/// Block sums of the samples times the conjugate chirp, of the samples as they are, or all samples times the conjugate gate; the
+/// sum is divided by a power of two, halves up.
+pub fn beat(slot: &[i16], radar: &Radar) -> Vec<Int> {
+    let samples: Vec<Int> = match radar.real {
+        true => slot.iter().map(|&x| (i64::from(x), 0)).collect(),
+        false => slot.chunks(2).map(|z| (i64::from(z[0]), i64::from(z[1]))).collect(),
+    };
+    let block = radar.samples / radar.kept;
+    let shift = match (radar.bins, radar.analog) {
+        (0, false) => 5 + bits(block),
+        (0, true) => bits(block).saturating_sub(9),
+        _ => 5 + bits(radar.samples),
+    };
+    let mut kept = vec![(0, 0); 8];
+    for (range, kept) in kept.iter_mut().take(radar.kept).enumerate() {
+        let mut sum = (0, 0);
+        for (n, &(i, q)) in samples.iter().enumerate() {
+            let (c, s) = match (radar.bins, radar.analog) {
+                (0, _) if n / block != range => (0, 0),
+                (0, false) => chirp(n, radar.samples),
+                (0, true) => (1, 0),
+                _ => gate(n, range, radar),
+            };
+            sum.0 += i * c + q * s;
+            sum.1 += q * c - i * s;
+        }
+        // a sensor delivers sent times conjugate received
+        let im = if radar.analog { -sum.1 } else { sum.1 };
+        *kept = (shifted(sum.0, shift), shifted(im, shift));
+    }
+    kept
 }
 
 /// Upper triangle of the sum over slots of b b^H, row by row.
@@ -270,6 +323,49 @@ pub fn image(levels: &[Option<i64>], range: i64) -> Vec<i8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn range_samples_are_the_cores_for_every_kind_of_radar() {
+        use crate::conformance::reference::network::Radar;
+        use crate::formats::slots::Slots;
+        use sdp3_core::config::{Dechirp, RadarConfig, RangeGate, SampleFormat};
+        let (paper, iwr, bgt60) = (RadarConfig::PAPER, RadarConfig::IWR, RadarConfig::BGT60);
+        let gate = |first_bin, bins_per_sample| Some(RangeGate { first_bin, bins_per_sample });
+        let blocks = RadarConfig { dechirp: Dechirp::Analog, range_samples: 4, ..paper };
+        let mut rng = crate::simulator::random::Random::new(3, 0, 0, 0);
+        for config in [
+            paper,
+            iwr,
+            bgt60,
+            blocks,
+            RadarConfig { samples: 64, ..paper },
+            RadarConfig { samples: 2048, range_samples: 1, ..paper },
+            RadarConfig { samples: 2048, range_samples: 1, ..blocks },
+            RadarConfig { samples: 2048, gate: gate(100, 32), ..iwr },
+            RadarConfig { samples: 300, range_samples: 3, gate: gate(0, 1), ..bgt60 },
+        ] {
+            let values = config.values_per_slot();
+            let mut slots = Slots::with_capacity(values, 20);
+            slots.values.extend((0..20 * values).map(|n| match n / values {
+                0 => 0,
+                1 => i16::MIN,
+                2 => i16::MAX,
+                _ => rng.bits() as i16,
+            }));
+            let radar = Radar {
+                samples: config.samples.into(),
+                kept: config.range_samples.into(),
+                real: config.format == SampleFormat::Real,
+                analog: config.dechirp == Dechirp::Analog,
+                bins: config.gate.map_or(0, |gate| gate.bins_per_sample.into()),
+                first_bin: config.gate.map_or(0, |gate| gate.first_bin.into()),
+            };
+            for (slot, found) in slots.iter().zip(slots.beats(config).unwrap()) {
+                let found: Vec<Int> = found.iter().map(|z| (i64::from(z.re), i64::from(z.im))).collect();
+                assert_eq!(found, beat(slot, &radar), "{config:?}");
+            }
+        }
+    }
 
     #[test]
     fn eigenpairs_rebuild_their_matrix() {

@@ -7,6 +7,7 @@ use super::{Work, part};
 use crate::PROGRAM;
 use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
+use sdp3_core::config::SampleFormat;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 use sha2::{Digest, Sha256};
@@ -15,7 +16,7 @@ use std::io::{self, Write};
 /// Its name.
 pub const NAME: &str = "manifest.json";
 
-#[derive(Serialize)]
+#[derive(Clone, Copy, Serialize)]
 struct Array {
     name: &'static str,
     dtype: &'static str,
@@ -34,14 +35,14 @@ const ARRAYS: [Array; 4] = [
         name: "beat",
         dtype: "int32",
         axes: &["recording", "slot", "fast_time", "re/im"],
-        meaning: "dechirped sums of 125 samples; 1000 are one ADC LSB of echo",
+        meaning: "range samples: dechirped sums of blocks of a sweep (of 125 samples, 1000 are one ADC LSB of echo), or cells of the range gate",
     },
     Array { name: "label", dtype: "uint8", axes: &["recording"], meaning: "index into classes" },
     Array {
         name: "raw",
         dtype: "int16",
         axes: &["recording", "slot", "sample", "i/q"],
-        meaning: "converter output in ADC LSB at 10 MHz",
+        meaning: "converter output in ADC LSB at the sampling rate of the scenario's radar",
     },
 ];
 
@@ -90,7 +91,11 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
         }
         Ok(files)
     };
-    let arrays = if work.request.raw { &ARRAYS[..] } else { &ARRAYS[..3] };
+    let mut arrays = ARRAYS;
+    if work.scenario.radar.config().format == SampleFormat::Real {
+        arrays[3].axes = &["recording", "slot", "sample"];
+    }
+    let arrays = if work.request.raw { &arrays[..] } else { &arrays[..3] };
     let manifest = Manifest {
         program: PROGRAM,
         scenario: work.scenario,

@@ -5,7 +5,8 @@
 //! every file depend on scenario, rho, seed and options alone.
 //!
 //! An NPZ holds `image` int8 `[recording, 64, frames]`, `beat` int32 `[recording, slot, 8, 2]` (re, im), `label` uint8
-//! `[recording]` and, if asked for, `raw` int16 `[recording, slot, 1000, 2]` (I, Q), whose beats `beat` then are.
+//! `[recording]` and, if asked for, `raw` int16 `[recording, slot, samples, 2]` (I, Q), or `[recording, slot, samples]` of a real
+//! converter, whose beats `beat` then are.
 
 mod manifest;
 pub mod part;

@@ -5,14 +5,15 @@
 
 use super::record::{FileRecord, TruthRecord};
 use super::{Work, sigmf};
+use crate::formats::slots::Slots;
 use crate::output::{Output, OutputError};
 use crate::predictor::spectrograms::images_of_beats;
 use crate::simulator::body::motion::Truth;
 use crate::simulator::dataset::{Set, beats, recording};
 use npyz::zip::{CompressionMethod, DateTime, ZipWriter, write::FileOptions};
 use rayon::prelude::*;
-use sdp3_core::dims::{BEATS, ROWS, SLOT_SAMPLES, Slot};
-use sdp3_core::signal::dechirp::dechirp;
+use sdp3_core::config::SampleFormat;
+use sdp3_core::dims::{BEATS, ROWS};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Seek, Write};
 use std::ops::Range;
@@ -48,7 +49,7 @@ pub fn sidecar_name(part: u32) -> String {
 #[derive(Debug, Clone)]
 pub struct One {
     /// Raw slots, if they are wanted.
-    pub slots: Vec<Slot>,
+    pub slots: Option<Slots>,
     /// `[64, frames]`, of the largest N_s.
     pub image: Vec<i8>,
     /// `[slow_time, fast_time, 2]`.
@@ -68,22 +69,15 @@ pub fn one(work: &Work, index: u32) -> One {
     let slots = work.slots();
     let (slots, beats, truth) = if request.raw || request.sigmf {
         let recording = recording(scenario, *rho, request.seed, Set::Train, class, n, slots);
-        let beats = recording.slots.iter().map(dechirp).collect();
-        (recording.slots, beats, recording.truth)
+        let beats = recording.slots.beats(scenario.radar.config()).unwrap_or_default();
+        (Some(recording.slots), beats, recording.truth)
     } else {
         let (beats, truth) = beats(scenario, *rho, request.seed, Set::Train, class, n, slots);
-        (Vec::new(), beats, truth)
+        (None, beats, truth)
     };
     let image = images_of_beats(scenario, &beats).pop().unwrap_or_default();
     let beat = beats.iter().flat_map(|beat| beat.map(|z| [z.re, z.im])).flatten().collect();
     One { slots, image, beat, label: (index % count) as u8, truth }
-}
-
-/// Raw slots as bytes: I and Q in turn, 16 bits each, little-endian.
-fn raw_bytes(slots: &[Slot]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(slots.len() * SLOT_SAMPLES * 4);
-    slots.iter().flatten().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
-    bytes
 }
 
 /// Adds an array to the archive: its header, then what `rows` gives, which must be as many bytes as the shape says.
@@ -173,20 +167,21 @@ fn fill<W: Write + Seek>(
         let mut one = one(work, index);
         let mut described = Vec::new();
         if work.request.sigmf {
-            described = sigmf::write(work, index, &one.truth, &raw_bytes(&one.slots), output)
-                .map_err(io::Error::other)?;
+            let raw = one.slots.as_ref().map(Slots::to_le_bytes).unwrap_or_default();
+            described = sigmf::write(work, index, &one.truth, &raw, output).map_err(io::Error::other)?;
         }
         if !work.request.raw {
-            one.slots = Vec::new();
+            one.slots = None;
         }
         tick();
         Ok((one, described))
     };
     let (n, slots) = (range.len(), work.slots() as usize);
+    let config = work.scenario.radar.config();
     let mut all = Vec::with_capacity(n);
     // the raw slots, if wanted, come first and go to the file as they are made
     let step = match work.request.raw {
-        true => (RAW_HELD / (slots * size_of::<Slot>()).max(1)).clamp(1, n),
+        true => (RAW_HELD / (slots * 2 * config.values_per_slot()).max(1)).clamp(1, n),
         false => n,
     };
     let mut batch = |from: u32| -> io::Result<Vec<One>> {
@@ -197,11 +192,16 @@ fn fill<W: Write + Seek>(
         Ok(ones)
     };
     if work.request.raw {
-        array(archive, "raw", ("<i2", 2), &[n, slots, SLOT_SAMPLES, 2], |put| {
+        let samples = usize::from(config.samples);
+        let shape = match config.format {
+            SampleFormat::Complex => vec![n, slots, samples, 2],
+            SampleFormat::Real => vec![n, slots, samples],
+        };
+        array(archive, "raw", ("<i2", 2), &shape, |put| {
             for from in range.clone().step_by(step) {
                 let mut ones = batch(from)?;
                 for one in &mut ones {
-                    put(&raw_bytes(&std::mem::take(&mut one.slots)))?;
+                    put(&one.slots.take().as_ref().map(Slots::to_le_bytes).unwrap_or_default())?;
                 }
                 all.extend(ones);
             }

@@ -1,14 +1,13 @@
 //! SigMF 1.2.6: a recording's raw slots as `recording-00000.sigmf-data`, described by `recording-00000.sigmf-meta`.
 //!
-//! <https://sigmf.org>. The data is 16-bit I and Q in turn, little-endian, one slot after the other.
+//! <https://sigmf.org>. The data is 16-bit I and Q in turn, or real values, little-endian, one slot after the other.
 
 use super::Work;
 use super::record::{FileRecord, hex};
 use crate::PROGRAM;
 use crate::output::{Output, OutputError, to_json};
 use crate::simulator::body::motion::Truth;
-use crate::simulator::radar::SAMPLE_RATE;
-use sdp3_core::dims::SLOT_SAMPLES;
+use sdp3_core::config::SampleFormat;
 use serde::Serialize;
 use sha2::{Digest, Sha512};
 
@@ -50,7 +49,7 @@ struct Global<'a> {
     #[serde(rename = "core:extensions")]
     extensions: [Extension; 1],
     #[serde(rename = "sdp3:slot_samples")]
-    slot_samples: usize,
+    slot_samples: u16,
     #[serde(rename = "sdp3:slot_rate")]
     slot_rate_hz: f64,
 }
@@ -97,11 +96,14 @@ pub fn write(
 ) -> Result<Vec<FileRecord>, OutputError> {
     let Work { scenario, rho, request } = work;
     let interval_s = scenario.interval_s();
-    let slots = work.slots();
+    let (slots, samples) = (work.slots(), scenario.radar.samples);
     let meta = Meta {
         global: Global {
-            datatype: "ci16_le",
-            sample_rate: SAMPLE_RATE,
+            datatype: match scenario.radar.config().format {
+                SampleFormat::Complex => "ci16_le",
+                SampleFormat::Real => "ri16_le",
+            },
+            sample_rate: scenario.radar.sample_rate_hz,
             version: VERSION,
             num_channels: 1,
             sha512: hex(&Sha512::digest(raw)),
@@ -109,18 +111,18 @@ pub fn write(
             recorder: PROGRAM,
             hw: "simulated radar",
             description: format!(
-                "Recording {index} of scenario {}, rho {rho}, seed {}: {slots} raw radar slots of {SLOT_SAMPLES} samples, one \
+                "Recording {index} of scenario {}, rho {rho}, seed {}: {slots} raw radar slots of {samples} samples, one \
                  after the other; a slot begins every {interval_s} s.",
                 scenario.name, request.seed
             ),
             extensions: [Extension { name: "sdp3", version: "1.0.0", optional: true }],
-            slot_samples: SLOT_SAMPLES,
+            slot_samples: samples,
             slot_rate_hz: 1.0 / interval_s,
         },
         captures: [Capture { sample_start: 0, frequency: scenario.radar.carrier_hz }],
         annotations: [Annotation {
             sample_start: 0,
-            sample_count: u64::from(slots) * SLOT_SAMPLES as u64,
+            sample_count: u64::from(slots) * u64::from(samples),
             label: truth.class.name(),
             comment: format!(
                 "height {} m, speed {} m/s, heading {} deg",

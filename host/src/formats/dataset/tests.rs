@@ -206,8 +206,7 @@ fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     // recording 100, made alone
     let direct =
         crate::simulator::dataset::recording(&case.scenario, 0.997, 3, Set::Train, Class::ALL[0], 20, 40);
-    let slot: Vec<i16> = direct.slots[0].iter().flat_map(|s| [s.i, s.q]).collect();
-    assert_eq!(raw[..2000], slot[..]);
+    assert_eq!(raw[..2000], direct.slots[0]);
     let data = std::fs::read(case.path().join("recording-00104.sigmf-data")).unwrap();
     let samples: Vec<i16> = data.chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]])).collect();
     assert_eq!(raw[4 * 80_000..], samples[..]);
@@ -269,4 +268,34 @@ fn parts_of_others_are_refused_by_array_value_and_range() {
     ] {
         words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
     }
+}
+
+#[test]
+fn raw_slots_of_a_real_sensor_are_stored_and_measured_again() {
+    let mut case = Case::new(true, true);
+    case.scenario.radar = crate::scenario::builtin::named(Path::new("bgt60")).unwrap().scenario().radar;
+    case.scenario.check("test").unwrap();
+    case.make(3, 2, "1/1").unwrap();
+    let mut archive = NpzArchive::open(case.path().join("part-00000.npz")).unwrap();
+    let raw = archive.by_name("raw").unwrap().unwrap();
+    assert_eq!(raw.shape(), [10, 40, 128]);
+    let raw: Vec<i16> = raw.into_vec().unwrap();
+    assert!(raw.iter().all(|value| (-2048..2048).contains(value)) && raw.iter().any(|value| *value != 0));
+    let meta: Value =
+        serde_json::from_slice(&std::fs::read(case.path().join("recording-00004.sigmf-meta")).unwrap())
+            .unwrap();
+    assert_eq!(meta["global"]["core:datatype"], "ri16_le");
+    assert_eq!(
+        (&meta["global"]["core:sample_rate"], &meta["global"]["sdp3:slot_samples"]),
+        (&2e6.into(), &128.into())
+    );
+    assert_eq!(case.manifest()["arrays"][3]["axes"].as_array().unwrap().len(), 3);
+    // what was stored is read as slots of that radar, but for being too short
+    let file = case.path().join("recording-00004.sigmf-meta");
+    let short = crate::formats::measured::read(&file, &Default::default()).unwrap_err().to_string();
+    assert!(short.contains("length (s)") && short.contains("0.040"), "{short}");
+    Stored::open(case.path())
+        .unwrap()
+        .each(|part| assert!(part.iter().all(|(_, beats)| beats.len() == 40)))
+        .unwrap();
 }

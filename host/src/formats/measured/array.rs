@@ -7,15 +7,20 @@
 //! | complex | `[time]` | one range cell |
 //! | complex | `[time, cell]` | range cells; the one in which most moves is taken |
 //! | complex | `[frame, sweep, cell]` | a pulsed radar; the sweeps of a frame are averaged |
-//! | int16 | `[slot, 1000, 2]` | raw FMCW slots, I and Q |
+//! | int16 | `[slot, samples, 2]` | raw FMCW slots, I and Q |
+//! | int16 | `[slot, samples]` | raw FMCW slots of a real converter |
 
 use super::{Contents, MOST, MeasuredError, Samples, Source};
+use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
-use sdp3_core::dims::{Iq, SLOT_SAMPLES, Slot};
+use std::ops::RangeInclusive;
 
 /// Legal shapes, for errors.
-const SHAPES: &str =
-    "real [time] or [time, 2], complex [time], [time, cell] or [frame, sweep, cell], int16 [slot, 1000, 2]";
+const SHAPES: &str = "real [time] or [time, 2], complex [time], [time, cell] or [frame, sweep, cell], int16 [slot, samples, 2] or [slot, samples] with \
+     64 to 2048 samples";
+
+/// Samples that a sweep may have.
+pub(super) const SAMPLES: RangeInclusive<usize> = 64..=2048;
 
 /// Numbers of an array.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +60,12 @@ impl Array {
             return Err(source.value("numbers", read, format!("{all}, as the shape says")));
         }
         let samples = match (self.numbers, self.shape.as_slice()) {
-            (Numbers::Int16(values), &[_, SLOT_SAMPLES, 2]) => Samples::Slots(slots(&values)),
+            (Numbers::Int16(values), &[_, samples, 2]) if SAMPLES.contains(&samples) => {
+                Samples::Slots(Slots { values, per_slot: 2 * samples })
+            }
+            (Numbers::Int16(values), &[_, samples]) if SAMPLES.contains(&samples) => {
+                Samples::Slots(Slots { values, per_slot: samples })
+            }
             (Numbers::Int16(values), shape @ (&[_] | &[_, 2])) => {
                 real(values.into_iter().map(f64::from).collect(), shape)
             }
@@ -76,12 +86,6 @@ fn real(values: Vec<f64>, shape: &[usize]) -> Samples {
         [_] => Samples::Real(values),
         _ => Samples::Complex(values.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect()),
     }
-}
-
-/// Raw slots of I and Q in turn.
-pub(super) fn slots(values: &[i16]) -> Vec<Slot> {
-    let slots = values.as_chunks::<{ 2 * SLOT_SAMPLES }>().0.iter();
-    slots.map(|slot| std::array::from_fn(|n| Iq { i: slot[2 * n], q: slot[2 * n + 1] })).collect()
 }
 
 /// Mean over the sweeps of each frame.

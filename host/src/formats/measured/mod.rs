@@ -10,8 +10,8 @@ mod npy;
 mod sigmf;
 mod wav;
 
+use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
-use sdp3_core::dims::Slot;
 use std::path::{Path, PathBuf};
 
 /// Most numbers read from a file.
@@ -38,7 +38,7 @@ pub enum Samples {
     /// Complex slow time of one range cell.
     Complex(Vec<Complex64>),
     /// Raw FMCW slots of the scenario's radar.
-    Slots(Vec<Slot>),
+    Slots(Slots),
 }
 
 impl Samples {
@@ -67,7 +67,7 @@ impl Samples {
         }
     }
 
-    /// Mean power; of slots, of their samples against full scale.
+    /// Mean power; of slots, of their complex samples, or those that real ones stand for, against full scale.
     fn power(&self) -> f64 {
         let mean = |sum: f64, n: usize| sum / n.max(1) as f64;
         match self {
@@ -75,8 +75,7 @@ impl Samples {
             Self::Complex(z) => mean(z.iter().map(|z| z.norm_sqr()).sum(), z.len()),
             Self::Slots(slots) => {
                 let square = |v: i16| (f64::from(v) / 32768.0).powi(2);
-                let all = slots.iter().flatten();
-                mean(all.clone().map(|s| square(s.i) + square(s.q)).sum(), all.count())
+                2.0 * mean(slots.values.iter().map(|&v| square(v)).sum(), slots.values.len())
             }
         }
     }

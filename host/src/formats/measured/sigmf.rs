@@ -4,11 +4,11 @@
 //! the carrier the first capture's `core:frequency`. Recordings that say `sdp3:slot_samples` and `sdp3:slot_rate` in their
 //! global object hold raw slots, one after the other.
 
-use super::array::slots;
+use super::array::SAMPLES;
 use super::{Contents, MOST, MeasuredError, Samples, Source};
 use crate::bounded;
+use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
-use sdp3_core::dims::SLOT_SAMPLES;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -141,13 +141,18 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     }
     let carrier_hz = captures.first().and_then(|c| c.frequency);
     if let Some(samples) = global.slot_samples {
-        if samples != SLOT_SAMPLES || global.datatype != "ci16_le" || bytes.len() % (4 * SLOT_SAMPLES) != 0 {
+        let sixteen = matches!(global.datatype.as_str(), "ci16_le" | "ri16_le");
+        if !SAMPLES.contains(&samples) || !sixteen || bytes.len() % (item * samples) != 0 {
             let what = format!("{samples} of {} in {} bytes", global.datatype, bytes.len());
-            return Err(source.value("sdp3:slot_samples", what, "whole slots of 1000 ci16_le"));
+            return Err(source.value(
+                "sdp3:slot_samples",
+                what,
+                "whole slots of 64 to 2048 ci16_le or ri16_le",
+            ));
         }
         let values: Vec<i16> = bytes.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect();
         return Ok(Contents {
-            samples: Samples::Slots(slots(&values)),
+            samples: Samples::Slots(Slots { values, per_slot: samples * item / 2 }),
             rate_hz: global.slot_rate_hz,
             carrier_hz,
         });

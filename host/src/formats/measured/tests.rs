@@ -108,14 +108,16 @@ fn arrays_mean_what_their_shapes_say() {
     assert!(matches!(&signal.samples, Samples::Real(x) if x[3] == 3.0));
     let raw: Vec<i16> = (0..300 * 2000).map(|n| (n % 1000) as i16).collect();
     let signal = read(&folder.npy("raw.npy", &[300, 1000, 2], &raw), &stated()).unwrap();
-    assert!(matches!(&signal.samples, Samples::Slots(s) if s.len() == 300 && s[1][3].q == 7));
+    assert!(matches!(&signal.samples, Samples::Slots(s) if s.len() == 300 && s[1][7] == 7));
+    let signal = read(&folder.npy("real-slots.npy", &[1200, 500], &raw), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Slots(s) if s.len() == 1200 && s[3][7] == 507));
 }
 
 #[test]
 fn arrays_that_mean_nothing_are_refused() {
     let folder = Folder::new();
     let error = refusal(&folder.npy("cube.npy", &[4, 5, 5], &[1.0_f64; 100]), &stated());
-    assert!(error.contains("shape = [4, 5, 5]") && error.contains("[slot, 1000, 2]"), "{error}");
+    assert!(error.contains("shape = [4, 5, 5]") && error.contains("[slot, samples, 2]"), "{error}");
     let mut values = [1.0_f64; 400];
     values[77] = f64::NAN;
     let error = refusal(&folder.npy("nan.npy", &[400], &values), &stated());

@@ -2,6 +2,7 @@
 //!
 //! The ranges are the format's own; the radar module's parser refuses what this would.
 
+use sdp3_core::dsn::ModelError;
 use thiserror::Error;
 
 use super::{KIND_HEAD, NAME_BYTES, QuantizedNetwork, Weighted};
@@ -19,6 +20,9 @@ pub enum ModelFileError {
         /// What it may hold.
         legal: String,
     },
+    /// The radar module refuses it.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// The file system refused.
     #[error("model file {path}: {source}")]
     Io {
@@ -34,6 +38,12 @@ impl QuantizedNetwork {
     pub(super) fn check(&self) -> Result<(), ModelFileError> {
         let p = &self.preprocessing;
         let c = self.channels();
+        legal(
+            "radar",
+            format!("{:?}", p.radar),
+            p.radar.is_valid(),
+            "a configuration that the radar module takes",
+        )?;
         within("first_kept", p.first_kept, 1, 8)?;
         within("last_kept", p.last_kept, p.first_kept, 8)?;
         within("window_len", p.window_len, 2, 256)?;

@@ -2,6 +2,7 @@
 //!
 //! `sdp3_core::dsn::Model::parse` has judged every byte before the first is read here.
 
+use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Model, ModelError};
 
 use super::{Add, Block, HEADER_BYTES, NAME_BYTES, Preprocessing, QuantizedNetwork, Weighted};
@@ -107,7 +108,9 @@ fn header(bytes: &[u8]) -> Option<Header> {
     let kaiser_beta = r.f32();
     let [channels, blocks, classes, _] = r.take();
     let (carrier_khz, slow_time_us) = (u32::from_le_bytes(r.take()), u32::from_le_bytes(r.take()));
+    r.bytes(super::RADAR_AT - 44);
     let preprocessing = Preprocessing {
+        radar: RadarConfig::from_bytes(r.take())?,
         sensing_slots,
         first_kept,
         last_kept,

@@ -16,7 +16,7 @@ use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
 use invariants::Invariants;
 use radar::Radar;
-use sdp3_core::scheduler::{PlanError, USERS, Scheduler, SensingLayout, SlotUse};
+use sdp3_core::scheduler::{PlanError, Scheduler, SensingLayout, SlotUse, USERS};
 use trace::Trace;
 use world::World;
 
@@ -43,7 +43,7 @@ pub struct Settings {
     pub recognise_every: u32,
 }
 
-/// The scheduler alone, or with the radar's receiver.
+/// The scheduler alone, or with the radar's pipeline.
 pub enum Loop<'m, 'b> {
     /// Decisions alone.
     Schedule(Box<Scheduler>),
@@ -55,7 +55,7 @@ impl Loop<'_, '_> {
     fn scheduler(&mut self) -> &mut Scheduler {
         match self {
             Loop::Schedule(scheduler) => scheduler,
-            Loop::Station(radar) => radar.station.scheduler(),
+            Loop::Station(radar) => &mut radar.station.scheduler,
         }
     }
 
@@ -154,9 +154,9 @@ pub fn play(
                     if let Loop::Station(radar) = &mut slots
                         && !lost
                     {
-                        let before = radar.station.scheduler().sensing_left();
+                        let before = radar.station.scheduler.sensing_left();
                         radar.sense(&mut recognitions);
-                        ended |= radar.station.scheduler().sensing_left() != before;
+                        ended |= radar.station.scheduler.sensing_left() != before;
                     }
                 }
                 SlotUse::Idle => idle += 1,
@@ -195,7 +195,10 @@ pub fn play(
         let changed = world.change(settings, scenario);
         let scheduler = slots.scheduler();
         if changed.rates {
-            rates(&world).into_iter().enumerate().for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
+            rates(&world)
+                .into_iter()
+                .enumerate()
+                .for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
         }
         if let Some(n) = changed.sensing_slots {
             // one of the scenario's: it fits

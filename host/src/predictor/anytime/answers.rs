@@ -2,7 +2,7 @@
 
 use super::super::accuracy::AccuracyError;
 use super::super::spectrograms::{images_of, images_of_beats, item};
-use crate::predictor::receiver::OwnedBuffers;
+use crate::inference::Classifier;
 use crate::scenario::Scenario;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
@@ -66,7 +66,7 @@ pub fn collect(
     let most = scenario.largest_sensing_slots();
     let count = per_class * crate::scenario::Class::ALL.len() as u32;
     let done = AtomicU64::new(0);
-    let answer = |index: u32| {
+    let answer = |classifiers: &mut Vec<Classifier>, index: u32| {
         let (class, n) = item(index);
         let images = match part {
             Part::Test => {
@@ -77,16 +77,13 @@ pub fn collect(
                 images_of_beats(scenario, &beats(scenario, rho, seed, Set::Train, class, n, most).0)
             }
         };
-        let logits = parsed.iter().zip(&images).map(|(model, image)| {
-            let mut buffers = OwnedBuffers::for_model(model);
-            let mut network = buffers.network(model.clone()).map_err(AccuracyError::Receiver)?;
-            Ok(network.infer(image, &mut ()).logits.to_vec())
-        });
-        let logits = logits.collect::<Result<Vec<_>, AccuracyError>>()?;
+        let networks = classifiers.iter_mut().zip(&images);
+        let logits: Vec<_> =
+            networks.map(|(network, image)| network.classify(image, &mut ()).logits.to_vec()).collect();
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-        Ok((class as u8, logits))
+        (class as u8, logits)
     };
-    let answers: Vec<_> = (0..count).into_par_iter().map(answer).collect::<Result<_, AccuracyError>>()?;
-    let (truth, logits) = answers.into_iter().unzip();
+    let classifiers = || parsed.iter().copied().map(Classifier::new).collect();
+    let (truth, logits) = (0..count).into_par_iter().map_init(classifiers, answer).unzip();
     Ok(Answers { slots, scales: parsed.iter().map(|m| f64::from(m.logit_scale())).collect(), truth, logits })
 }

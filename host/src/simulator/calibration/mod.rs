@@ -14,14 +14,16 @@ pub use stored::stored_rho;
 use super::channel::{BLOCKS, Complex64};
 use super::dataset::{Set, Simulation};
 use crate::formats::measured::{Samples, Signal};
+use crate::formats::slots::Slots;
 use crate::results::{Calibration, Spectrogram};
-use crate::scenario::{Class, Scenario};
+use crate::scenario::{Class, Radar, Scenario};
 use conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
 use divergence::{Counts, EVALUATIONS, divergence, search, shares};
 use grey::{Grey, LEVELS, RANGE_DB, histogram};
 use rayon::prelude::*;
 use resample::resample;
-use sdp3_core::dims::Slot;
+use sdp3_core::config::RadarConfig;
+use sdp3_core::dims::Beat;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Highest rate a measured signal is compared at, in Hz; faster ones are resampled to it.
@@ -57,6 +59,16 @@ pub enum CalibrationError {
         rate_hz: f64,
         /// What one window takes.
         least: usize,
+    },
+    /// Raw slots of another radar.
+    #[error("{title}: {values} values a slot; the scenario's radar has {legal}")]
+    Slots {
+        /// The recording.
+        title: String,
+        /// Its values of a slot.
+        values: usize,
+        /// Those of the scenario's radar.
+        legal: usize,
     },
     /// Nothing is left when what stands still is taken away.
     #[error("{title}: energy = 0 after clutter removal: nothing moves in this recording")]
@@ -131,12 +143,12 @@ impl<'a> Bench<'a> {
 }
 
 /// A measured signal at the rate of comparison: slow time, its rate, whether it is real, whether its clutter is gone.
-fn slow_time(signal: &Signal) -> (Vec<Complex64>, f64, bool) {
+fn slow_time(signal: &Signal, radar: &Radar) -> Result<(Vec<Complex64>, f64, bool), CalibrationError> {
     let rate = signal.rate_hz.min(MEASURED_PRF_HZ);
     let brought = |x: &[f64]| {
         if signal.rate_hz > MEASURED_PRF_HZ { resample(x, signal.rate_hz, rate) } else { x.to_vec() }
     };
-    match &signal.samples {
+    Ok(match &signal.samples {
         Samples::Real(x) => {
             let mut y: Vec<_> = brought(x).into_iter().map(|x| Complex64::new(x, 0.0)).collect();
             ac_couple(&mut y, rate);
@@ -147,16 +159,22 @@ fn slow_time(signal: &Signal) -> (Vec<Complex64>, f64, bool) {
             let im = brought(&z.iter().map(|z| z.im).collect::<Vec<_>>());
             (re.into_iter().zip(im).map(|(re, im)| Complex64::new(re, im)).collect(), rate, false)
         }
-        Samples::Slots(slots) => (slots_without_clutter(slots), signal.rate_hz, false),
-    }
+        Samples::Slots(slots) => {
+            let config = radar.config();
+            let found = slots_without_clutter(slots, config).ok_or_else(|| CalibrationError::Slots {
+                title: signal.title.clone(),
+                values: slots.per_slot,
+                legal: config.values_per_slot(),
+            })?;
+            (found, signal.rate_hz, false)
+        }
+    })
 }
 
-/// The slow time of raw slots: dechirped, without what stands still.
-pub fn slots_without_clutter(slots: &[Slot]) -> Vec<Complex64> {
-    let complex = |slot: &Slot| {
-        sdp3_core::signal::dechirp::dechirp(slot).map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)))
-    };
-    clutter_free(&slots.iter().map(complex).collect::<Vec<_>>())
+/// The slow time of raw slots, without what stands still; `None` if they are not of this radar.
+pub fn slots_without_clutter(slots: &Slots, radar: RadarConfig) -> Option<Vec<Complex64>> {
+    let complex = |beat: &Beat| beat.map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)));
+    Some(clutter_free(&slots.beats(radar)?.iter().map(complex).collect::<Vec<_>>()))
 }
 
 /// A measured signal, conditioned and counted, and the bench that simulated ones are compared on.
@@ -174,13 +192,17 @@ struct Facing {
 
 impl Facing {
     fn new(scenario: &Scenario, measured: &Signal) -> Result<Self, CalibrationError> {
-        let (mut signal, rate_hz, real) = slow_time(measured);
+        let (mut signal, rate_hz, real) = slow_time(measured, &scenario.radar)?;
         let slots = ((rate_hz.round() as usize).max(FEWEST)).min(signal.len());
         if slots < FEWEST {
             let (title, samples) = (measured.title.clone(), signal.len());
             return Err(CalibrationError::Short { title, samples, rate_hz, least: FEWEST });
         }
         let mut at_carrier = scenario.clone();
+        if !matches!(measured.samples, Samples::Slots(_)) {
+            // a sensor without range cells, or one whose cell holds a body
+            at_carrier.radar = scenario.radar.with_sweep_of(&Radar::default());
+        }
         at_carrier.radar.carrier_hz = measured.carrier_hz;
         at_carrier.frame.slot_s = 1.0 / rate_hz;
         at_carrier.frame.spacing_slots = 0;

@@ -4,7 +4,8 @@
 //! phases (802.11ay) or complex Gaussian taps (802.11ax), so the recursion runs on one complex number per ray.
 
 use super::ieee80211ay::Ray;
-use super::{Blocks, Complex64, Path, add_blocks, phasor};
+use super::response::Response;
+use super::{Blocks, Complex64, Path, phasor};
 use crate::scenario::{Advance, ArMode, Channel};
 use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::random::Random;
@@ -26,8 +27,8 @@ pub struct Memory {
     law: Law,
     state: Vec<Complex64>,
     draw: Vec<Complex64>,
-    /// Block means of each ray at unit amplitude.
-    blocks: Vec<Blocks>,
+    /// Range samples of each ray at the amplitudes 1 and j, once they are asked for.
+    parts: Vec<[Blocks; 2]>,
     rho: f64,
     innovation: f64,
     mode: ArMode,
@@ -39,13 +40,8 @@ pub struct Memory {
 impl Memory {
     /// A room of `rays`; with `spacing_slots` between two sensing slots.
     pub fn new(channel: &Channel, rays: Vec<Ray>, law: Law, rho: f64, spacing_slots: u32) -> Self {
-        let blocks = rays.iter().map(|ray| {
-            let mut blocks = Blocks::default();
-            add_blocks(&mut blocks, Complex64::new(1.0, 0.0), ray.delay_s);
-            blocks
-        });
         Memory {
-            blocks: blocks.collect(),
+            parts: Vec::new(),
             state: vec![Complex64::default(); rays.len()],
             draw: vec![Complex64::default(); rays.len()],
             rays,
@@ -124,12 +120,15 @@ impl Memory {
         paths.extend(self.state.iter().zip(&self.rays).map(path));
     }
 
-    /// Adds their beats.
-    pub fn beat(&self, beat: &mut Blocks) {
-        for (state, blocks) in self.state.iter().zip(&self.blocks) {
-            for (sum, tone) in beat.iter_mut().zip(blocks) {
-                sum.re += state.re * tone.re - state.im * tone.im;
-                sum.im += state.re * tone.im + state.im * tone.re;
+    /// Adds their range samples, by the same response every time.
+    pub fn beat(&mut self, response: &Response, beat: &mut Blocks) {
+        if self.parts.is_empty() {
+            self.parts = self.rays.iter().map(|ray| response.parts(ray.delay_s)).collect();
+        }
+        for (state, [one, j]) in self.state.iter().zip(&self.parts) {
+            for ((sum, one), j) in beat.iter_mut().zip(one).zip(j) {
+                sum.re += state.re * one.re + state.im * j.re;
+                sum.im += state.re * one.im + state.im * j.im;
             }
         }
     }

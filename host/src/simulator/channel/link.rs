@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Stream number of the links' random draws.
 const STREAM: u64 = 101;
 
-/// `|H_m|^2` of the `communication.subcarriers` sub-carriers over 10 MHz, `[draw][subcarrier]`, for `communication.draws` draws.
+/// `|H_m|^2` of the `communication.subcarriers` sub-carriers, `[draw][subcarrier]`, for `communication.draws` draws.
 pub fn subcarrier_draws(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<Vec<f64>> {
     let responses = (0..scenario.communication.draws).map(|draw| response(scenario, receiver, seed, draw));
     responses.map(|h| h.iter().map(|z| z.norm_sqr()).collect()).collect()
@@ -41,7 +41,7 @@ pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Ve
     let mut paths = Vec::new();
     channel.paths(&scene, &mut paths);
     let m = scenario.communication.subcarriers;
-    let spacing_hz = scenario.radar.bandwidth_hz / f64::from(m);
+    let spacing_hz = scenario.communication.bandwidth_hz / f64::from(m);
     let mut tones: Vec<(Complex64, Complex64)> =
         paths.iter().map(|p| (p.gain, phasor(-2.0 * PI * spacing_hz * p.delay_s))).collect();
     (0..m)

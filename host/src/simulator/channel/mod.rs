@@ -1,7 +1,7 @@
 //! Channels of the sensed room: nine models behind one trait, for the radar and for every receiver.
 //!
 //! A model says, slot after slot, over which [`Path`]s a wave travels between two points of a [`Scene`]. What a radar makes
-//! of them is one sum of tones in the beat domain ([`Sweep`], [`Blocks`]); what a receiver makes of them is a frequency
+//! of them is one sum of tones in the beat domain ([`Sweep`], [`response`]); what a receiver makes of them is a frequency
 //! response ([`link`]).
 //!
 //! | name | file | what it is |
@@ -27,6 +27,7 @@ pub mod primitive;
 pub mod properties;
 pub mod quadriga;
 pub mod ray_tracing;
+pub mod response;
 pub mod room;
 pub mod statistical;
 pub mod target;
@@ -35,6 +36,7 @@ pub mod tr38901;
 use super::body::Vec3;
 use super::random::Random;
 use crate::scenario::{Model, SPEED_OF_LIGHT, Scenario};
+use response::Response;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use target::Target;
@@ -85,17 +87,17 @@ pub trait ChannelModel: Send {
     /// Appends the paths of `scene`. Scenes come in the order of their slots, every slot once.
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>);
 
-    /// The radar's beats of consecutive slots, added to `beats`; `scene` is the first, the others follow `interval_s` apart.
-    /// Models whose sums can be formed faster than path by path do so; the result agrees with [`ChannelModel::paths`] to
-    /// -80 dB.
-    fn beats(&mut self, scene: &Scene, interval_s: f64, beats: &mut [Blocks]) {
+    /// The range samples of consecutive slots by a radar's response, added to `beats`; `scene` is the first, the others follow
+    /// `interval_s` apart. Models whose sums can be formed faster than path by path do so; the result agrees with
+    /// [`ChannelModel::paths`] to -80 dB. A model keeps to the response it is first asked for.
+    fn beats(&mut self, scene: &Scene, interval_s: f64, response: &Response, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
             let scene =
                 Scene { slot: scene.slot + n as u32, time_s: scene.time_s + n as f64 * interval_s, ..*scene };
             paths.clear();
             self.paths(&scene, &mut paths);
-            paths.iter().for_each(|path| add_blocks(beat, path.gain, path.delay_s));
+            paths.iter().for_each(|path| response.add(beat, path.gain, path.delay_s));
         }
     }
 }
@@ -122,22 +124,23 @@ pub fn model(
     }
 }
 
-/// Chebyshev nodes of a sweep. A delay of 110 ns turns the beat by 7 rad: sixteen nodes hold it to -160 dB; the 190 ns of a
+/// Chebyshev nodes of the paper's sweep. A delay of 110 ns turns the beat by 7 rad: sixteen nodes hold it to -160 dB; the 190 ns of a
 /// corner path in a room of 20 m to -100 dB.
 pub const NODES: usize = 16;
 
 /// A slot's beat at the nodes.
 pub type Sweep = [Complex64; NODES];
 
-/// Beats of a slot after decimation.
+/// Most range samples of a slot.
 pub const BLOCKS: usize = sdp3_core::dims::BEATS;
 
-/// A slot's beat averaged over each of the core's blocks, in sqrt W per sqrt W.
+/// Range samples of a slot: of the paper's radar the beat averaged over each of the core's blocks, in sqrt W per sqrt W; of others
+/// what [`Response`] says.
 pub type Blocks = [Complex64; BLOCKS];
 
-/// Sweep rate B / T_sw in Hz/s.
+/// Sweep rate B / T_sw of the paper's radar in Hz/s.
 pub const SWEEP_RATE: f64 = 10e6 / 100e-6;
-/// Sweep duration in s.
+/// Its sweep duration in s.
 pub const SWEEP_S: f64 = 100e-6;
 /// Time between two block centres in s.
 pub const BLOCK_S: f64 = SWEEP_S / BLOCKS as f64;

@@ -1,13 +1,28 @@
 //! Samples of a failing converter, from weak to strong faults.
 //!
-//! Weak faults and single glitches may come from a working converter too: they stay silent here.
+//! Weak faults and glitches of single samples may come from a working converter too, and about one sample in eight is looked at.
 
-use super::{Outcome, SAMPLES, SCHEDULE, slot};
+use super::{Outcome, below};
 use crate::signals::noise;
 use rand_core::Rng;
+use sdp3_core::config::RadarConfig;
 use sdp3_core::supervision::sample_health::{SampleFault, check};
 
-/// A fault of the converter in one slot; pairs are in-phase and quadrature.
+/// Kinds of faults.
+pub const KINDS: [&str; 7] = [
+    "samples silent",
+    "samples, bit stuck",
+    "samples, most saturated",
+    "samples, large offset",
+    "samples, some saturated",
+    "samples, small offset",
+    "samples, glitch",
+];
+
+/// The first so many of [`KINDS`] are always found.
+pub const CERTAIN: usize = 4;
+
+/// A fault of the converters in one slot; pairs are in-phase and quadrature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corruption {
     /// One value for all samples.
@@ -33,7 +48,6 @@ impl Corruption {
     /// Corrupts interleaved samples.
     pub fn apply(self, samples: &mut [i16]) {
         let (pairs, _) = samples.as_chunks_mut::<2>();
-        let clip = |x: i32| x.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
         match self {
             Corruption::Silent(value) => pairs.fill(value),
             Corruption::Stuck { quadrature, bit, high } => {
@@ -44,12 +58,12 @@ impl Corruption {
                 }
             }
             Corruption::Saturated(quarters) => {
-                let louder = |x: i16| clip(i32::from(x) * i32::from(quarters) / 4);
-                pairs.iter_mut().for_each(|pair| *pair = pair.map(louder));
+                let amplify = |x: i16| (i32::from(x) * i32::from(quarters) / 4).clamp(-32768, 32767) as i16;
+                pairs.iter_mut().for_each(|pair| *pair = pair.map(amplify));
             }
-            Corruption::Offset(by) => {
-                let shifted = |x: i16, by: i16| clip(i32::from(x) + i32::from(by));
-                pairs.iter_mut().for_each(|[i, q]| (*i, *q) = (shifted(*i, by[0]), shifted(*q, by[1])));
+            Corruption::Offset([by_i, by_q]) => {
+                let shift = |[i, q]: [i16; 2]| [i.saturating_add(by_i), q.saturating_add(by_q)];
+                pairs.iter_mut().for_each(|pair| *pair = shift(*pair));
             }
             Corruption::Glitch(at, value) => {
                 let at = (at as usize).checked_rem(pairs.len()).unwrap_or(0);
@@ -58,10 +72,14 @@ impl Corruption {
         }
     }
 
-    /// A corruption of random strength; `kind` is 0..5 in the order of the variants.
+    /// A corruption of [`KINDS`], of random strength.
+    ///
+    /// Of noise of +-4096 LSB: "most saturated" is amplified 12 to 35 times, "some" up to 12 times; a large offset is one of
+    /// 4096 LSB or more in phase, a small one up to that in both.
     pub fn random(kind: usize, rng: &mut impl Rng) -> Self {
         let word = rng.next_u32();
         let value = [word as i16, (word >> 16) as i16];
+        let up_to = |limit: u32| (((word & 0xffff) * limit) >> 16) as i16;
         match kind {
             0 => Corruption::Silent(value),
             1 => Corruption::Stuck {
@@ -69,25 +87,28 @@ impl Corruption {
                 bit: (word >> 1) as u8 & 15,
                 high: word & 32 == 32,
             },
-            2 => Corruption::Saturated(4 + (word & 127) as u8),
-            3 => Corruption::Offset(value.map(|x| x >> 3)),
-            _ => Corruption::Glitch(rng.next_u32(), value),
+            2 => Corruption::Saturated(48 + up_to(93) as u8),
+            3 if word >> 31 == 0 => Corruption::Offset([4096 + up_to(20000), 0]),
+            3 => Corruption::Offset([-4096 - up_to(20000), 0]),
+            4 => Corruption::Saturated(4 + up_to(44) as u8),
+            5 => Corruption::Offset(value.map(|x| x >> 3)),
+            _ => Corruption::Glitch(below(rng, u32::MAX), value),
         }
     }
 }
 
 /// Corrupts a slot of noise and checks it.
 pub(super) fn inject(kind: usize, rng: &mut impl Rng, outcome: &mut Outcome) {
-    let mut samples = [0; SAMPLES];
+    let mut samples = [0; RadarConfig::PAPER.values_per_slot()];
     noise(rng, &mut samples);
-    outcome.violations += u64::from(check(&slot(&samples)).is_err());
-    let corruption = Corruption::random(kind.saturating_sub(SCHEDULE + 1), rng);
+    outcome.violations += u64::from(check(&samples, &RadarConfig::PAPER).is_err());
+    let corruption = Corruption::random(kind, rng);
     corruption.apply(&mut samples);
     outcome.injected += 1;
-    match (check(&slot(&samples)), corruption) {
+    match (check(&samples, &RadarConfig::PAPER), corruption) {
         (Ok(()), _) => outcome.silent += 1,
         (Err(SampleFault::Silent), Corruption::Silent(_))
-        // a stuck bit may clip or shift the signal, and a shifted or clipped signal may leave a bit unchanged
+        // a stuck bit may shift the signal, and a shifted or clipped signal may leave a bit unchanged
         | (Err(_), Corruption::Stuck { .. } | Corruption::Saturated(_) | Corruption::Offset(_)) => {
             outcome.detected += 1;
             outcome.recovered += 1;

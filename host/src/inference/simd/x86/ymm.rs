@@ -1,9 +1,9 @@
 //! Two vectors of 256 bits as sixteen lanes: AVX2, with or without AVX-VNNI.
 
-use super::{features, flipped};
-use crate::simd::{Job, LANES, Lanes, Line, Rescale, quad_words};
-use core::arch::x86_64::*;
-use core::mem::transmute;
+use super::flipped;
+use crate::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32, quad_words};
+use std::arch::x86_64::*;
+use std::mem::transmute;
 
 /// Two vectors of 256 bits, AVX2; with `VNNI` also AVX-VNNI.
 #[derive(Debug, Clone, Copy)]
@@ -12,25 +12,25 @@ pub struct Ymm<const VNNI: bool>(());
 impl<const VNNI: bool> Ymm<VNNI> {
     /// The proof that this processor has the instructions.
     pub fn detect() -> Option<Self> {
-        let [avx2, avx_vnni, _] = features();
-        (if VNNI { avx_vnni } else { avx2 }).then_some(Ymm(()))
+        let vnni = !VNNI || is_x86_feature_detected!("avxvnni");
+        (is_x86_feature_detected!("avx2") && vnni).then_some(Ymm(()))
     }
 }
 
 #[target_feature(enable = "avx2")]
-fn enter_avx2<L: Lanes>(lanes: L, job: impl Job) {
-    job.run(lanes);
+fn dispatch_avx2<S: SimdI32>(simd: S, kernel: impl Kernel) {
+    kernel.run(simd);
 }
 
 #[target_feature(enable = "avx2,avxvnni")]
-fn enter_avx_vnni<L: Lanes>(lanes: L, job: impl Job) {
-    job.run(lanes);
+fn dispatch_avx_vnni<S: SimdI32>(simd: S, kernel: impl Kernel) {
+    kernel.run(simd);
 }
 
-/// I16x8 lanes of [`Lanes::rescale`]: 64-bit products of the even and the odd lanes, then one shift each.
+/// Eight lanes of [`SimdI32::requantize`]: 64-bit products of the even and the odd lanes, then one shift each.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn rescale_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [__m256i; 5]) -> __m256i {
+fn requantize_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [__m256i; 5]) -> __m256i {
     let high = _mm256_srli_epi64::<32>(acc);
     let even = _mm256_srli_epi64::<31>(_mm256_add_epi64(_mm256_mul_epi32(acc, m), even));
     let odd = _mm256_slli_epi64::<1>(_mm256_add_epi64(_mm256_mul_epi32(high, m_odd), odd));
@@ -39,14 +39,14 @@ fn rescale_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [
     _mm256_srav_epi32(x, shift)
 }
 
-/// I16x8 lanes of [`Lanes::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
+/// Eight lanes of [`SimdI32::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn multiply_ymm(a: __m256i, b: __m256i) -> __m256i {
     _mm256_madd_epi16(a, _mm256_and_si256(b, _mm256_set1_epi32(0xffff)))
 }
 
-/// Half of [`Lanes::narrow`].
+/// Half of [`SimdI32::narrow`].
 #[inline]
 #[target_feature(enable = "avx2")]
 fn narrow_ymm(a: [__m256i; 2], b: [__m256i; 2], low: i8, high: i8) -> __m256i {
@@ -57,38 +57,38 @@ fn narrow_ymm(a: [__m256i; 2], b: [__m256i; 2], low: i8, high: i8) -> __m256i {
     _mm256_min_epi8(_mm256_max_epi8(bytes, _mm256_set1_epi8(low)), _mm256_set1_epi8(high))
 }
 
-impl<const VNNI: bool> Lanes for Ymm<VNNI> {
-    type V = [__m256i; 2];
-    type H = __m256i;
+impl<const VNNI: bool> SimdI32 for Ymm<VNNI> {
+    type I32 = [__m256i; 2];
+    type I16 = __m256i;
     const INPUTS: usize = if VNNI { 4 } else { 2 };
     const TILE: usize = 4;
 
     #[inline(always)]
-    fn enter(self, job: impl Job) {
+    fn dispatch(self, kernel: impl Kernel) {
         // SAFETY: `self` proves AVX2, with `VNNI` also AVX-VNNI.
-        unsafe { if VNNI { enter_avx_vnni(self, job) } else { enter_avx2(self, job) } }
+        unsafe { if VNNI { dispatch_avx_vnni(self, kernel) } else { dispatch_avx2(self, kernel) } }
     }
 
     #[inline(always)]
-    fn load(self, line: &Line) -> Self::V {
+    fn load(self, vector: &I32x16) -> Self::I32 {
         // SAFETY: both are 64 bytes and any bits are a value of either.
-        unsafe { transmute(line.0) }
+        unsafe { transmute(vector.0) }
     }
 
     #[inline(always)]
-    fn store(self, v: Self::V) -> Line {
+    fn store(self, v: Self::I32) -> I32x16 {
         // SAFETY: both are 64 bytes and any bits are a value of either.
-        Line(unsafe { transmute::<Self::V, [i32; LANES]>(v) })
+        I32x16(unsafe { transmute::<Self::I32, [i32; LANES]>(v) })
     }
 
     #[inline(always)]
-    fn splat(self, value: i32) -> Self::V {
+    fn splat(self, value: i32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_set1_epi32(value); 2] }
     }
 
     #[inline(always)]
-    fn widen(self, values: &[i8; LANES]) -> Self::V {
+    fn widen(self, values: &[i8; LANES]) -> Self::I32 {
         // SAFETY: both are 16 bytes and any bits are a value of either; `self` proves AVX2.
         unsafe {
             let v: __m128i = transmute(*values);
@@ -97,19 +97,19 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     }
 
     #[inline(always)]
-    fn add(self, a: Self::V, b: Self::V) -> Self::V {
+    fn add(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_add_epi32(a[0], b[0]), _mm256_add_epi32(a[1], b[1])] }
     }
 
     #[inline(always)]
-    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+    fn sub(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_sub_epi32(a[0], b[0]), _mm256_sub_epi32(a[1], b[1])] }
     }
 
     #[inline(always)]
-    fn shift_right(self, a: Self::V, by: u32) -> Self::V {
+    fn shift_right(self, a: Self::I32, by: u32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe {
             let by = _mm_cvtsi32_si128(by as i32);
@@ -118,7 +118,7 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     }
 
     #[inline(always)]
-    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V {
+    fn multiply_low(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_mullo_epi32(a[0], b[0]), _mm256_mullo_epi32(a[1], b[1])] }
     }
@@ -126,25 +126,25 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     half_vectors!();
 
     #[inline(always)]
-    fn max(self, a: Self::V, b: Self::V) -> Self::V {
+    fn max(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_max_epi32(a[0], b[0]), _mm256_max_epi32(a[1], b[1])] }
     }
 
     #[inline(always)]
-    fn shift_left<const N: i32>(self, a: Self::V) -> Self::V {
+    fn shift_left<const N: i32>(self, a: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [_mm256_slli_epi32::<N>(a[0]), _mm256_slli_epi32::<N>(a[1])] }
     }
 
     #[inline(always)]
-    fn multiply(self, a: Self::V, b: Self::V) -> Self::V {
+    fn multiply(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
         unsafe { [multiply_ymm(a[0], b[0]), multiply_ymm(a[1], b[1])] }
     }
 
     #[inline(always)]
-    fn dot(self, acc: Self::V, word: i32, weights: Self::V) -> Self::V {
+    fn dot(self, acc: Self::I32, word: i32, weights: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2, with `VNNI` also AVX-VNNI.
         unsafe {
             let word = _mm256_set1_epi32(word);
@@ -159,26 +159,27 @@ impl<const VNNI: bool> Lanes for Ymm<VNNI> {
     }
 
     #[inline(always)]
-    fn rescale<const SIGNED: bool>(self, acc: Self::V, lines: &Rescale) -> Self::V {
-        let [a, b, c, d, e] = lines;
-        let [a, b, c, d, e] = [self.load(a), self.load(b), self.load(c), self.load(d), self.load(e)];
+    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32 {
+        let (m, m_odd) = (self.load(&by.multipliers), self.load(&by.odd_multipliers));
+        let (even, odd) = (self.load(&by.even_offsets), self.load(&by.odd_offsets));
+        let shift = self.load(&by.shifts);
         // SAFETY: `self` proves AVX2.
         unsafe {
             [
-                rescale_ymm::<SIGNED>(acc[0], [a[0], b[0], c[0], d[0], e[0]]),
-                rescale_ymm::<SIGNED>(acc[1], [a[1], b[1], c[1], d[1], e[1]]),
+                requantize_ymm::<SIGNED>(acc[0], [m[0], m_odd[0], even[0], odd[0], shift[0]]),
+                requantize_ymm::<SIGNED>(acc[1], [m[1], m_odd[1], even[1], odd[1], shift[1]]),
             ]
         }
     }
 
     #[inline(always)]
-    fn narrow(self, v: [Self::V; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
+    fn narrow(self, v: [Self::I32; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
         // SAFETY: `self` proves AVX2; the result is 64 bytes of which any bits are values.
         unsafe { transmute([narrow_ymm(v[0], v[1], low, high), narrow_ymm(v[2], v[3], low, high)]) }
     }
 
     #[inline(always)]
-    fn words(self, values: &[i8], words: &mut [i32]) {
+    fn input_words(self, values: &[i8], words: &mut [i32]) {
         if VNNI {
             return flipped(values, words);
         }

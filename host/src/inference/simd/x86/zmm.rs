@@ -1,9 +1,9 @@
 //! One vector of 512 bits as sixteen lanes: AVX-512 F, BW and VNNI.
 
-use super::{features, flipped};
-use crate::simd::{Job, LANES, Lanes, Line, Rescale};
-use core::arch::x86_64::*;
-use core::mem::transmute;
+use super::flipped;
+use crate::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32};
+use std::arch::x86_64::*;
+use std::mem::transmute;
 
 /// One vector of 512 bits, AVX-512 F, BW and VNNI.
 #[derive(Debug, Clone, Copy)]
@@ -12,71 +12,73 @@ pub struct Zmm(());
 impl Zmm {
     /// The proof that this processor has the instructions.
     pub fn detect() -> Option<Self> {
-        features()[2].then_some(Zmm(()))
+        let avx512 = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512bw");
+        let vnni = is_x86_feature_detected!("avx512vnni");
+        (is_x86_feature_detected!("avx2") && avx512 && vnni).then_some(Zmm(()))
     }
 }
 
 #[target_feature(enable = "avx2,avx512f,avx512bw,avx512vnni")]
-fn enter_avx512<L: Lanes>(lanes: L, job: impl Job) {
-    job.run(lanes);
+fn dispatch_avx512<S: SimdI32>(simd: S, kernel: impl Kernel) {
+    kernel.run(simd);
 }
 
-impl Lanes for Zmm {
-    type V = __m512i;
-    type H = __m256i;
+impl SimdI32 for Zmm {
+    type I32 = __m512i;
+    type I16 = __m256i;
     const INPUTS: usize = 4;
     const TILE: usize = 16;
 
     #[inline(always)]
-    fn enter(self, job: impl Job) {
+    fn dispatch(self, kernel: impl Kernel) {
         // SAFETY: `self` proves AVX-512 F, BW, VNNI and AVX2.
-        unsafe { enter_avx512(self, job) }
+        unsafe { dispatch_avx512(self, kernel) }
     }
 
     #[inline(always)]
-    fn load(self, line: &Line) -> Self::V {
+    fn load(self, vector: &I32x16) -> Self::I32 {
         // SAFETY: both are 64 bytes and any bits are a value of either.
-        unsafe { transmute(line.0) }
+        unsafe { transmute(vector.0) }
     }
 
     #[inline(always)]
-    fn store(self, v: Self::V) -> Line {
+    fn store(self, v: Self::I32) -> I32x16 {
         // SAFETY: both are 64 bytes and any bits are a value of either.
-        Line(unsafe { transmute::<Self::V, [i32; LANES]>(v) })
+        I32x16(unsafe { transmute::<Self::I32, [i32; LANES]>(v) })
     }
 
     #[inline(always)]
-    fn splat(self, value: i32) -> Self::V {
+    fn splat(self, value: i32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_set1_epi32(value) }
     }
 
     #[inline(always)]
-    fn widen(self, values: &[i8; LANES]) -> Self::V {
+    fn widen(self, values: &[i8; LANES]) -> Self::I32 {
         // SAFETY: both are 16 bytes and any bits are a value of either; `self` proves AVX-512 F.
         unsafe { _mm512_cvtepi8_epi32(transmute::<[i8; LANES], __m128i>(*values)) }
     }
 
     #[inline(always)]
-    fn add(self, a: Self::V, b: Self::V) -> Self::V {
+    fn add(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_add_epi32(a, b) }
     }
 
     #[inline(always)]
-    fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+    fn sub(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_sub_epi32(a, b) }
     }
 
     #[inline(always)]
-    fn shift_right(self, a: Self::V, by: u32) -> Self::V {
+    fn shift_right(self, a: Self::I32, by: u32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_sra_epi32(a, _mm_cvtsi32_si128(by as i32)) }
     }
 
     #[inline(always)]
-    fn multiply_low(self, a: Self::V, b: Self::V) -> Self::V {
+    fn multiply_low(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_mullo_epi32(a, b) }
     }
@@ -84,50 +86,49 @@ impl Lanes for Zmm {
     half_vectors!();
 
     #[inline(always)]
-    fn max(self, a: Self::V, b: Self::V) -> Self::V {
+    fn max(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe { _mm512_max_epi32(a, b) }
     }
 
     #[inline(always)]
-    fn shift_left<const N: i32>(self, a: Self::V) -> Self::V {
+    fn shift_left<const N: i32>(self, a: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F; the shift by a vector is by the same `N` in all lanes.
         unsafe { _mm512_sllv_epi32(a, _mm512_set1_epi32(N)) }
     }
 
     #[inline(always)]
-    fn multiply(self, a: Self::V, b: Self::V) -> Self::V {
+    fn multiply(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 BW. The upper half of b's lanes is cleared, so its sign adds nothing.
         unsafe { _mm512_madd_epi16(a, _mm512_and_si512(b, _mm512_set1_epi32(0xffff))) }
     }
 
     #[inline(always)]
-    fn dot(self, acc: Self::V, word: i32, weights: Self::V) -> Self::V {
+    fn dot(self, acc: Self::I32, word: i32, weights: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 VNNI.
         unsafe { _mm512_dpbusd_epi32(acc, _mm512_set1_epi32(word), weights) }
     }
 
     #[inline(always)]
-    fn rescale<const SIGNED: bool>(self, acc: Self::V, lines: &Rescale) -> Self::V {
-        let [m, m_odd, even, odd, shift] = lines;
+    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe {
             let high = _mm512_srli_epi64::<32>(acc);
-            let (even_m, odd_m) = (self.load(m), self.load(m_odd));
-            let even = _mm512_add_epi64(_mm512_mul_epi32(acc, even_m), self.load(even));
-            let odd = _mm512_add_epi64(_mm512_mul_epi32(high, odd_m), self.load(odd));
+            let (even_m, odd_m) = (self.load(&by.multipliers), self.load(&by.odd_multipliers));
+            let even = _mm512_add_epi64(_mm512_mul_epi32(acc, even_m), self.load(&by.even_offsets));
+            let odd = _mm512_add_epi64(_mm512_mul_epi32(high, odd_m), self.load(&by.odd_offsets));
             let x = _mm512_mask_blend_epi32(
                 0b1010_1010_1010_1010,
                 _mm512_srli_epi64::<31>(even),
                 _mm512_slli_epi64::<1>(odd),
             );
             let x = if SIGNED { _mm512_add_epi32(x, _mm512_srai_epi32::<31>(acc)) } else { x };
-            _mm512_srav_epi32(x, self.load(shift))
+            _mm512_srav_epi32(x, self.load(&by.shifts))
         }
     }
 
     #[inline(always)]
-    fn narrow(self, v: [Self::V; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
+    fn narrow(self, v: [Self::I32; 4], low: i8, high: i8) -> [i8; 4 * LANES] {
         // SAFETY: `self` proves AVX-512 BW; both are 64 bytes and any bits are a value of either.
         unsafe {
             // packing works in quarters of 128 bits: a transposition of four by four puts them in order
@@ -140,7 +141,7 @@ impl Lanes for Zmm {
     }
 
     #[inline(always)]
-    fn words(self, values: &[i8], words: &mut [i32]) {
+    fn input_words(self, values: &[i8], words: &mut [i32]) {
         flipped(values, words);
     }
 }
