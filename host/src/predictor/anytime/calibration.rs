@@ -50,7 +50,10 @@ fn fit(answers: &Answers, exit: usize) -> Vec<i32> {
     }
     let scale = f64::from(1_u32 << EVIDENCE_BITS);
     let whole = |(w, s): (f64, &f64)| (w * s * scale).round().clamp(0.0, f64::from(MAX_WEIGHT)) as i32;
-    w.into_iter().zip(&answers.scales).map(whole).collect()
+    let mut weights: Vec<i32> = w.into_iter().zip(&answers.scales).map(whole).collect();
+    // a network that knows nothing: its class at the least confidence, as the core wants no own weight of 0
+    weights[exit] = weights[exit].max(1);
+    weights
 }
 
 #[cfg(test)]
@@ -80,7 +83,7 @@ mod tests {
         }
         let w = weights(&answers);
         let nat = |w: i32| f64::from(w) / 65536.0;
-        assert!(nat(w[0][0]) < 0.004, "{w:?}");
+        assert!(w[0][0] >= 1 && nat(w[0][0]) < 0.004, "{w:?}");
         assert!(nat(w[1][0]) < 0.004 && (nat(w[1][1]) - 0.05).abs() < 0.003, "{w:?}");
     }
 }
