@@ -12,22 +12,17 @@ use crate::error::Error;
 use crate::probe::Probe;
 use crate::selftest;
 use crate::signal::dechirp::WordAligned;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers, OVERLAP_SLOTS, image_steps};
+use crate::signal::front_end::{FrontEnd, FrontEndBuffers, image_steps};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use heapless::Vec;
 use rand_core::Rng;
 
 impl Shape {
-    /// Range samples that a pipeline keeps: a recording's, and the first of the next one.
-    pub const fn beats(&self) -> usize {
-        self.sensing_slots + OVERLAP_SLOTS
-    }
-
     /// Bytes of all memory of a pipeline, [`PipelineMemory::BYTES`] of these sizes.
     pub const fn required_bytes(&self) -> usize {
         let kernels = self.winograd_sizes();
-        let slow_time = self.beats() * size_of::<Beat>() + self.sensing_slots * size_of::<Complex<i32>>();
+        let slow_time = self.sensing_slots * (size_of::<Beat>() + size_of::<Complex<i32>>());
         let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
         let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
         let sum = kernels.vectors * size_of::<I16x8>() + words + slow_time + cells + self.scratch_bytes();
@@ -63,7 +58,7 @@ macro_rules! pipeline_memory {
     ($shape:expr) => {
         $crate::pipeline::PipelineMemory<
             { $shape.radar.reference_len() },
-            { $shape.beats() },
+            { $shape.sensing_slots },
             { $shape.sensing_slots },
             { $shape.frames },
             { $shape.scratch_bytes() },

@@ -95,28 +95,34 @@ fn every_exit_sums_the_logits_so_far() {
 #[test]
 fn slots_of_the_next_recording_may_come_before_a_recognition_is_over() {
     let file = random_model(144, 1);
-    let (mut memory, mut other) = (Memory::of(&parse(&file)), Memory::of(&parse(&file)));
-    memory.beats.resize(144 + 16, sdp3_core::dims::ZERO_BEAT);
     let slots = noise_slots(288, 5);
-    let mut overlapped = plain([exit(parse(&file), &[1])], &mut memory).expect("enough memory");
-    let mut plain = plain([exit(parse(&file), &[1])], &mut other).expect("enough memory");
-    slots[..144].iter().for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
-    overlapped.reset();
-    // sixteen before the first step, and the rest while it goes on
-    slots[144..160].iter().for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
-    assert_eq!(overlapped.push(&slots[160], &mut ()), Err(Refused::Busy));
-    let mut waiting = slots[160..].iter().peekable();
-    let mut found = Vec::new();
-    while found.len() < 2 {
-        if waiting.peek().is_some_and(|slot| overlapped.push(*slot, &mut ()).is_ok()) {
-            waiting.next();
+    let mut memory = Memory::of(&parse(&file));
+    let mut alone = plain([exit(parse(&file), &[1])], &mut memory).expect("enough memory");
+    let (_, first) = until_classified(&mut alone, &slots[..144]);
+    alone.reset();
+    let (_, second) = until_classified(&mut alone, &slots[144..]);
+    // the next recording begins behind every step up to the slow time's last, and two more
+    for before in 0..64 {
+        let mut memory = Memory::of(&parse(&file));
+        let mut overlapped = plain([exit(parse(&file), &[1])], &mut memory).expect("enough memory");
+        slots[..144].iter().for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
+        (0..before).for_each(|_| assert_eq!(overlapped.step(&mut ()), None));
+        overlapped.reset();
+        let mut waiting = slots[144..].iter().peekable();
+        let mut found = Vec::new();
+        if before == 0 {
+            // one in eight before the first step
+            waiting.by_ref().take(18).for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
+            assert_eq!(overlapped.push(&slots[162], &mut ()), Err(Refused::Busy));
         }
-        found.extend(overlapped.step(&mut ()));
+        while found.len() < 2 {
+            while waiting.peek().is_some_and(|slot| overlapped.push(*slot, &mut ()).is_ok()) {
+                waiting.next();
+            }
+            found.extend(overlapped.step(&mut ()));
+        }
+        assert_eq!(found, [first.clone(), second.clone()], "{before} steps");
     }
-    let (_, first) = until_classified(&mut plain, &slots[..144]);
-    plain.reset();
-    let (_, second) = until_classified(&mut plain, &slots[144..]);
-    assert_eq!(found, [first, second]);
 }
 
 #[test]

@@ -54,7 +54,7 @@ macro_rules! radar_memory {
         $crate::radar::RadarMemory<
             { $shape.slot_values() },
             { $shape.radar.reference_len() },
-            { $shape.beats() },
+            { $shape.sensing_slots },
             { $shape.sensing_slots },
             { $shape.frames },
             { $shape.scratch_bytes() },

@@ -22,11 +22,13 @@ pub use memory::{RadarMemory, SlotBuffer};
 pub use processing_context::{Event, ProcessingContext, Progress};
 pub use slot_context::{SlotAction, SlotContext};
 
+use crate::dims::BEATS;
 use crate::dsn::{Model, Shape};
 use crate::early_exit::{EXITS, EarlyExit};
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
+use crate::signal::front_end::slow_time_steps;
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
@@ -179,21 +181,25 @@ fn in_time<T: Stft>(
         let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
     }
     let reached = slots.iter().filter(|&&slots| slots <= total).count();
+    let fits = |need: usize, have: usize| {
+        if need > have { Err(Error::Deadline { need: need as u32, have: have as u32 }) } else { Ok(()) }
+    };
     for (k, &taken) in slots.iter().enumerate().take(reached) {
+        let rest = (layout.period() as usize).saturating_sub(taken * step);
         let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {
             Some(next) => ((next - taken) * step, next - taken),
             // what is left of the period, and the next one up to its first exit
-            None => (
-                (layout.period() as usize).saturating_sub(taken * step) + first * step,
-                total - taken + first,
-            ),
+            None => {
+                // of which the first wait in memory of the slow time until that is made
+                let waiting = first.min(slots.last().map_or(0, |most| most / BEATS));
+                fits(slow_time_steps(taken) + total - taken + waiting, rest + waiting * step)?;
+                (rest + first * step, total - taken + first)
+            }
         };
         let check =
             pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
         let need = pipeline.count_steps(k) + check + sensing;
-        if need > between {
-            return Err(Error::Deadline { need: need as u32, have: between as u32 });
-        }
+        fits(need, between)?;
     }
     Ok(())
 }

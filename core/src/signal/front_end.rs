@@ -13,7 +13,7 @@ use super::logarithm::FLOOR;
 use super::spectrogram::{log_magnitudes, quantize_db};
 use super::stft::{NativeStft, Stft, frames};
 use crate::config::RadarConfig;
-use crate::dims::{Beat, Complex, ROWS};
+use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was
@@ -67,17 +67,14 @@ impl Default for Preprocessing {
     }
 }
 
-/// Sensing slots of the next recording that may come before the image of the one before has used its range samples.
-pub const OVERLAP_SLOTS: usize = 16;
-
 /// Memory the front end works in; the caller's.
 #[derive(Debug)]
 pub struct FrontEndBuffers<'b> {
     /// [`RadarConfig::reference_len`] reference samples.
     pub reference: &'b mut [Iq],
-    /// Range samples, `[slow_time]`: as many as a recording has slots, and [`OVERLAP_SLOTS`] more if recordings overlap.
+    /// Range samples, `[slow_time]`: as many as a recording has slots.
     pub beats: &'b mut [Beat],
-    /// The slow-time signal, as long as a recording.
+    /// The slow-time signal, as long as a recording. Before it is made the next recording's first slots, one in eight, wait here.
     pub slow_time: &'b mut [Complex<i32>],
     /// Log magnitudes of the image, at least 64 x frames.
     pub levels: &'b mut [i16],
@@ -90,9 +87,14 @@ const SLOTS_A_STEP: usize = 128;
 /// Rows of the image of one step.
 const ROWS_A_STEP: usize = 16;
 
-/// Steps of the image of a recording.
+/// Steps of a recording's slow time.
+pub(crate) const fn slow_time_steps(slots: usize) -> usize {
+    SOLVER_STEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP)
+}
+
+/// Steps of its image.
 pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
-    SOLVER_STEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
+    slow_time_steps(slots) + frames + ROWS / ROWS_A_STEP
 }
 
 /// Where the making of an image stands.
@@ -128,8 +130,8 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     spectrum: T::Spectrum,
     gram: Gram,
     taken: usize,
-    /// Where the recording's range samples begin: 0, or behind those that a job still needs.
-    origin: usize,
+    /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
+    waiting: bool,
     /// Longest recording.
     capacity: usize,
     job: Option<Job>,
@@ -153,7 +155,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             spectrum: T::ZERO,
             gram: Gram::new(),
             taken: 0,
-            origin: 0,
+            waiting: false,
             capacity: beats.len().min(slow_time.len()).min(GRAM_SLOTS),
             job: None,
             beats,
@@ -187,7 +189,13 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// Whether [`FrontEnd::push`] would find room.
     pub fn has_room(&self) -> bool {
-        self.taken < self.capacity && self.origin + self.taken < self.beats.len()
+        let room = match &self.job {
+            _ if self.waiting => self.slow_time.len() / BEATS,
+            // a recording behind the job's takes the places that the job has left
+            Some(Job { slots, stage: Stage::Project { from, .. }, .. }) if self.taken < *slots => *from,
+            _ => self.capacity,
+        };
+        self.taken < room.min(self.capacity)
     }
 
     /// Takes the range samples of a slot, each below 2^25.5 in magnitude. `false` as [`FrontEnd::push`].
@@ -195,7 +203,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         if !self.has_room() {
             return false;
         }
-        let Some(place) = self.beats.get_mut(self.origin + self.taken) else { return false };
+        let (waiting, _) = self.slow_time.as_chunks_mut();
+        let places = if self.waiting { waiting } else { &mut *self.beats };
+        let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
         self.gram.add(&beat);
         *place = beat;
@@ -209,7 +219,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         let frames = self.stft.frames(self.taken);
         let cells = ROWS * frames;
         let fits = frames > 0 && cells <= self.levels.len() && cells <= self.image.len();
-        if !fits || self.job.is_some() || self.origin != 0 {
+        if !fits || self.job.is_some() || self.waiting {
             return false;
         }
         probe.gram(&self.gram);
@@ -249,21 +259,24 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             }
             Stage::Project { from, shift } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
-                project(
-                    self.beats.get(from..end)?,
-                    &job.projection,
-                    shift,
-                    self.slow_time.get_mut(from..end)?,
-                );
+                let beats = self.beats.get_mut(from..end)?;
+                if self.waiting {
+                    // in place: each slot's first range sample becomes its slow time
+                    for beat in beats {
+                        let mut value = [beat[0]];
+                        project(core::slice::from_ref(beat), &job.projection, shift, &mut value);
+                        [beat[0]] = value;
+                    }
+                } else {
+                    project(beats, &job.projection, shift, self.slow_time.get_mut(from..end)?);
+                }
                 if end < job.slots {
                     Stage::Project { from: end, shift }
                 } else {
-                    probe.slow_time(self.slow_time.get(..end)?);
-                    // the next recording moves to where the range samples were
-                    if let Some((to, from)) = self.beats.split_at_mut_checked(self.origin) {
-                        to.iter_mut().zip(from).take(self.taken).for_each(|(to, from)| *to = *from);
-                        self.origin = 0;
+                    if core::mem::take(&mut self.waiting) {
+                        change_places(self.beats, self.slow_time);
                     }
+                    probe.slow_time(self.slow_time.get(..end)?);
                     Stage::Frames { next: 0, largest: FLOOR }
                 }
             }
@@ -325,10 +338,26 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     pub fn reset(&mut self) {
         self.gram = Gram::new();
         self.taken = 0;
-        let needed =
-            |job: &Job| matches!(job.stage, Stage::Solve | Stage::Scale { .. } | Stage::Project { .. });
-        self.origin = if self.job.as_ref().is_some_and(needed) { self.capacity } else { 0 };
+        self.waiting = self.job.as_ref().is_some_and(|job| match job.stage {
+            Stage::Solve | Stage::Scale { .. } | Stage::Project { from: 0, .. } => true,
+            Stage::Project { .. } => self.waiting,
+            Stage::Frames { .. } | Stage::Quantize { .. } => false,
+        });
     }
+}
+
+/// Moves the range samples that wait in slow time to the slots' places, and the slow time in those to its own.
+fn change_places(beats: &mut [Beat], slow_time: &mut [Complex<i32>]) {
+    let (waiting, rest) = slow_time.as_chunks_mut::<BEATS>();
+    let whole = BEATS * waiting.len();
+    for (k, eight) in waiting.iter_mut().enumerate() {
+        let beat = *eight;
+        let values = beats.iter().skip(BEATS * k).map(|beat| beat[0]);
+        eight.iter_mut().zip(values).for_each(|(to, value)| *to = value);
+        // no slow time lies here any more
+        beats.get_mut(k).into_iter().for_each(|to| *to = beat);
+    }
+    rest.iter_mut().zip(beats.iter().skip(whole)).for_each(|(to, beat)| *to = beat[0]);
 }
 
 const _: () = assert!(ROWS.is_multiple_of(ROWS_A_STEP), "steps are whole");
