@@ -1,24 +1,34 @@
-//! Names what the compiler's target promises and stable Rust does not say, as `cfg`s.
+//! Sets a `cfg` for each processor extension of the compiler's target that stable Rust does not state.
 //!
-//! `arm_dsp`: thumbv7em, or `-C target-cpu` of a core that has the extension; `arm_mve`: of a core with Helium. Then
-//! `SDP3_ARM_CPU` is that core, for the assembler.
+//! `arm_dsp`: the DSP extension: thumbv7em, `-C target-feature=+dsp`, or `-C target-cpu` of a core that has it. `arm_mve`:
+//! `-C target-cpu` of a core with Helium. Then `SDP3_ARM_CPU` is that core, for the assembler.
 
 fn main() {
     println!("cargo:rustc-check-cfg=cfg(arm_dsp, arm_mve)");
     println!("cargo:rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
     let read = |name| std::env::var(name).unwrap_or_default();
     let (target, flags) = (read("TARGET"), read("CARGO_ENCODED_RUSTFLAGS"));
-    let named = flags.split('\x1f').filter_map(|flag| Some(flag.split_once("target-cpu=")?.1)).next_back();
-    if target.starts_with("thumb") {
-        let v7em = target.starts_with("thumbv7em");
-        let core = named.unwrap_or(if v7em { "cortex-m4" } else { "" });
-        let helium = ["cortex-m52", "cortex-m55", "cortex-m85"].contains(&core);
-        if helium {
-            println!("cargo:rustc-cfg=arm_mve");
-        }
-        if v7em || helium || ["cortex-m33", "cortex-m35p"].contains(&core) {
-            println!("cargo:rustc-cfg=arm_dsp");
-            println!("cargo:rustc-env=SDP3_ARM_CPU={core}");
-        }
+    if !target.starts_with("thumb") {
+        return;
+    }
+    let values = |option| flags.split('\x1f').filter_map(move |flag| Some(flag.split_once(option)?.1));
+    let v7em = target.starts_with("thumbv7em");
+    let named = values("target-cpu=").next_back();
+    let helium = matches!(named, Some("cortex-m52" | "cortex-m55" | "cortex-m85"));
+    // the last word on the feature wins, also over what a core's name says
+    let feature = values("target-feature=").flat_map(|list| list.split(','));
+    let feature = feature.filter_map(|word| Some(word.strip_suffix("dsp")? == "+")).next_back();
+    let dsp = feature.unwrap_or(v7em || helium || matches!(named, Some("cortex-m33" | "cortex-m35p")));
+    if dsp {
+        println!("cargo:rustc-cfg=arm_dsp");
+        let core = named.unwrap_or(if v7em { "cortex-m4" } else { "cortex-m33" });
+        println!("cargo:rustc-env=SDP3_ARM_CPU={core}");
+    } else if target.starts_with("thumbv8m.main") && named.is_none() && feature.is_none() {
+        println!(
+            "cargo:warning=without -C target-cpu=cortex-m33 or -C target-feature=+dsp the DSP instructions go unused"
+        );
+    }
+    if dsp && helium {
+        println!("cargo:rustc-cfg=arm_mve");
     }
 }

@@ -136,7 +136,8 @@ fn digest_lines(count: u32) -> Result<Vec<String>> {
 fn known(file: &str) -> Result<bool> {
     let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
     let found = digest_lines(30)?;
-    let expected: Vec<&str> = text.lines().skip_while(|line| Some(*line) != found.first().map(String::as_str)).collect();
+    let expected: Vec<&str> =
+        text.lines().skip_while(|line| Some(*line) != found.first().map(String::as_str)).collect();
     let mut case = "";
     for (expected, found) in expected.iter().zip(&found) {
         if let Some(name) = expected.strip_prefix("# ") {
@@ -214,7 +215,10 @@ fn main() -> ExitCode {
             Ok(count) => compare(firmware, count, machines),
             Err(_) => Err(format!("{count} is no number of recordings").into()),
         },
-        _ => Err("usage: conformance FIRMWARE RECORDINGS MACHINE... | --changed FIRMWARE MACHINE | --digests FILE".into()),
+        _ => Err(
+            "usage: conformance FIRMWARE RECORDINGS MACHINE... | --changed FIRMWARE MACHINE | --digests FILE"
+                .into(),
+        ),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

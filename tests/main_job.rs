@@ -21,7 +21,7 @@ fn every_target_agrees_and_the_json_has_its_fields() {
         let expected = [
             "beat",
             "gram",
-            "weights",
+            "projection",
             "slow-time",
             "frame",
             "image",
@@ -106,7 +106,8 @@ fn one_seed_gives_one_result_for_any_number_of_threads() {
 
 /// A copy of a file with one bit of the chirp table flipped, wherever the table stands in it.
 fn flip_a_bit(from: &Path, to: &Path) {
-    let table: Vec<u8> = sdp3_core::signal::dechirp::CHIRP.iter().flat_map(|s| s.to_le_bytes()).collect();
+    let table: Vec<u8> =
+        sdp3_core::signal::dechirp::CHIRP.iter().flatten().flat_map(|part| part.to_le_bytes()).collect();
     let mut bytes = std::fs::read(from).expect("a program");
     let places: Vec<usize> = (0..bytes.len() - table.len())
         .filter(|&at| bytes[at] == table[0] && bytes[at..].starts_with(&table))

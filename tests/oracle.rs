@@ -3,7 +3,9 @@
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
 use sdp3_core::dims::{Beat, Complex};
-use sdp3_core::signal::clutter::{Gram, PROJECTION_BITS, Projection, SvdRange, UNIT_PROJECTION, clutter_projection};
+use sdp3_core::signal::clutter::{
+    Gram, PROJECTION_BITS, Projection, SvdRange, UNIT_PROJECTION, clutter_projection,
+};
 use sdp3_core::signal::dechirp::CHIRP;
 use sdp3_core::signal::stft::{FloatStft, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | digital | none | times the conjugate chirp, summed in blocks ([`dechirp`](crate::signal::dechirp)) |
 //! | analog | none | summed in blocks |
-//! | analog | some | the range profile around some bins ([`range_gate`](crate::signal::range_gate)) |
+//! | analog | some | the range profile around some bins (`signal::range_gate`) |
 
 /// Complex or real samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

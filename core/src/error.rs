@@ -48,12 +48,17 @@ impl core::fmt::Display for Error {
             Error::Memory { buffer, need, have } => {
                 write!(f, "buffer {buffer} has {have} elements; the model needs {need}")
             }
-            Error::Exits => write!(f, "early exits are not ascending, do not agree, or have a weight out of range"),
+            Error::Exits => {
+                write!(f, "early exits are not ascending, do not agree, or have a weight out of range")
+            }
             Error::SensingSlots { need, have } => {
                 write!(f, "a period has {have} sensing slots; the first exit needs {need}")
             }
             Error::Deadline { need, have } => {
-                write!(f, "a recognition needs {need} slots at one step a slot; the next one is due after {have}")
+                write!(
+                    f,
+                    "a recognition needs {need} slots at one step a slot; the next one is due after {have}"
+                )
             }
         }
     }

@@ -5,7 +5,7 @@
 //!
 //! A radio shares its slots between communication and sensing. In a sensing slot the radar sends one FMCW sweep. Its samples
 //! become at most eight range samples; those of N_s slots form the beat matrix, of which the strongest singular components are
-//! clutter. What is left is summed to one slow-time signal, whose spectrogram is an image that an int8 network classifies.
+//! clutter. What is left is summed to one slow-time signal. Its spectrogram is an image that an int8 network classifies.
 //!
 //! ```text
 //! samples of a slot, i16        for example [1000] I/Q at 10 MHz
@@ -29,7 +29,7 @@
 //!
 //! # Numbers
 //!
-//! Range samples, Gram matrix, projection, levels, the network and the schedule are integers. The eigenvectors and one of the two
+//! Range samples, Gram matrix, projection, log magnitudes, the network and the schedule are integers. The eigenvectors and one of the two
 //! FFTs are f32, written with `+ - * /` and `libm` only, in one fixed order: they have the same bits on every IEEE 754 processor
 //! with flush-to-zero off, with or without an FPU. On microcontrollers the FFT is the other one, in integers
 //! ([`signal::stft::NativeStft`]). `ranges` proves at compile time that no sum outgrows its word.

@@ -1,4 +1,4 @@
-//! The only door to floats: free functions with the same bits on every target and in every build.
+//! The crate's floating-point functions: free functions with the same bits on every target and in every build.
 //!
 //! Method calls such as `x.sqrt()` are never used in this crate: in a graph that links `std` they silently become
 //! another implementation. `libm` is compiled from source everywhere; `+ - * /` are IEEE 754.
@@ -44,6 +44,7 @@ pub fn bessel_i0f(x: f32) -> f32 {
 ///
 /// Reduced to the first octant in integers, then Taylor's series.
 pub(crate) const fn sin_cos_turn(k: u64, n: u64) -> (f64, f64) {
+    let n = if n == 0 { 1 } else { n };
     let k = k % n;
     // eight octants of n/8: work in units of 1/(8 n) turn to stay exact
     let eighths = 8 * k;

@@ -165,8 +165,7 @@ struct Recognition {
 
 /// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
 /// a microcontroller.
-#[derive(Debug)]
-pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T = NativeStft> {
+pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     front_end: FrontEnd<'b, T>,
     scratch: &'b mut [i8],
     kernels: K,
@@ -234,7 +233,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
                 && model.radar() == last.radar()
         };
         let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
-        let valid = all.iter().enumerate().all(|(number, exit)| exit.is_valid(number) && agrees(exit));
+        // the only exit's class is its network's, whatever a step is worth
+        let weighs = |number: usize, exit: &EarlyExit<'_>| all.len() == 1 || exit.is_valid(number);
+        let valid = all.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
         if !(ascending && valid) {
             return Err(Error::Exits);
         }
@@ -254,7 +255,8 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             }
         }
         // valid: the parser has checked both
-        let front_end = FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
+        let front_end =
+            FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
         Ok(Pipeline {
             front_end,
             scratch: buffers.scratch,
@@ -343,7 +345,12 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     /// Begins the recognition that is due, if none is under way.
     fn begin_recognition(&mut self, probe: &mut impl Probe) {
         if self.recognition.is_none() && self.exit_due() && self.front_end.begin_image(probe) {
-            self.recognition = Some(Recognition { exit: self.next_exit, period: self.period, imaged: false, outdated: false });
+            self.recognition = Some(Recognition {
+                exit: self.next_exit,
+                period: self.period,
+                imaged: false,
+                outdated: false,
+            });
             self.next_exit += 1;
             self.network = Network::new();
         }
@@ -366,7 +373,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             let mut evidence = Evidence::new();
             let _ = evidence.resize(classification.logits.len(), 0); // at most MAX_CLASSES: the parser has checked
             let passed = self.logits.iter().chain([&classification.logits]);
-            passed.zip(&exit.weights).for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
+            passed
+                .zip(&exit.weights)
+                .for_each(|(logits, &weight)| add_evidence(&mut evidence, logits, weight));
             (classification.class, classification.confidence) = decide(&evidence);
         }
         classification.exit = number as u8;

@@ -1,8 +1,8 @@
 //! No number of the signal chain outgrows its word: the ranges stage by stage, each proved by the compiler.
 //!
 //! Stated are magnitudes, of complex numbers too: a part is never larger. Where a sum wraps on purpose (a convolution with its
-//! bias, as TensorFlow Lite's reference does) the stage says so. The kernels in vectors and tiles have ranges of their own, beside
-//! what packs their weights.
+//! bias, as TensorFlow Lite's reference does) the stage says so. The Winograd kernels have ranges of their own, beside what
+//! packs their weights.
 
 use crate::config::{Dechirp, RadarConfig, RangeGate};
 use crate::dims::BEATS;
@@ -50,7 +50,7 @@ const _: () = {
     }
 };
 
-// Beats to the Gram matrix, whose entries are no larger than its diagonal's.
+// Beats to the Gram matrix: no entry is larger than the diagonal's.
 const _: () = assert!((GRAM_SLOTS as i128) << BEAT_POWER_BITS < 1 << 63, "a sum of powers fits i64");
 
 // Beats to slow time: |w| <= sqrt(8) for any projection w = P 1, and |w^H b| <= |w| |b|.
@@ -92,5 +92,5 @@ const _: () = assert!(128 * MAX_WEIGHT as i64 * (EXITS as i64) < 1 << 31, "evide
 const _: () = {
     let divided = (USERS as i128 + 1) * LONGEST_PERIOD as i128;
     assert!(divided << LEVEL_BITS < 1 << 63, "a weighted level fits i64");
-    assert!(2 * LONGEST_PERIOD as i128 * (u32::MAX as i128) < 1 << 63, "a receiver's bits fit i64");
+    assert!(2 * LONGEST_PERIOD as i128 * (u32::MAX as i128) < 1 << 63, "a user's bits fit i64");
 };

@@ -1,4 +1,4 @@
-//! Every value of every stage as little-endian bytes, in the order of the street: what digests fold and dumps store.
+//! Every value of every stage as little-endian bytes, in the order of the signal chain: what digests fold and dumps store.
 //!
 //! Floats go by their bits; a complex number is two values, the real part first.
 
@@ -6,7 +6,7 @@ use crate::dims::{Beat, Complex, FixedBins, Spectrum};
 use crate::probe::Probe;
 use crate::signal::clutter::{Gram, Projection};
 
-/// A stage of the street.
+/// A stage of the signal chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stage {

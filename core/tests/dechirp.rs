@@ -99,7 +99,7 @@ fn rows(image: &[i8]) -> Vec<usize> {
 
 const WALL: Echo = Echo { amplitude: 12_000.0, delay: 0.2, doppler: 0.0, delay_step: 0.0 };
 
-/// A target whose Doppler frequency is `bins` 256ths of the slot rate. At 350 wavelengths a range cell (3.5 GHz, 10 MHz) its
+/// A target with a Doppler frequency of `bins` 256ths of the slot rate. At 350 wavelengths a range cell (3.5 GHz, 10 MHz) its
 /// delay changes with it.
 fn target(bins: f64) -> Echo {
     let doppler = bins / 256.0;
@@ -120,15 +120,21 @@ fn doppler_is_in_its_row<T: Stft>() {
             assert!(level < 127 - 102, "{bins} bins: row {dark} has {level}");
         }
         // with the clutter the wall is the brightest
-        assert_eq!(rows(&image::<T>(paper, &echoes, true, bins_per_row)), [32; 3], "{bins} bins with the wall");
+        assert_eq!(
+            rows(&image::<T>(paper, &echoes, true, bins_per_row)),
+            [32; 3],
+            "{bins} bins with the wall"
+        );
     }
     // the same sign from sensors that dechirp: a wall and a target in two of the gate's range samples
     for config in [RadarConfig::BGT60, RadarConfig::IWR] {
         let gate = config.gate.expect("a gate");
-        let middle = |range: f64| f64::from(gate.first_bin) - 0.5 + (range + 0.5) * f64::from(gate.bins_per_sample);
+        let middle =
+            |range: f64| f64::from(gate.first_bin) - 0.5 + (range + 0.5) * f64::from(gate.bins_per_sample);
         for bins in [9.0, -14.0] {
             let wall = Echo { amplitude: 1200.0, delay: middle(6.0), ..Echo::default() };
-            let target = Echo { amplitude: 300.0, delay: middle(2.0), doppler: bins / 256.0, delay_step: 0.0 };
+            let target =
+                Echo { amplitude: 300.0, delay: middle(2.0), doppler: bins / 256.0, delay_step: 0.0 };
             let found = image::<T>(config, &[wall, target], false, 1);
             assert_eq!(rows(&found), [(32.0 + bins) as usize; 3], "{config:?}, {bins} bins");
         }

@@ -9,7 +9,7 @@ use sdp3_core::signal::front_end::{FrontEnd, Preprocessing};
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use support::{Memory, noise_slots};
 
-/// An echo whose phase turns by `bin` 256ths a slot, the same in all range cells.
+/// An echo that rotates by `bin` 256ths of a turn a slot, the same in all range cells.
 fn tone(n: usize, bin: i32) -> Beat {
     let angle = core::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
     [Complex::new((1e6 * angle.cos()) as i32, (1e6 * angle.sin()) as i32); BEATS]
@@ -23,8 +23,12 @@ fn settings_have_their_ranges() {
     let with = |change: &dyn Fn(&mut Preprocessing)| {
         let mut settings = legal;
         change(&mut settings);
-        let made =
-            FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, Memory::of_front_end(200, 10).view().front_end).is_some();
+        let made = FrontEnd::<FloatStft>::new(
+            RadarConfig::PAPER,
+            settings,
+            Memory::of_front_end(200, 10).view().front_end,
+        )
+        .is_some();
         assert_eq!(made, settings.is_valid());
         made
     };
@@ -64,7 +68,8 @@ fn it_takes_what_the_least_buffer_holds() {
         let mut memory = Memory::of_front_end(beats, 1);
         memory.slow_time.resize(slow_time, Complex::new(0, 0));
         let mut front_end =
-            FrontEnd::<FloatStft>::new(RadarConfig::PAPER, Preprocessing::default(), memory.view().front_end).expect("legal");
+            FrontEnd::<FloatStft>::new(RadarConfig::PAPER, Preprocessing::default(), memory.view().front_end)
+                .expect("legal");
         assert_eq!(front_end.capacity(), wanted);
         for n in 0..wanted {
             assert_eq!(front_end.taken(), n);
@@ -83,7 +88,8 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
     // two frames fit
     let mut memory = Memory::of_front_end(200, 2);
     let settings = Preprocessing { kept: EVERYTHING, ..Preprocessing::default() };
-    let mut front_end = FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
+    let mut front_end =
+        FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     for n in 0..160 {
         let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
         let wanted = match n {
@@ -101,7 +107,8 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
 /// The brightest row of every frame.
 fn rows<T: Stft>(settings: Preprocessing, bin: i32) -> Vec<usize> {
     let mut memory = Memory::of_front_end(144, 3);
-    let mut front_end = FrontEnd::<T>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
+    let mut front_end =
+        FrontEnd::<T>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
     let image = front_end.image(&mut ()).expect("three frames");
     let bright = |frame: usize| (0..ROWS).max_by_key(|row| image[row * 3 + frame]);

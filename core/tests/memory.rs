@@ -78,11 +78,10 @@ fn all_is_used(file: &[u8]) {
     }
 }
 
+/// For the numbers of channels that the Winograd kernels cover; others need no border row.
 #[test]
 fn every_element_of_the_memory_is_used() {
-    for (channels, stride, slots) in
-        [(4, 1, 160), (8, 1, 200), (8, 2, 144), (12, 1, 200), (16, 1, 152), (16, 2, 200), (32, 1, 160)]
-    {
+    for (channels, stride, slots) in [(8, 1, 200), (8, 2, 144), (16, 1, 152), (16, 2, 200), (32, 1, 160)] {
         let size = Size { channels, stride, blocks: 2, slots, window: 128, hop: 8 };
         let mut bytes = vec![0; 1 << 17];
         let length = write(size, 5, Numbers::Trained, crc32, &mut bytes);

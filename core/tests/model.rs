@@ -20,7 +20,7 @@ const ADD: usize = STEM + channelwise(9) + channelwise(1) + 2 * channelwise(9 * 
 /// An addition has three scales, multipliers and shifts, and a zero.
 const HEAD: usize = ADD + 8 + 12 + 12 + 4;
 
-/// Bytes of a layer with so many weights a channel, all of whose parts are whole words here.
+/// Bytes of a layer with so many weights a channel. All its parts are whole words here.
 const fn channelwise(taps: usize) -> usize {
     MULTIPLIERS + 4 * CHANNELS + 4 * CHANNELS + CHANNELS + CHANNELS * taps
 }
@@ -80,7 +80,12 @@ fn every_field_of_the_header_has_its_range() {
     field("blocks", 33, byte, &[0, 9], &[1, 8]);
     field("classes", 34, byte, &[0, 1, 17], &[2, 3, 16]);
     field("signature", 35, byte, &[2, 255], &[0, 1]);
-    for at in 48..64 {
+    // a sensor that is none: a first sample of a gate, or one sample alone
+    for at in 48..56 {
+        assert!(matches!(outcome(at, &[1]), Err(ModelError::Field { name: "radar", .. })), "{at}");
+    }
+    assert_eq!(outcome(48, &[128, 0, 8, 12, 5, 4, 6, 0]), Ok(()));
+    for at in 56..64 {
         assert_eq!(outcome(at, &[1]), Err(ModelError::Field { name: "reserved", value: 0 }));
     }
 }
@@ -182,7 +187,13 @@ fn the_header_is_what_the_model_says_of_itself() {
     let other = altered(&file, HEAD + SCALES + 4, &0.25_f32.to_le_bytes());
     assert_eq!((model.logit_scale(), Model::parse(&other).expect("a model").logit_scale()), (1.0, 0.25));
     assert!(!model.is_signed() && Model::parse(SIGNED).expect("a model").is_signed());
-    let shape = Shape { sensing_slots: 200, frames: 10, channels: CHANNELS, stem_stride: 2, radar: RadarConfig::PAPER };
+    let shape = Shape {
+        sensing_slots: 200,
+        frames: 10,
+        channels: CHANNELS,
+        stem_stride: 2,
+        radar: RadarConfig::PAPER,
+    };
     assert_eq!((Shape::of(&file), model.shape()), (Some(shape), shape));
     assert_eq!(Shape::of(&file[..HEADER_LEN]), Some(shape));
     assert_eq!(Shape::of(&file[..HEADER_LEN - 1]), None);

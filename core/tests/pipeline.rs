@@ -20,7 +20,7 @@ fn parse(file: &[u8]) -> Model<'_> {
     Model::parse(file).expect("a model")
 }
 
-/// An exit whose own and earlier logits weigh this much.
+/// An exit with these weights of its own and of the earlier logits.
 fn exit<'m>(model: Model<'m>, first: &[i32]) -> EarlyExit<'m> {
     let mut weights = [0; EXITS];
     weights[..first.len()].copy_from_slice(first);
@@ -130,12 +130,17 @@ fn the_only_exit_has_its_networks_confidence() {
         let file = altered(&file, scale_at, &scale.to_le_bytes());
         let model = parse(&file);
         assert_eq!(model.logit_scale(), scale);
-        assert_eq!(EarlyExit::single(model).weights, core::array::from_fn(|k| if k == 0 { weight } else { 0 }));
+        assert_eq!(
+            EarlyExit::single(model).weights,
+            core::array::from_fn(|k| if k == 0 { weight } else { 0 })
+        );
     }
-    // a step worth nothing would make every class the first
+    // a step worth nothing as evidence: the only exit needs no evidence, one of two is refused
     let nothing = altered(&file, scale_at, &1e-6_f32.to_le_bytes());
-    let mut memory = Memory::of(&parse(&nothing));
-    assert_eq!(plain([EarlyExit::single(parse(&nothing))], &mut memory).err(), Some(Error::Exits));
+    let (first, later) = (EarlyExit::single(parse(&nothing)), random_model(200, 2));
+    let mut memory = Memory::of(&parse(&later));
+    assert_eq!(plain([first], &mut memory).err(), None);
+    assert_eq!(plain([first, exit(parse(&later), &[1, 1])], &mut memory).err(), Some(Error::Exits));
 }
 
 #[test]
@@ -164,9 +169,13 @@ fn exits_that_do_not_go_together_are_refused() {
         let exits: Vec<_> = files.iter().map(|file| exit(parse(file), &[1; EXITS])).collect();
         assert_eq!(made(&exits), (slots > EXITS).then_some(Error::Exits));
     }
-    for (weight, wanted) in
-        [(MAX_WEIGHT, None), (-MAX_WEIGHT, None), (MAX_WEIGHT + 1, refused), (-MAX_WEIGHT - 1, refused), (0, refused)]
-    {
+    for (weight, wanted) in [
+        (MAX_WEIGHT, None),
+        (-MAX_WEIGHT, None),
+        (MAX_WEIGHT + 1, refused),
+        (-MAX_WEIGHT - 1, refused),
+        (0, refused),
+    ] {
         assert_eq!(made(&[first, exit(second.model, &[1, weight])]), wanted, "{weight}");
     }
     let other_range = altered(&files[1], 24, &1062_u16.to_le_bytes());
@@ -197,9 +206,7 @@ fn memory_is_asked_for_to_the_element() {
     let files = files();
     let exits = || files.iter().map(|file| exit(parse(file), &[1, 1, 1]));
     let exact = Memory::of(&parse(&files[2]));
-    let made = |memory: &mut Memory| {
-        Pipeline::<_, FixedStft>::new(exits(), 2.0, memory.view()).err()
-    };
+    let made = |memory: &mut Memory| Pipeline::<_, FixedStft>::new(exits(), 2.0, memory.view()).err();
     assert_eq!(made(&mut exact.clone()), None);
     for (wanted, shorten) in SHORTER {
         let mut memory = exact.clone();

@@ -86,7 +86,7 @@ impl Radio {
         }
     }
 
-    /// One slot with the next number, whose samples come if it senses.
+    /// One slot with the next number; its samples come if it senses.
     fn slot(&mut self) -> Use {
         let given = self.given(self.number);
         self.number = self.number.wrapping_add(1);
@@ -249,7 +249,7 @@ fn samples_that_are_missing_or_unexpected_are_reported_once() {
     radio.slots.samples_ready();
     radio.poll();
     assert_eq!(radio.faults(), [Fault::UnexpectedSamples]);
-    // a sensing slot again whose number is repeated: the same buffer
+    // the number of a sensing slot again: the same buffer
     assert_eq!((radio.given(4), radio.given(4)), (Use::Sense, Use::Sense));
     radio.slots.samples_ready();
     assert_eq!(radio.given(4), Use::Idle, "its samples are there");
@@ -263,6 +263,19 @@ fn samples_that_are_missing_or_unexpected_are_reported_once() {
     radio.number = 9;
     radio.play(4 * 205);
     assert_eq!(radio.faults(), []);
+}
+
+#[test]
+fn samples_that_come_too_late_take_no_buffer_away() {
+    let mut radio = Radio::new(0);
+    for _ in 0..6 {
+        assert_eq!(radio.given(radio.number), Use::Sense);
+        radio.number += 1;
+        radio.slot();
+        radio.slots.samples_ready();
+        radio.play(2);
+    }
+    assert_eq!(radio.faults(), [Fault::MissingSamples, Fault::UnexpectedSamples].repeat(6));
 }
 
 #[test]

@@ -2,10 +2,9 @@
 //! the host. `board` is the port's own.
 #![allow(unsafe_code)] // the section
 
-use crate::{board, static_cell};
+use crate::{board, static_cell::ConstStaticCell}; // of the crate static_cell
 // docs/porting.md and core/README.md show what follows
 use sdp3_core::{Progress, RadarModule, Retained, SensingLayout, Settings, Shape, SlotAction, radar_memory};
-use static_cell::ConstStaticCell;
 
 const SHAPE: Shape = Shape::of(board::MODEL).expect("a model"); // MODEL: include_bytes!("model.sdp3")
 static MEMORY: ConstStaticCell<radar_memory!(SHAPE)> = ConstStaticCell::new(<radar_memory!(SHAPE)>::new());
@@ -23,7 +22,8 @@ pub fn slot(slots: &mut board::Slots, number: u32) {
 
 /// Start-up, then the idle loop.
 pub fn run() -> Result<(), sdp3_core::Error> {
-    let settings = Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: board::BITS, threshold: 2.0 };
+    let settings =
+        Settings { layout: SensingLayout::new(4000, 3, 1000)?, rates: board::BITS, threshold: 2.0 };
     let (slots, mut task) = RadarModule::single(board::MODEL, settings, MEMORY.take(), &RETAINED)?.split();
     board::start(slots, &mut task); // from here on `slots` belongs to the interrupt
     loop {

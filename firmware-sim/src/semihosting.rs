@@ -9,6 +9,7 @@ use core::fmt::{Arguments, Write};
 #[derive(Debug)]
 pub struct File {
     handle: usize,
+    position: usize,
 }
 
 impl File {
@@ -29,7 +30,7 @@ impl File {
             return None;
         }
         let handle = call(0x01, &[name.as_ptr() as usize, mode, path.len(), 0]);
-        (handle >= 0).then_some(File { handle: handle as usize })
+        (handle >= 0).then_some(File { handle: handle as usize, position: 0 })
     }
 
     /// Its bytes.
@@ -39,18 +40,29 @@ impl File {
 
     /// Fills the buffer; false if the file ends before.
     pub fn read(&mut self, buffer: &mut [u8]) -> bool {
-        buffer.is_empty() || call(0x06, &[self.handle, buffer.as_mut_ptr() as usize, buffer.len(), 0]) == 0
+        self.read_at(buffer.as_mut_ptr() as usize, buffer.len())
     }
 
     /// Fills the buffer with little-endian values, as every machine here has them; false if the file ends before.
     pub fn read_values(&mut self, buffer: &mut [i16]) -> bool {
-        let bytes = size_of_val(buffer);
-        bytes == 0 || call(0x06, &[self.handle, buffer.as_mut_ptr() as usize, bytes, 0]) == 0
+        self.read_at(buffer.as_mut_ptr() as usize, size_of_val(buffer))
+    }
+
+    /// Fills `bytes` bytes of an exclusive slice.
+    fn read_at(&mut self, address: usize, bytes: usize) -> bool {
+        self.position += bytes;
+        bytes == 0 || call(0x06, &[self.handle, address, bytes, 0]) == 0
+    }
+
+    /// Byte that is read next.
+    pub fn position(&self) -> usize {
+        self.position
     }
 
     /// Goes on reading at this byte.
-    pub fn seek(&mut self, to: usize) -> bool {
-        call(0x0a, &[self.handle, to, 0, 0]) == 0
+    pub fn seek(&mut self, position: usize) -> bool {
+        self.position = position;
+        call(0x0a, &[self.handle, position, 0, 0]) == 0
     }
 
     /// Reads a little-endian word.

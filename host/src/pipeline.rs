@@ -11,6 +11,7 @@ use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::formats::measured;
 use crate::formats::slots::Slots;
 use crate::optimizer::anytime;
+use crate::optimizer::campaign::radar::Station;
 use crate::optimizer::shares::integer_rates;
 use crate::optimizer::{Rule, optimise, playback};
 use crate::output::Output;
@@ -18,7 +19,6 @@ use crate::predictor::anytime::calibration::weights;
 use crate::predictor::anytime::{Part, Policy, collect};
 use crate::predictor::learning_curve::bootstrap::replicates;
 use crate::predictor::learning_curve::{best_curve, predict};
-use crate::optimizer::campaign::radar::Station;
 use crate::predictor::memory::OwnedMemory;
 use crate::predictor::spectrograms::{GALLERY_RECORDING, images_of, picture};
 use crate::progress::Progress;
@@ -250,7 +250,7 @@ impl Job {
 
     /// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
     fn recognise(&self, point: &OperatingPoint, rho: f64, models: &[Vec<u8>]) -> Option<Recognised> {
-        use sdp3_core::scheduler::{USERS, Scheduler, SensingLayout, SlotUse};
+        use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
         let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
         let model = parsed
             .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
@@ -259,7 +259,8 @@ impl Job {
         let slots = recording(&self.scenario, rho, self.seed, Set::Demo, class, 1, point.sensing_slots).slots;
         let mut memory = OwnedMemory::for_model(&model);
         let pipeline = memory.early_exits(vec![EarlyExit::single(model)], 2.0).ok()?;
-        let sensing = SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
+        let sensing =
+            SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
         let mut rates = [0; USERS];
         rates.iter_mut().zip(integer_rates(&point.slot_bit)).for_each(|(rate, own)| *rate = own);
         let mut station = Station::new(Scheduler::new(sensing, rates), pipeline);

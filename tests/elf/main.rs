@@ -11,13 +11,16 @@ use sdp3::conformance::qemu::{MACHINES, machines, run};
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
-use sdp3_core::dsn::Shape;
-use sdp3_core::pipeline::StandardMemory;
+use sdp3_core::{dsn::Shape, radar_memory};
+use sdp3_testkit::models::{DSN_200, DSN_1000};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// The default model's sizes.
+const DEFAULT: Shape = Shape::of(DSN_1000).expect("a model");
 
 /// A configuration of the station and what it may take.
 struct Configuration {
@@ -28,12 +31,19 @@ struct Configuration {
     flash_limit: u64,
 }
 
-const CONFIGURATIONS: [Configuration; 3] = [
+const CONFIGURATIONS: [Configuration; 4] = [
     Configuration {
         program: "station",
-        words: "default: N_s = 1000, C = 16",
+        words: "default: N_s = 1000, C = 16, supervision",
         slots: 1000,
-        ram_limit: 192 * 1024,
+        ram_limit: 160 * 1024,
+        flash_limit: 256 * 1024,
+    },
+    Configuration {
+        program: "station-early-exit",
+        words: "default with a second network at N_s = 200",
+        slots: 1000,
+        ram_limit: 160 * 1024,
         flash_limit: 256 * 1024,
     },
     Configuration {
@@ -82,8 +92,8 @@ fn painted_stack(folder: &Path, machine: &str, configuration: &Configuration, sl
     };
     word("done")?;
     word("recognised ")?;
-    if word("overruns ")? != "0" {
-        return Err(format!("{machine}, {}: slots were lost: {text:?}", configuration.program).into());
+    if word("faults ")? != "0" {
+        return Err(format!("{machine}, {}: faults were reported: {text:?}", configuration.program).into());
     }
     Ok(word("stack ")?.parse()?)
 }
@@ -97,8 +107,7 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
         let slots =
             recording(&scenario, rho, 5, Set::Demo, Class::AdultWalking, 0, configuration.slots).slots;
         let file = temporary.path().join(configuration.program);
-        let bytes: Vec<u8> = slots.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
-        std::fs::write(&file, bytes)?;
+        std::fs::write(&file, slots.to_le_bytes())?;
         println!(
             "{} ({}); at most {} KiB RAM, {} KiB flash",
             configuration.words,
@@ -117,13 +126,15 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
             println!("  {machine:<14}{flash:>10}{statics:>12}{stack:>12}{:>12}{verdict}", statics + stack);
         }
     }
-    let small = Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1 };
-    println!(
-        "const sizes: StandardMemory::BYTES = {}, Shape::required_bytes of N_s = 200, C = 8, stride 1 = {}, its scratch = {}",
-        StandardMemory::BYTES,
-        small.required_bytes(),
-        small.scratch_bytes()
-    );
+    for (words, model) in [("default", DSN_1000), ("small", DSN_200)] {
+        let shape = Shape::of(model).ok_or("no model")?;
+        println!(
+            "const sizes, {words}: pipeline {}, its scratch {}",
+            shape.required_bytes(),
+            shape.scratch_bytes()
+        );
+    }
+    println!("const size, default: RadarMemory::BYTES = {}", <radar_memory!(DEFAULT)>::BYTES);
     Ok(good)
 }
 

@@ -20,6 +20,8 @@ Scenarios: listed, shown, written, checked, set field by field.
   busy-office      An office of 3GPP's TR 38.901 with eight receivers: throughput counts more, and sensing has to be short.
   radar-24ghz      The conference room sensed at 24 GHz, the carrier of cheap Doppler modules: every other slot may sense, so that limbs do not alias.
   radar-60ghz      The conference room at 60 GHz with IEEE 802.11ay's clusters: sensing slots follow one another, or limbs would alias.
+  bgt60            The conference room sensed by a 60 GHz module of the Infineon BGT60TR13C class: 1 GHz in 64 us, 128 real samples of 12 bits, range gate 0.9 to 5.7 m. 5 dBm, 5 dB antennas in the package, noise figure 12 dB: typical values of its data sheet, rounded; sampling at 2 MHz: Infineon's example configurations, whose chirps are 0.3 ms apart. Every slot of 0.25 ms senses, or limbs would alias.
+  iwr              The conference room sensed by a 77 GHz sensor of the TI IWR1443 and IWR1843 class: 4 GHz in 51.2 us, 256 complex samples of 16 bits at 5 MHz, range gate 0.9 to 5.7 m. 12 dBm, noise figure 15 dB and slopes up to 100 MHz/us: the data sheet (TI SWRS211); 10 dB antennas: the evaluation board. Every slot of 0.2 ms senses, or limbs would alias.
 
   $ sdp3 scenario show small-radar
   # Name shown in results.
@@ -34,11 +36,34 @@ Scenarios: listed, shown, written, checked, set field by field.
   [radar]
   # Position in m. Legal: inside the room [0, 0, 0]..=[3.0, 4.5, 3.0].
   position_m = [1.5, 1.0, 1.0]
-  # Carrier frequency in Hz. Legal: 500000000..=100000000000.
+  # Carrier frequency in Hz, at which the sweep begins. Legal: 500000000..=100000000000.
   carrier_hz = 3500000000.0
-  # Swept bandwidth in Hz: the radar module's, and the band the sub-carriers share. Legal: 10000000, the sweep
-  # of the radar module (Hz).
+  # Swept bandwidth in Hz. Legal: 1000000..=10000000000.
   bandwidth_hz = 10000000.0
+  # Duration of the sampled part of a sweep in s. Legal: 0.000001..=0.00025, at most a slot.
+  sweep_s = 0.0001
+  # Sampling rate in Hz, which is the bandwidth of the receiver's noise. Legal: 100000..=100000000; 10000000
+  # (fixed): digital dechirp samples at radar.bandwidth_hz.
+  sample_rate_hz = 10000000.0
+  # Samples of a sweep. Legal: 64..=2048; 1000 (fixed): radar.sweep_s times radar.sample_rate_hz.
+  samples = 1000
+  # What a sample is. Legal: one of complex, real.
+  format = "complex"
+  # Significant bits of a value. Legal: 8..=16.
+  converter_bits = 16
+  # Whether they are the upper bits of 16, the lower ones zero; else the value is sign-extended.
+  left_justified = false
+  # Where the received sweep is mixed with the sent one. Legal: one of digital, analog.
+  dechirp = "digital"
+  # Range samples kept of a slot: blocks of the sweep, or cells of the range gate. Legal: 1..=8; a divisor of
+  # radar.samples = 1000: blocks are equally long.
+  range_samples = 8
+  # First bin of the range gate, in bins of c / (2 B); 0 without a gate. Legal: 0 (fixed), radar.bins_per_sample
+  # = 0 says there is no gate.
+  first_bin = 0
+  # Bins of each range sample of the gate; 0: no gate, the sweep's blocks are summed. Legal: 0 (fixed), a gate
+  # needs analog dechirp.
+  bins_per_sample = 0
   # Transmit power in W. Legal: 0.000000000001..=1000.
   power_w = 0.1
   # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10..=60.
@@ -46,7 +71,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
   # Legal: 0..=60.
   sidelobe_db = 10.0
-  # Receiver noise figure in dB (290 K). Legal: 0..=40.
+  # Receiver noise figure in dB (290 K), both sidebands of the mixer counted. Legal: 0..=40.
   noise_figure_db = 10.0
   # Head room between the strongest expected echo and the converter's full scale in dB. Legal: 0..=60.
   headroom_db = 12.0
@@ -177,8 +202,10 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The communication side.
   [communication]
-  # OFDM sub-carriers M over the radar's 10 MHz. Legal: 1..=65536.
+  # OFDM sub-carriers M. Legal: 1..=65536.
   subcarriers = 64
+  # Bandwidth that they share in Hz. Legal: 10000..=10000000000.
+  bandwidth_hz = 10000000.0
   # Duration of an OFDM symbol with its prefix T_o in s. Legal: 0.0000001..=0.00025, at most a slot.
   symbol_s = 0.00005
   # Transmit power in W, shared by the sub-carriers. Legal: 0.000000001..=1000.
@@ -223,7 +250,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -239,7 +266,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   {
     "file": "bad.toml",
     "errors": [
-      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`",
+      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`",
       "bad.toml: TOML parse error at line 4, column 11\n    |\n  4 | power_w = \"much\"\n    |           ^^^^^^\n  invalid type: string \"much\", expected f64",
       "bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000..=100000000000",
       "bad.toml: channel.rho = 1.5 is outside its legal range: 0..=1",
@@ -251,7 +278,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -276,7 +303,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set radar.carier_hz=1e9
-  sdp3: command line: --set: radar.carier_hz = 1000000000.0 is outside its legal range: unknown field `carier_hz`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+  sdp3: command line: --set: radar.carier_hz = 1000000000.0 is outside its legal range: unknown field `carier_hz`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
   [2]
 
   $ sdp3 scenario show --set channel.rho

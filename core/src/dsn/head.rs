@@ -31,7 +31,7 @@ impl Head<'_> {
     }
 }
 
-/// Probability of `class` by softmax of logits whose steps are worth `scale` nat; 0 if there is no such class.
+/// Probability of `class` by softmax of logits of `scale` nat a step; 0 if there is no such class.
 pub fn confidence(logits: &[i8], class: usize, scale: f32) -> f32 {
     let Some(&top) = logits.get(class) else { return 0.0 };
     softmax_confidence(logits.iter().map(|&logit| (i32::from(logit) - i32::from(top)) as f32 * scale))

@@ -20,8 +20,6 @@ pub enum Operator<'a> {
         image: &'a [i8],
         /// Height and width of the image.
         size: (usize, usize),
-        /// Scratch: two rows of the convolution's output.
-        rows: &'a mut [i8],
         /// `[height / stride / 2, width / stride / 2, channels]`.
         output: &'a mut [i8],
     },
@@ -42,8 +40,8 @@ pub enum Operator<'a> {
         input: &'a [i8],
         /// Height and width.
         size: (usize, usize),
-        /// Scratch: the stem's.
-        rows: &'a mut [i8],
+        /// Scratch: a row of the input.
+        row: &'a mut [i8],
         /// Of the input's shape.
         output: &'a mut [i8],
     },

@@ -12,10 +12,10 @@ use crate::dims::ROWS;
 use crate::probe::Probe;
 use heapless::Vec;
 
-/// Bytes of scratch the network needs: three activation maps and two rows of the stem.
+/// Bytes of scratch the network needs: three activation maps and a row of one.
 pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -> usize {
     let (height, width) = (same(ROWS, stem_stride), same(frames, stem_stride));
-    3 * (height / 2) * (width / 2) * channels + 2 * width * channels
+    3 * (height / 2) * (width / 2) * channels + (width / 2) * channels
 }
 
 impl Shape {
@@ -95,7 +95,7 @@ impl Network {
         let (stem_height, stem_width) = (same(ROWS, stride), same(frames, stride));
         let size = (stem_height / 2, stem_width / 2);
         let map = size.0 * size.1 * channels;
-        let (rows, rest) = established(scratch.split_at_mut_checked(2 * stem_width * channels));
+        let (row, rest) = established(scratch.split_at_mut_checked(size.1 * channels));
         let (x, rest) = established(rest.split_at_mut_checked(map));
         let (a, rest) = established(rest.split_at_mut_checked(map));
         let (b, _) = established(rest.split_at_mut_checked(map));
@@ -105,10 +105,10 @@ impl Network {
         let (done, output): (bool, &[i8]) = match index {
             0 => {
                 let (layer, size) = (&model.stem(), (ROWS, frames));
-                (kernels.run(index, Operator::Stem { layer, image, size, rows, output: x }, step), x)
+                (kernels.run(index, Operator::Stem { layer, image, size, output: x }, step), x)
             }
             _ if number >= model.blocks() => {
-                let output = established(rows.get_mut(..channels));
+                let output = established(row.get_mut(..channels));
                 (kernels.run(index, Operator::Average { input: x, channels, output }, step), output)
             }
             _ => match index % 4 {
@@ -118,11 +118,11 @@ impl Network {
                 }
                 2 => {
                     let layer = &model.conv(number, 0);
-                    (kernels.run(index, Operator::Conv { layer, input: a, size, rows, output: b }, step), b)
+                    (kernels.run(index, Operator::Conv { layer, input: a, size, row, output: b }, step), b)
                 }
                 3 => {
                     let layer = &model.conv(number, 1);
-                    (kernels.run(index, Operator::Conv { layer, input: b, size, rows, output: a }, step), a)
+                    (kernels.run(index, Operator::Conv { layer, input: b, size, row, output: a }, step), a)
                 }
                 _ => {
                     let layer = &model.add(number);
@@ -170,8 +170,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scratch_is_three_maps_and_two_rows() {
-        assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 2 * (55 * 16));
-        assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 2 * (10 * 8));
+    fn the_scratch_is_three_maps_and_a_row() {
+        assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 27 * 16);
+        assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 5 * 8);
     }
 }

@@ -6,7 +6,7 @@
 ///
 /// `channels`, `first` and the length of `output` are multiples of four. Cost: three instructions a value.
 pub fn average(input: &[i8], channels: usize, first: usize, output: &mut [i8]) {
-    let pixels = (input.len() / channels.max(1)).max(1) as i32;
+    let pixels = ((input.len() / channels.max(1)) as i32).max(1);
     let ((input, _), (output, _)) = (input.as_chunks::<4>(), output.as_chunks_mut::<4>());
     for (group, out) in output.iter_mut().enumerate() {
         let mut sums = [0; 4];

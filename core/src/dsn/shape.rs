@@ -13,7 +13,7 @@
 use super::format::{HEADER_LEN, MAGIC};
 use crate::config::RadarConfig;
 
-/// Sizes of a model. What follows from them stands where it belongs: its network's scratch, its kernels' memory, a receiver's.
+/// Sizes of a model. What follows from them is stated elsewhere: its network's scratch, its kernels' memory, a pipeline's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shape {

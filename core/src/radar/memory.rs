@@ -4,8 +4,9 @@ use super::{Filled, Report, SLOT_BUFFERS, Totals};
 use crate::error::Error;
 use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
 use crate::scheduler::Plan;
-use crate::signal::stft::NativeStft;
+use crate::signal::stft::{NativeStft, Stft};
 use core::sync::atomic::AtomicU32;
+use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 
 /// The samples of one slot, where a DMA may write them: interleaved in-phase and quadrature, or real values.
@@ -16,9 +17,6 @@ use heapless::spsc::{Consumer, Producer, Queue};
 #[derive(Debug)]
 #[repr(C, align(32))]
 pub struct SlotBuffer<const VALUES: usize>(pub [i16; VALUES]);
-
-/// A queue holds one element less than its size.
-type Buffers<const VALUES: usize> = Queue<&'static mut SlotBuffer<VALUES>, { SLOT_BUFFERS + 1 }>;
 
 /// All memory of a radar module; [`radar_memory!`](crate::radar_memory) names the type for a [`Shape`](crate::dsn::Shape).
 ///
@@ -32,13 +30,14 @@ pub struct RadarMemory<
     const SCRATCH: usize,
     const I16X8S: usize,
     const WORDS: usize,
-    T: 'static = NativeStft,
+    T: Stft + 'static = NativeStft,
 > {
     pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
-    made: Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+    /// The pipeline, once it is made. Not an `Option`, so that the whole memory is zeros and takes no flash.
+    made: Vec<Made<T>, 1>,
     buffers: [SlotBuffer<VALUES>; SLOT_BUFFERS],
-    free: Buffers<VALUES>,
-    filled: Queue<Filled<VALUES>, { SLOT_BUFFERS + 1 }>,
+    free: Queue<&'static mut SlotBuffer<VALUES>, BUFFERS>,
+    filled: Queue<Filled<VALUES>, BUFFERS>,
     reports: Queue<Report, REPORTS>,
     plans: Queue<Plan, 2>,
     totals: Queue<Totals, 2>,
@@ -65,40 +64,94 @@ macro_rules! radar_memory {
     };
 }
 
+/// Where one context puts values into a queue of size `N`.
+///
+/// heapless looks up a queue's size when it runs. With the comparison the compiler knows it, and leaves out the division by it and
+/// the panic of a division by zero.
+pub(super) struct Sender<T: 'static, const N: usize>(Producer<'static, T>);
+
+impl<T, const N: usize> Sender<T, N> {
+    /// The value back if the queue is full.
+    #[inline]
+    pub fn enqueue(&mut self, value: T) -> Result<(), T> {
+        if self.0.capacity() + 1 == N { self.0.enqueue(value) } else { Err(value) }
+    }
+
+    /// Whether there is room.
+    #[inline]
+    pub fn ready(&self) -> bool {
+        self.0.capacity() + 1 == N && self.0.ready()
+    }
+}
+
+/// Where the other context takes them out.
+pub(super) struct Receiver<T: 'static, const N: usize>(Consumer<'static, T>);
+
+impl<T, const N: usize> Receiver<T, N> {
+    /// The oldest value.
+    #[inline]
+    pub fn dequeue(&mut self) -> Option<T> {
+        if self.0.capacity() + 1 == N { self.0.dequeue() } else { None }
+    }
+
+    /// A look at it.
+    #[inline]
+    pub fn peek(&self) -> Option<&T> {
+        self.0.peek()
+    }
+
+    /// Whether there is one.
+    #[inline]
+    pub fn ready(&self) -> bool {
+        self.0.ready()
+    }
+}
+
+/// Both ends of a queue.
+fn split<T, const N: usize>(queue: &'static mut Queue<T, N>) -> (Sender<T, N>, Receiver<T, N>) {
+    let (sender, receiver) = queue.split();
+    (Sender(sender), Receiver(receiver))
+}
+
+/// Size of the queues of slot buffers: they hold one element less.
+const BUFFERS: usize = SLOT_BUFFERS + 1;
+
 /// The slot context's ends of the queues.
 pub(super) struct SlotEnds<const VALUES: usize> {
-    pub free: Consumer<'static, &'static mut SlotBuffer<VALUES>>,
-    pub filled: Producer<'static, Filled<VALUES>>,
-    pub reports: Producer<'static, Report>,
-    pub plans: Consumer<'static, Plan>,
-    pub totals: Consumer<'static, Totals>,
+    pub free: Receiver<&'static mut SlotBuffer<VALUES>, BUFFERS>,
+    pub filled: Sender<Filled<VALUES>, BUFFERS>,
+    pub reports: Sender<Report, REPORTS>,
+    pub plans: Receiver<Plan, 2>,
+    pub totals: Receiver<Totals, 2>,
     pub release: &'static AtomicU32,
 }
 
 /// The processing context's ends of the queues.
 pub(super) struct ProcessingEnds<const VALUES: usize> {
-    pub free: Producer<'static, &'static mut SlotBuffer<VALUES>>,
-    pub filled: Consumer<'static, Filled<VALUES>>,
-    pub reports: Consumer<'static, Report>,
-    pub plans: Producer<'static, Plan>,
-    pub totals: Producer<'static, Totals>,
+    pub free: Sender<&'static mut SlotBuffer<VALUES>, BUFFERS>,
+    pub filled: Receiver<Filled<VALUES>, BUFFERS>,
+    pub reports: Receiver<Report, REPORTS>,
+    pub plans: Sender<Plan, 2>,
+    pub totals: Sender<Totals, 2>,
     pub release: &'static AtomicU32,
 }
 
 /// Where the pipeline is made.
-pub(super) struct PipelinePlace<T: 'static> {
+pub(super) struct PipelinePlace<T: Stft + 'static> {
     buffers: PipelineBuffers<'static>,
-    made: &'static mut Option<Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>>,
+    made: &'static mut Vec<Made<T>, 1>,
 }
 
 type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
 
-impl<T> PipelinePlace<T> {
+impl<T: Stft> PipelinePlace<T> {
     pub fn make(
         self,
         make: impl FnOnce(PipelineBuffers<'static>) -> Result<Made<T>, Error>,
     ) -> Result<&'static mut Made<T>, Error> {
-        Ok(self.made.insert(make(self.buffers)?))
+        let full = Error::Memory { buffer: "pipeline", need: 1, have: 0 };
+        self.made.push(make(self.buffers)?).map_err(|_| full)?;
+        self.made.first_mut().ok_or(full)
     }
 }
 
@@ -111,7 +164,7 @@ impl<
     const SCRATCH: usize,
     const I16X8S: usize,
     const WORDS: usize,
-    T,
+    T: Stft,
 > RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>
 {
     /// Bytes of this memory.
@@ -122,7 +175,7 @@ impl<
     pub const fn new() -> Self {
         RadarMemory {
             pipeline: PipelineMemory::new(),
-            made: None,
+            made: Vec::new(),
             buffers: [const { SlotBuffer([0; VALUES]) }; SLOT_BUFFERS],
             free: Queue::new(),
             filled: Queue::new(),
@@ -134,18 +187,16 @@ impl<
     }
 
     /// The place of the pipeline, and both ends of every queue, with all buffers free.
-    pub(super) fn split(
-        &'static mut self,
-    ) -> (PipelinePlace<T>, (SlotEnds<VALUES>, ProcessingEnds<VALUES>)) {
+    pub(super) fn split(&'static mut self) -> (PipelinePlace<T>, (SlotEnds<VALUES>, ProcessingEnds<VALUES>)) {
         let RadarMemory { pipeline, made, buffers, free, filled, reports, plans, totals, release } = self;
-        let (mut free_in, free) = free.split();
+        let (mut free_in, free) = split(free);
         for buffer in buffers {
             let _ = free_in.enqueue(buffer); // one place for each
         }
-        let (filled_in, filled) = filled.split();
-        let (reports_in, reports) = reports.split();
-        let (plans_in, plans) = plans.split();
-        let (totals_in, totals) = totals.split();
+        let (filled_in, filled) = split(filled);
+        let (reports_in, reports) = split(reports);
+        let (plans_in, plans) = split(plans);
+        let (totals_in, totals) = split(totals);
         let slots = SlotEnds { free, filled: filled_in, reports: reports_in, plans, totals, release };
         let processing =
             ProcessingEnds { free: free_in, filled, reports, plans: plans_in, totals: totals_in, release };

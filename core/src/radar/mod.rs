@@ -24,14 +24,14 @@ pub use slot_context::{SlotAction, SlotContext};
 
 use crate::dsn::{Model, Shape};
 use crate::early_exit::{EXITS, EarlyExit};
-use heapless::Vec;
-use processing_context::CHECK_BYTES;
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
+use heapless::Vec;
+use processing_context::CHECK_BYTES;
 
 /// Slot buffers of a module: one that is being filled, and the others waiting.
 pub const SLOT_BUFFERS: usize = 4;
@@ -63,9 +63,16 @@ struct Filled<const VALUES: usize> {
 enum Report {
     Fault(Fault),
     /// A period begins.
-    Period { period: u32, replanned: bool, counts: PeriodCounts },
+    Period {
+        period: u32,
+        replanned: bool,
+        counts: PeriodCounts,
+    },
     /// A period's sensing has ended early.
-    Released { period: u32, release: crate::scheduler::sequencer::Release },
+    Released {
+        period: u32,
+        release: crate::scheduler::sequencer::Release,
+    },
     /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,
 }
@@ -85,7 +92,7 @@ impl Shape {
 }
 
 /// A radar module, to be split into its two contexts.
-pub struct RadarModule<const VALUES: usize, T: 'static = NativeStft> {
+pub struct RadarModule<const VALUES: usize, T: Stft + 'static = NativeStft> {
     slots: SlotContext<VALUES>,
     processing: ProcessingContext<VALUES, T>,
 }
@@ -167,17 +174,22 @@ fn in_time<T: Stft>(
     let step = layout.spacing() as usize + 1;
     let total = layout.slots() as usize;
     // exits that a period reaches
-    let slots: Vec<usize, EXITS> = pipeline.exits().iter().map(|exit| exit.model.sensing_slots()).collect();
+    let mut slots: Vec<usize, EXITS> = Vec::new();
+    for exit in pipeline.exits() {
+        let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
+    }
     let reached = slots.iter().filter(|&&slots| slots <= total).count();
     for (k, &taken) in slots.iter().enumerate().take(reached) {
         let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {
             Some(next) => ((next - taken) * step, next - taken),
             // what is left of the period, and the next one up to its first exit
-            None => {
-                ((layout.period() as usize).saturating_sub(taken * step) + first * step, total - taken + first)
-            }
+            None => (
+                (layout.period() as usize).saturating_sub(taken * step) + first * step,
+                total - taken + first,
+            ),
         };
-        let check = pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
+        let check =
+            pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
         let need = pipeline.count_steps(k) + check + sensing;
         if need > between {
             return Err(Error::Deadline { need: need as u32, have: between as u32 });

@@ -40,7 +40,7 @@ pub enum Progress {
     Idle,
     /// One step of something; there may be more.
     Busy,
-    /// Something to tell.
+    /// Something to report.
     Event(Event),
 }
 
@@ -54,7 +54,7 @@ struct Check {
 }
 
 /// The task's side of a radar module.
-pub struct ProcessingContext<const VALUES: usize, T: 'static = NativeStft> {
+pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
     pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
     planner: Planner,
@@ -81,7 +81,10 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {
-        let checksums = pipeline.exits().iter().map(|exit| crc32(exit.model.bytes())).collect();
+        let mut checksums = Vec::new();
+        for exit in pipeline.exits() {
+            let _ = checksums.push(crc32(exit.model.bytes())); // as many places as exits
+        }
         ProcessingContext {
             ends,
             pipeline,

@@ -56,7 +56,7 @@ impl State for SlotState {
 }
 
 impl SlotState {
-    /// A period of this plan begins with the next slot, whose number is not known yet.
+    /// A period of this plan begins with the next slot. Its number is not known yet.
     fn new(plan: &Plan) -> Self {
         SlotState {
             sequencer: Sequencer::new(plan),
@@ -72,7 +72,7 @@ impl SlotState {
     }
 }
 
-/// A sensing slot whose samples are on their way.
+/// A sensing slot that waits for its samples.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
     number: u32,
@@ -133,7 +133,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The use of the slot that the radio gives this number.
     ///
-    /// Cost: two passes over 98 words and O(K) for each slot played; after skipped slots at most [`CATCH_UP`] more.
+    /// Cost: two passes over 83 words and O(K) for each slot played; after skipped slots at most eight more.
     pub fn begin(&mut self, number: u32) -> SlotAction<'_, VALUES> {
         let repaired = self.load();
         if self.expected.is_none() {
@@ -263,9 +263,8 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// Begins with the plan that processing has sent; false while there is none.
     fn find_plan(&mut self, number: u32) -> bool {
-        if let Some(plan) = self.ends.plans.peek() {
-            self.state = SlotState::new(plan);
-            self.state.next = number;
+        if self.ends.plans.ready() {
+            (self.state.unplanned, self.state.next) = (false, number);
             return true;
         }
         if !self.plan_requested {

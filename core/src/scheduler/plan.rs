@@ -5,19 +5,19 @@
 use super::apportion::apportion;
 use super::layout::{PlanError, SensingLayout, USERS};
 use crate::supervision::retained::State;
-use heapless::Vec;
 
 /// A checked division of a period.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     sensing: SensingLayout,
-    shares: Vec<u32, USERS>,
+    shares: [u32; USERS],
+    users: u32,
 }
 
 impl Plan {
     /// A plan in which nothing happens.
-    pub const IDLE: Self = Plan { sensing: SensingLayout::EMPTY, shares: Vec::new() };
+    pub const IDLE: Self = Plan { sensing: SensingLayout::EMPTY, shares: [0; USERS], users: 0 };
 
     /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
     /// for the users.
@@ -27,22 +27,24 @@ impl Plan {
     /// [`PlanError`] names what does not fit.
     pub fn new(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Result<Self, PlanError> {
         let sensing = SensingLayout::new(period, spacing, sensing)?;
-        let users = shares.len();
-        let shares_kept = Vec::from_slice(shares).ok().filter(|_| users > 0);
-        let Some(shares_kept) = shares_kept else { return Err(PlanError::Users { users }) };
+        let (users, mut kept) = (shares.len(), [0; USERS]);
+        if users == 0 || users > USERS {
+            return Err(PlanError::Users { users });
+        }
+        kept.iter_mut().zip(shares).for_each(|(to, share)| *to = *share);
         let slots = u64::from(sensing.slots());
         let sum = shares.iter().map(|&share| u64::from(share)).fold(slots, u64::saturating_add);
         if sum != u64::from(period) {
             return Err(PlanError::Sum { sum, period });
         }
-        Ok(Plan { sensing, shares: shares_kept })
+        Ok(Plan { sensing, shares: kept, users: users as u32 })
     }
 
     /// The optimal plan: what sensing leaves is [`apportion`]ed; `credit` are slots that users already have, or lack if negative. With no user present those slots stay idle.
     pub fn optimal(sensing: SensingLayout, rates: &[u32; USERS], credit: &[i32; USERS]) -> Self {
-        let mut shares = Vec::from_array([0; USERS]);
+        let mut shares = [0; USERS];
         apportion(rates, credit, sensing.data_slots(), &mut shares);
-        Plan { sensing, shares }
+        Plan { sensing, shares, users: USERS as u32 }
     }
 
     /// Where the sensing slots lie.
@@ -67,7 +69,7 @@ impl Plan {
 
     /// N_c,k of every user.
     pub fn shares(&self) -> &[u32] {
-        &self.shares
+        self.shares.get(..self.users as usize).unwrap_or(&self.shares)
     }
 
     /// Whether slot `j`, 1..=N, senses.
@@ -84,7 +86,7 @@ impl Plan {
     ///
     /// [`SlotOrder`]: super::slot_order::SlotOrder
     pub fn longest_wait(&self, k: usize) -> Option<u32> {
-        let share = self.shares.get(k).copied().filter(|&share| share > 0)?;
+        let share = self.shares().get(k).copied().filter(|&share| share > 0)?;
         let others: u32 = self.shares.iter().copied().fold(0, u32::saturating_add);
         let apart = others.saturating_mul(2).div_ceil(share);
         let sensing = match self.spacing() {
@@ -98,12 +100,8 @@ impl Plan {
 impl State for Plan {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
         self.sensing.words(visit);
-        let mut users = self.shares.len() as u32;
-        visit(&mut users);
-        let _ = self.shares.resize((users as usize).min(USERS), 0); // it fits
-        for k in 0..USERS {
-            visit(self.shares.get_mut(k).unwrap_or(&mut 0));
-        }
+        visit(&mut self.users);
+        self.shares.iter_mut().for_each(visit);
     }
 }
 

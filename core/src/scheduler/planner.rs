@@ -64,7 +64,7 @@ pub struct Changes {
     pub joined: u8,
     /// Users that left.
     pub left: u8,
-    /// Users whose rate is another.
+    /// Users with another rate.
     pub rates: u8,
     /// Whether N_s or N_m is another.
     pub sensing: bool,

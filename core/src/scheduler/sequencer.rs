@@ -33,7 +33,7 @@ impl State for SlotUse {
     }
 }
 
-/// What stood when sensing ended early.
+/// State of a period when its sensing ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Release {
     /// Sensing slots that were left.
@@ -55,9 +55,9 @@ pub struct Sequencer {
     position: u32,
     /// Position of the next sensing slot.
     due: u32,
-    /// SensingLayout slots left in this period.
+    /// Sensing slots left in this period.
     left: u32,
-    /// Slots the users had before their order were dealt anew in this period.
+    /// Slots that the users had in this period before the rest was reassigned.
     before: [u32; USERS],
 }
 
@@ -84,7 +84,7 @@ impl Sequencer {
         self.position
     }
 
-    /// SensingLayout slots of the current period still to come.
+    /// Sensing slots of the current period still to come.
     pub fn sensing_left(&self) -> u32 {
         self.left
     }
@@ -98,14 +98,12 @@ impl Sequencer {
 
     /// Begins a new period at once, with another plan if one is given.
     pub fn restart(&mut self, plan: Option<&Plan>) {
-        match plan {
-            Some(plan) => *self = Sequencer::new(plan),
-            None => {
-                self.order = SlotOrder::new(self.plan.shares());
-                (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
-                self.before = [0; USERS];
-            }
+        if let Some(plan) = plan {
+            self.plan.clone_from(plan);
         }
+        self.order = SlotOrder::new(self.plan.shares());
+        (self.position, self.due, self.left) = (0, 1, self.plan.sensing());
+        self.before = [0; USERS];
     }
 
     /// No more sensing in this period; `None`, and nothing changes, if none is left or no period is running. The released slots

@@ -16,10 +16,6 @@ struct Window {
     opens: u32,
     /// Slot before which it is due, ceil((j + 1) C / n).
     due: u32,
-    /// C / n, rounded down.
-    whole: u32,
-    /// C modulo n.
-    part: u32,
     /// j C modulo n.
     rest: u32,
     /// n.
@@ -31,34 +27,32 @@ struct Window {
 impl Window {
     /// The first of `share` windows in `slots` slots; never open without a share.
     fn first(share: u32, slots: u32) -> Self {
-        let never =
-            Window { opens: u32::MAX, due: u32::MAX, whole: 0, part: 0, rest: 0, share: 0, served: 0 };
-        match (slots.checked_div(share), slots.checked_rem(share)) {
-            (Some(whole), Some(part)) => {
-                let due = whole + u32::from(part > 0);
-                Window { opens: 0, due, whole, part, rest: 0, share, served: 0 }
-            }
-            _ => never,
+        match share {
+            0 => Window { opens: u32::MAX, due: u32::MAX, rest: 0, share, served: 0 },
+            _ => Window { opens: 0, due: slots.div_ceil(share), rest: 0, share, served: 0 },
         }
     }
 
-    /// The next window.
-    fn advance(&mut self) {
+    /// The next window in `slots` slots.
+    fn advance(&mut self, slots: u32) {
+        let whole = slots.checked_div(self.share).unwrap_or(0);
+        let part = slots - whole * self.share;
         self.served += 1;
-        let rest = self.rest + self.part;
+        let rest = self.rest + part;
         let carry = u32::from(rest >= self.share);
-        self.opens += self.whole + carry;
+        self.opens += whole + carry;
         self.rest = rest - carry * self.share;
         // ceil((j C mod n + C) / n) beyond floor(j C / n)
-        let ahead = self.rest + self.part;
-        self.due = self.opens + self.whole + u32::from(ahead > 0) + u32::from(ahead > self.share);
+        let ahead = self.rest + part;
+        self.due = self.opens + whole + u32::from(ahead > 0) + u32::from(ahead > self.share);
     }
 }
 
 impl State for Window {
+    #[inline(always)]
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-        let Window { opens, due, whole, part, rest, share, served } = self;
-        [opens, due, whole, part, rest, share, served].into_iter().for_each(visit);
+        let Window { opens, due, rest, share, served } = self;
+        [opens, due, rest, share, served].into_iter().for_each(visit);
     }
 }
 
@@ -68,19 +62,21 @@ impl State for Window {
 pub struct SlotOrder {
     windows: [Window; USERS],
     users: u32,
+    /// C.
+    slots: u32,
     played: u32,
 }
 
 impl SlotOrder {
-    /// The order for shares of at most [`USERS`] users, whose sum is the number of slots, below 2^31.
+    /// The order for shares of at most [`USERS`] users. Their sum is the number of slots, below 2^31.
     pub fn new(shares: &[u32]) -> Self {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
         let mut windows = [Window::first(0, 0); USERS];
         windows.iter_mut().zip(shares).for_each(|(window, &share)| *window = Window::first(share, slots));
-        SlotOrder { windows, users: shares.len().min(USERS) as u32, played: 0 }
+        SlotOrder { windows, users: shares.len().min(USERS) as u32, slots, played: 0 }
     }
 
-    /// The user of the next slot; `None` if no user has a slot left. Cost: O(K), no division, no multiplication.
+    /// The user of the next slot; `None` if no user has a slot left. Cost: O(K), one division.
     #[allow(clippy::should_implement_trait)] // slots go on after a `None`
     pub fn next(&mut self) -> Option<usize> {
         let (mut first, mut due) = (None, u32::MAX);
@@ -94,7 +90,7 @@ impl SlotOrder {
         if window.served >= window.share {
             return None;
         }
-        window.advance();
+        window.advance(self.slots);
         first
     }
 
@@ -106,8 +102,17 @@ impl SlotOrder {
 
 impl State for SlotOrder {
     fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-        self.windows.iter_mut().for_each(|window| window.words(visit));
-        [&mut self.users, &mut self.played].into_iter().for_each(visit);
+        // one by one: in a loop every word would be compared with the end of the memory
+        let [a, b, c, d, e, f, g, h] = &mut self.windows;
+        a.words(visit);
+        b.words(visit);
+        c.words(visit);
+        d.words(visit);
+        e.words(visit);
+        f.words(visit);
+        g.words(visit);
+        h.words(visit);
+        [&mut self.users, &mut self.slots, &mut self.played].into_iter().for_each(visit);
     }
 }
 

@@ -97,7 +97,7 @@ pub const PROJECTION_BITS: u32 = 28;
 /// The projection that keeps everything (w = 1).
 pub const UNIT_PROJECTION: Projection = [Complex::new(1 << PROJECTION_BITS, 0); BEATS];
 
-/// w = (I - U U^H) 1 over the dropped components, from the Gram matrix, one Jacobi sweep at a time.
+/// w = (I - U U^H) 1 over the dropped components, from the Gram matrix, a few Jacobi rotations at a time.
 ///
 /// f32 throughout; the same bits on every target. Error against exact arithmetic: at most
 /// `64 eps / gap` in norm, `gap` being the smallest relative distance between a dropped and a kept eigenvalue.
@@ -106,37 +106,58 @@ pub const UNIT_PROJECTION: Projection = [Complex::new(1 << PROJECTION_BITS, 0); 
 pub struct ClutterSolver {
     matrix: Matrix,
     vectors: Matrix,
-    sweeps_left: usize,
+    steps_left: usize,
     kept: SvdRange,
 }
+
+/// Rotations of a sweep, in their order: rows 0 and 1, 0 and 2, ... 6 and 7.
+const PAIRS: [[usize; 2]; BEATS * (BEATS - 1) / 2] = {
+    let mut pairs = [[0; 2]; BEATS * (BEATS - 1) / 2];
+    let (mut k, mut p) = (0, 0);
+    while p < BEATS {
+        let mut q = p + 1;
+        while q < BEATS {
+            pairs[k] = [p, q];
+            (k, q) = (k + 1, q + 1);
+        }
+        p += 1;
+    }
+    pairs
+};
+
+/// Rotations of one step, so that it is short without a floating-point unit: 25 000 instructions each.
+const ROTATIONS: usize = 4;
+
+/// Steps of a solver.
+pub const SOLVER_STEPS: usize = SWEEPS * PAIRS.len() / ROTATIONS;
 
 impl ClutterSolver {
     /// Begins with a Gram matrix and the components to keep.
     pub fn new(gram: &Gram, kept: SvdRange) -> Self {
         let all = kept.first <= 1 && usize::from(kept.last) >= BEATS;
         let matrix = gram.normalised().filter(|_| !all);
-        // nothing to drop of nothing, or everything kept: the identity has no sweeps to do and is not cut
-        let (sweeps_left, kept) = match matrix {
-            Some(_) => (SWEEPS, kept),
+        // nothing to drop of nothing, or everything kept: the identity has no rotations to do and is not cut
+        let (steps_left, kept) = match matrix {
+            Some(_) => (SOLVER_STEPS, kept),
             None => (0, SvdRange { first: 1, last: BEATS as u8 }),
         };
         let matrix = matrix.unwrap_or_else(Matrix::identity);
-        ClutterSolver { matrix, vectors: Matrix::identity(), sweeps_left, kept }
+        ClutterSolver { matrix, vectors: Matrix::identity(), steps_left, kept }
     }
 
-    /// One sweep; false if none is left.
+    /// Four rotations; false if none is left.
     pub fn step(&mut self) -> bool {
-        let Some(left) = self.sweeps_left.checked_sub(1) else { return false };
-        self.sweeps_left = left;
-        for p in 0..BEATS - 1 {
-            for q in p + 1..BEATS {
-                rotate(&mut self.matrix, &mut self.vectors, p, q);
-            }
+        let Some(left) = self.steps_left.checked_sub(1) else { return false };
+        let first = ROTATIONS * (SOLVER_STEPS - self.steps_left);
+        for k in first..first + ROTATIONS {
+            let [p, q] = PAIRS[k % PAIRS.len()];
+            rotate(&mut self.matrix, &mut self.vectors, p % BEATS, q % BEATS);
         }
+        self.steps_left = left;
         true
     }
 
-    /// The projection, after the last sweep.
+    /// The projection, after the last step.
     pub fn projection(&self) -> Projection {
         let mut w = Vector::from_element(Complex::new(1.0, 0.0));
         let value = |column: usize| self.matrix[(column, column)].re;

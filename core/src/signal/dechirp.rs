@@ -28,7 +28,7 @@ pub(crate) static CHIRP_WORDS: WordAligned<L> = {
     table
 };
 
-/// Sample n = 0..L - 1 of a chirp of L samples whose bandwidth is the sampling rate.
+/// Sample n = 0..L - 1 of a chirp of L samples. Its bandwidth is the sampling rate.
 const fn chirp_sample(n: usize, length: usize) -> Iq {
     let (sine, cosine) = sin_cos_turn((n as u64 + 1) * (n as u64 + 1), 2 * length as u64);
     [to_q15(cosine), to_q15(sine)]

@@ -56,12 +56,12 @@ impl<'b> FastTime<'b> {
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
             (None, _) => conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {
-                for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples)) {
+                for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples.max(1))) {
                     conj_mac(pairs, reference, samples, core::slice::from_mut(sum));
                 }
             }
             (Some(_), SampleFormat::Real) => {
-                for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples)) {
+                for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples.max(1))) {
                     *sum = real_conj_mac(slot, reference);
                 }
             }

@@ -4,8 +4,8 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, GRAM_SLOTS, SWEEPS, Gram, Projection, SvdRange, UNIT_PROJECTION, largest_part, project,
-    slow_time_shift,
+    ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, SvdRange, UNIT_PROJECTION, largest_part,
+    project, slow_time_shift,
 };
 use super::dechirp::Iq;
 use super::fast_time::FastTime;
@@ -92,13 +92,13 @@ const ROWS_A_STEP: usize = 16;
 
 /// Steps of the image of a recording.
 pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
-    SWEEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
+    SOLVER_STEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP) + frames + ROWS / ROWS_A_STEP
 }
 
 /// Where the making of an image stands.
 #[derive(Debug, Clone)]
 enum Stage {
-    /// Sweeps of the eigenvalue solver.
+    /// Rotations of the eigenvalue solver.
     Solve,
     /// The largest part of slow time over the slots before this one.
     Scale { from: usize, largest: u64 },
@@ -121,11 +121,11 @@ struct Job {
 }
 
 /// Raw slots in, image out; `T` is the arithmetic of the transform.
-#[derive(Debug)]
-pub struct FrontEnd<'b, T = NativeStft> {
+pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
+    spectrum: T::Spectrum,
     gram: Gram,
     taken: usize,
     /// Where the recording's range samples begin: 0, or behind those that a job still needs.
@@ -150,6 +150,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             fast_time: FastTime::new(config, reference)?,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
+            spectrum: T::ZERO,
             gram: Gram::new(),
             taken: 0,
             origin: 0,
@@ -224,7 +225,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// One bounded step of the image; the image, `[64, frames]` row-major, when it is done.
     ///
-    /// A step is a sweep of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
+    /// A step is four rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
     pub fn step(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
         let job = self.job.as_mut()?;
         let cells = ROWS * job.frames;
@@ -258,9 +259,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                     Stage::Project { from: end, shift }
                 } else {
                     probe.slow_time(self.slow_time.get(..end)?);
-                    if self.origin > 0 {
-                        // the next recording moves to where the range samples were
-                        self.beats.copy_within(self.origin..self.origin + self.taken, 0);
+                    // the next recording moves to where the range samples were
+                    if let Some((to, from)) = self.beats.split_at_mut_checked(self.origin) {
+                        to.iter_mut().zip(from).take(self.taken).for_each(|(to, from)| *to = *from);
                         self.origin = 0;
                     }
                     Stage::Frames { next: 0, largest: FLOOR }
@@ -269,10 +270,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Frames { next, largest } => {
                 let bins = self.settings.bins_per_row;
                 let grid = self.levels.get_mut(..cells)?;
-                let mut spectrum = T::ZERO;
-                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut spectrum);
-                T::probe(&spectrum, next, probe);
-                let largest = largest.max(log_magnitudes::<T>(&spectrum, bins, next, job.frames, grid));
+                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut self.spectrum);
+                T::probe(&self.spectrum, next, probe);
+                let largest = largest.max(log_magnitudes::<T>(&self.spectrum, bins, next, job.frames, grid));
                 if next + 1 < job.frames {
                     Stage::Frames { next: next + 1, largest }
                 } else {
@@ -282,8 +282,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Quantize { row, largest } => {
                 let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
                 let (image, levels) = (self.image.get_mut(part.clone())?, self.levels.get(part)?);
+                let range = self.settings.range;
                 for (pixel, &level) in image.iter_mut().zip(levels) {
-                    *pixel = quantize_db(level, largest, self.settings.range);
+                    *pixel = quantize_db(level, largest, range);
                 }
                 if row + ROWS_A_STEP >= ROWS {
                     self.job = None;

@@ -20,15 +20,26 @@ pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 #[inline]
 pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
-    for ([re, im], (samples, reference)) in sums.iter_mut().zip(blocks) {
+    for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
         let (mut real, mut imaginary) = (Sum::default(), Sum::default());
-        for (x, s) in samples.iter().zip(reference) {
-            let ([i, q], [c, s]) = (x.map(i32::from), s.map(i32::from));
-            real.add((i * c).wrapping_add(q * s));
-            imaginary.add((q * c).wrapping_sub(i * s));
+        // five at a time, which 125 is made of: fewer turns of the loop
+        let ((fives, rest), (references, last)) = (samples.as_chunks::<5>(), reference.as_chunks::<5>());
+        for (samples, reference) in fives.iter().zip(references) {
+            for k in 0..5 {
+                add(samples[k], reference[k], &mut real, &mut imaginary);
+            }
         }
-        (*re, *im) = (real.value(), imaginary.value());
+        rest.iter().zip(last).for_each(|(x, s)| add(*x, *s, &mut real, &mut imaginary));
+        *sum = [real.value(), imaginary.value()];
     }
+}
+
+/// One product with the conjugate reference.
+#[inline(always)]
+fn add([i, q]: Iq, [c, s]: Iq, real: &mut Sum, imaginary: &mut Sum) {
+    let ([i, q], [c, s]) = ([i, q].map(i32::from), [c, s].map(i32::from));
+    real.add((i * c).wrapping_add(q * s));
+    imaginary.add((q * c).wrapping_sub(i * s));
 }
 
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.

@@ -87,7 +87,7 @@ pub fn plain_products<P: DualMac, const GROUPS: usize>(
     weights: &Tile<GROUPS>,
 ) -> Sums {
     [0, 1, 2, 3].map(|column| {
-        let [x, w] = [inputs, weights].map(|from| [0, 1, 2, 3].map(|row| &from[4 * column + row]));
+        let [x, w] = [inputs, weights].map(|from| [0, 1, 2, 3].map(|row| &from[(4 * column + row) % POINTS]));
         let point = |row: usize, sums| accumulate::<P, GROUPS>(x[row], w[row], sums);
         let (p1, p2) = (point(0, [0; 4]), point(1, [0; 4]));
         let upper = [0, 1, 2, 3].map(|k| p1[k].wrapping_add(p2[k]));

@@ -1,4 +1,4 @@
-//! Upper words of products: one instruction on most processors, if the compiler is told.
+//! Upper words of products: one instruction on most processors, if the compiler sees it.
 
 /// Upper word of the product.
 #[inline(always)]

@@ -5,14 +5,14 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// An object whose state is a fixed number of words.
+/// An object with a state of a fixed number of words.
 pub(crate) trait State {
     /// Visits every word in a fixed order; what the visitor leaves in a word becomes the state.
     fn words(&mut self, visit: &mut impl FnMut(&mut u32));
 }
 
 /// Words of a slot context's state.
-pub(crate) const WORDS: usize = 98;
+pub(crate) const WORDS: usize = 83;
 
 /// Sequence number, state, checksum.
 const COPY: usize = WORDS + 2;
@@ -71,21 +71,26 @@ impl Retained {
         if self.read(other, state) {
             return Loaded::Previous(other);
         }
-        // the number itself may be what has changed
-        if last != other && self.read(last, state) { Loaded::Previous(last) } else { Loaded::Nothing }
+        // after a reset the number itself may be what has changed
+        let retry = sequence.is_none() && last != other && self.read(last, state);
+        if retry { Loaded::Previous(last) } else { Loaded::Nothing }
     }
 
     /// Reads the copy with this number; false if it is not whole.
     fn read(&self, sequence: u32, state: &mut impl State) -> bool {
         let [even, odd] = &self.copies;
         let [number, words @ .., checksum] = if sequence.is_multiple_of(2) { even } else { odd };
+        if number.load(Relaxed) != sequence {
+            return false;
+        }
         let mut found = mix(SEED, sequence);
-        let mut words = words.iter();
+        let mut at = 0; // a constant at every word, unlike an iterator's place
         state.words(&mut |word| {
-            *word = words.next().map_or(0, |kept| kept.load(Relaxed));
+            *word = words.get(at).map_or(0, |kept| kept.load(Relaxed));
+            at += 1;
             found = mix(found, *word);
         });
-        found == checksum.load(Relaxed) && number.load(Relaxed) == sequence
+        found == checksum.load(Relaxed)
     }
 
     /// Writes a state over the older copy.
@@ -94,12 +99,11 @@ impl Retained {
         let [number, words @ .., checksum] = if sequence.is_multiple_of(2) { even } else { odd };
         number.store(sequence, Relaxed);
         let mut made = mix(SEED, sequence);
-        let mut words = words.iter();
+        let mut at = 0;
         state.words(&mut |word| {
             made = mix(made, *word);
-            if let Some(kept) = words.next() {
-                kept.store(*word, Relaxed);
-            }
+            words.get(at).into_iter().for_each(|kept| kept.store(*word, Relaxed));
+            at += 1;
         });
         checksum.store(made, Relaxed);
     }

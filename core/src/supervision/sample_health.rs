@@ -203,7 +203,8 @@ mod tests {
         channel(&mut slot, false).for_each(|x| *x += 3500);
         assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Offset { i: 2500..4500, q: -1000..1000 })));
         // a real sensor of 12 bits
-        let real: Vec<i16> = sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
+        let real: Vec<i16> =
+            sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
         assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
         let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
         assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
@@ -213,7 +214,7 @@ mod tests {
     fn about(i: i16, q: i16) -> Vec<i16> {
         let pair = |n: usize| {
             let swing = 31 * (n as i16 / 2) + 1;
-            let swing = if n / 8 % 2 == 0 { swing } else { -swing };
+            let swing = if (n / 8).is_multiple_of(2) { swing } else { -swing };
             [i + swing, q - swing]
         };
         (0..1000).flat_map(pair).collect()

@@ -4,9 +4,9 @@
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
+use sdp3_core::crc32::crc32;
 use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use sdp3_core::dsn::Model;
-use sdp3_core::crc32::crc32;
 use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::PipelineBuffers;
@@ -27,7 +27,7 @@ pub fn random_model(slots: u16, seed: u64) -> Vec<u8> {
     bytes
 }
 
-/// The file with other bytes at `at`, its checksum mended.
+/// The file with other bytes at `at`, its checksum corrected.
 pub fn altered(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
     let mut file = file.to_vec();
     file[at..at + bytes.len()].copy_from_slice(bytes);

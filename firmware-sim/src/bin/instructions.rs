@@ -10,28 +10,26 @@ fn main() {
 }
 
 #[cfg(target_os = "none")]
-#[path = "../../../core/src/dsn/random_model.rs"]
-mod random_model;
-
-#[cfg(target_os = "none")]
 mod firmware {
-    use super::random_model::{Numbers, Size, write};
     use rand_core::SeedableRng;
+    use sdp3_core::config::RadarConfig;
+    use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex, Iq, ROWS, SLOT_SAMPLES, Slot};
-    use sdp3_core::dsn::model::crc32;
+    use sdp3_core::dims::{Beat, Complex, ROWS};
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, scratch_bytes};
-    use sdp3_core::pipeline::{Memory, Receiver, ReceiverError};
+    use sdp3_core::early_exit::EarlyExit;
+    use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::selftest;
-    use sdp3_core::signal::clutter::{Gram, Weights};
+    use sdp3_core::signal::clutter::{Gram, Projection};
     use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
+    use sdp3_testkit::random_model::{Numbers, Size, write};
+    use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
-    type Largest = Memory<1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;
+    type Largest = PipelineMemory<0, 1000, 1000, 128, { scratch_bytes(64, 16, 1) }, 8320, 8192>;
     static MEMORY: Single<Largest> = Single::new(Largest::new());
     static MODEL: Single<[u8; 1 << 17]> = Single::new([0; 1 << 17]);
 
@@ -42,7 +40,7 @@ mod firmware {
         counts: [u64; KINDS.len()],
         /// Events of each kind.
         events: [u64; KINDS.len()],
-        /// The last frame: the grey levels of the frame before it are part of the count.
+        /// The last frame: the log magnitudes of the frame before it are part of the count.
         frame: u64,
     }
 
@@ -100,7 +98,7 @@ mod firmware {
         fn gram(&mut self, _gram: &Gram) {
             self.start();
         }
-        fn weights(&mut self, _weights: &Weights) {
+        fn projection(&mut self, _projection: &Projection) {
             self.add(2);
         }
         fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {
@@ -136,14 +134,14 @@ mod firmware {
     /// What computes the layers.
     #[derive(Clone, Copy, PartialEq)]
     enum By {
-        /// Tiles, with so many places for packed convolutions.
-        Tiles(usize),
+        /// F(2x2, 3x3), with so many places for packed convolutions.
+        Winograd(usize),
         /// The plain loops.
         Loops,
     }
 
     /// Every convolution packed ahead, for the networks of two blocks below.
-    const AHEAD: By = By::Tiles(4);
+    const AHEAD: By = By::Winograd(4);
 
     /// The part of a buffer that is wanted.
     fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
@@ -153,21 +151,22 @@ mod firmware {
 
     /// Counts a recognition of noise; all stages' values go to `probe`.
     fn count<T: Stft>(model: &Model<'_>, memory: &mut Largest, by: By, probe: &mut DigestProbe) -> Shares {
-        let mut buffers = memory.view();
-        let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.tiles);
-        let By::Tiles(places) = by else {
-            return recognise(Receiver::<_, T>::with_kernels(*model, buffers, Portable), probe);
+        let (mut buffers, exit) = (memory.view(), [EarlyExit::single(*model)]);
+        let WinogradMemory { vectors, words } = core::mem::take(&mut buffers.kernels);
+        let By::Winograd(places) = by else {
+            return recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, Portable), probe);
         };
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let tiles = WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
-        let Some(kernels) = WinogradF2::new(model, tiles) else { fail("packed weights do not fit") };
-        recognise(Receiver::<_, T>::with_kernels(*model, buffers, kernels), probe)
+        let memory =
+            WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
+        let Some(kernels) = WinogradF2::new(model, memory) else { fail("packed weights do not fit") };
+        recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, kernels), probe)
     }
 
     /// Instructions of the largest step of a network with nothing packed ahead.
     fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
         let buffers = memory.view();
-        let mut kernels = WinogradF2::shared(buffers.tiles);
+        let mut kernels = WinogradF2::shared(buffers.kernels);
         let image = part(buffers.front_end.image, ROWS * model.frames());
         image.fill(1);
         let (mut network, mut largest) = (Network::new(), 0);
@@ -182,22 +181,35 @@ mod firmware {
     }
 
     fn recognise<K: Kernels, T: Stft>(
-        receiver: Result<Receiver<'_, '_, K, T>, ReceiverError>,
+        pipeline: Result<Pipeline<'_, '_, K, T>, sdp3_core::Error>,
         probe: &mut DigestProbe,
     ) -> Shares {
-        let Ok(mut receiver) = receiver else { fail("a network does not fit its memory") };
+        let Ok(mut pipeline) = pipeline else { fail("a network does not fit its memory") };
         let mut shares = Shares::new();
+        let mut slot = [0; RadarConfig::PAPER.values_per_slot()];
+        let slots = pipeline.first_exit_slots();
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut slot: Slot = [Iq { i: 0, q: 0 }; SLOT_SAMPLES];
-        while receiver.missing() > 0 {
-            selftest::noise(&mut rng, &mut slot);
+        for _ in 1..slots {
+            noise(&mut rng, &mut slot);
             shares.start();
-            let _ = receiver.push(&slot, &mut shares);
+            let _ = pipeline.push(&slot, &mut shares);
             shares.add(1);
         }
+        // the last one begins the recognition
+        noise(&mut rng, &mut slot);
+        let _ = pipeline.push(&slot, &mut shares);
         shares.start();
-        let _ = receiver.classify(&mut shares);
-        let _ = receiver.classify(probe);
+        let _ = pipeline.classify(&mut shares);
+        // once more for the values
+        pipeline.reset();
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+        for _ in 0..slots {
+            noise(&mut rng, &mut slot);
+            let _ = pipeline.push(&slot, probe);
+        }
+        if pipeline.classify(probe).is_none() {
+            fail("a recording cannot be classified");
+        }
         shares
     }
 
@@ -208,7 +220,7 @@ mod firmware {
     }
 
     impl Bench {
-        /// Counts a network by tiles and by the plain loops, in this order, and compares their layers.
+        /// Counts a network by the Winograd kernels and by the plain loops, in this order, and compares their layers.
         fn both<T: Stft>(&mut self, size: Size, by: By) -> [Shares; 2] {
             let length = write(size, 1, Numbers::Trained, crc32, self.model);
             let bytes = self.model.get(..length).unwrap_or(&[]);
@@ -236,7 +248,7 @@ mod firmware {
         fn layers(&mut self, name: &str, channels: usize, stride: u8, frames: u16) -> u64 {
             let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
             let [ahead, _] = self.both::<NativeStft>(size, AHEAD);
-            let [when_run, _] = self.both::<NativeStft>(size, By::Tiles(1));
+            let [when_run, _] = self.both::<NativeStft>(size, By::Winograd(1));
             println(format_args!("work {name} {}", ahead.mean("convolution")));
             println(format_args!("work {name}-with-packing {}", when_run.mean("convolution")));
             ahead.mean("stem")
@@ -259,13 +271,13 @@ mod firmware {
         bench.layers("conv-32x64x8-8", 8, 1, 128);
         // the default network, as the station computes it
         let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
-        let [shares, plain] = bench.both::<NativeStft>(whole, By::Tiles(1));
+        let [shares, plain] = bench.both::<NativeStft>(whole, By::Winograd(1));
         work("network-step-largest", bench.largest_step(whole));
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };
-        work("stft-frame", bench.both::<FixedStft>(single, By::Tiles(1))[0].frame);
-        work("stft-frame-f32", bench.both::<FloatStft>(single, By::Tiles(1))[0].frame);
+        work("stft-frame", bench.both::<FixedStft>(single, By::Winograd(1))[0].frame);
+        work("stft-frame-f32", bench.both::<FloatStft>(single, By::Winograd(1))[0].frame);
         for (kind, count) in KINDS.iter().zip(shares.counts) {
             println(format_args!("work chain-{kind} {count}"));
         }

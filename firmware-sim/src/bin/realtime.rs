@@ -69,7 +69,7 @@ mod firmware {
     /// N and N_s of the layouts that take turns; the last leaves too few sensing slots for any recording.
     const LAYOUTS: [(u32, u32); 7] =
         [(4000, 1000), (4400, 1000), (4000, 1000), (4100, 1010), (1200, 250), (1000, 220), (900, 150)];
-    /// Steps of processing that can be told apart.
+    /// Kinds of processing steps.
     const STEPS: [&str; 4] = ["step", "fault", "period", "classification"];
 
     /// An injected fault.
@@ -173,7 +173,7 @@ mod firmware {
         number: u32,
         /// Whether a transfer is under way.
         transfer: bool,
-        /// Times that the state was saved: the parity tells the newer copy.
+        /// Times that the state was saved: the parity says which copy is newer.
         saves: usize,
         /// Sensing slots of the running period, and whether none of them was touched.
         sensed: u32,
@@ -213,11 +213,11 @@ mod firmware {
             let draw = self.rng.next_u32() as usize;
             let harmful = &mut self.harmful;
             let kind = *self.injection.get_or_insert_with(|| {
-                let kinds = if draw.is_multiple_of(12) { &HARMFUL[..] } else { &HARMLESS[..] };
-                let which = if draw.is_multiple_of(12) {
+                let kinds = if draw.is_multiple_of(32) { &HARMFUL[..] } else { &HARMLESS[..] };
+                let which = if draw.is_multiple_of(32) {
                     core::mem::replace(harmful, *harmful + 1)
                 } else {
-                    draw / 12
+                    draw / 32
                 };
                 kinds.get(which % kinds.len()).copied().unwrap_or(Repeated)
             });
@@ -240,7 +240,7 @@ mod firmware {
             }
             self.injection = None;
             self.untouched &= HARMLESS.contains(&kind);
-            self.next = PLAYED.load(Relaxed) + 40 + self.rng.next_u32() % 360;
+            self.next = PLAYED.load(Relaxed) + 30 + self.rng.next_u32() % 200;
         }
 
         fn samples_ready(&mut self) {
@@ -499,9 +499,9 @@ mod firmware {
             }
         } else if (draw >> 24) % 3 == 1 {
             // refused if they do not fit
-            let _ = processing.set_sensing_slots([1000, 800, 220][(draw >> 27) as usize % 3]);
+            let _ = processing.set_sensing_slots([1000, 1000, 800, 220][(draw >> 27) as usize % 4]);
         }
-        processing.set_threshold(if (draw >> 3).is_multiple_of(2) { 2.0 } else { 0.5 });
+        processing.set_threshold(if (draw >> 3).is_multiple_of(4) { 2.0 } else { 0.5 });
     }
 
     fn settings() -> Option<Settings> {

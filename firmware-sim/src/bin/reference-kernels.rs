@@ -10,8 +10,7 @@ fn main() {
 mod firmware {
     use rand_core::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_core::dims::{Iq, Slot};
-    use sdp3_core::signal::dechirp::CHIRP;
+    use sdp3_core::signal::dechirp::{CHIRP, WordAligned};
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Tile, plain_products, widen};
     use sdp3_core::simd::{conj_mac, mulh};
@@ -52,7 +51,8 @@ mod firmware {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
             };
-            let (mut inputs, mut weights) = ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
+            let (mut inputs, mut weights) =
+                ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
             let found = NativeDualMac::default().products(&inputs, &weights);
@@ -79,10 +79,19 @@ mod firmware {
         }
     }
 
+    /// The paper's eight blocks of 125 samples, and blocks of other lengths.
     fn dechirping(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let slot: Slot = core::array::from_fn(|_| Iq { i: half(random, round), q: half(random, round) });
-            same("dechirp", round, conj_mac::conj_mac(&slot, &CHIRP), conj_mac::plain(&slot, &CHIRP));
+            let slot =
+                WordAligned::<1000>(core::array::from_fn(|_| [half(random, round), half(random, round)]));
+            let reference = WordAligned::<1000>(CHIRP);
+            for (block, samples) in [(125, 1000), (128, 1000), (250, 1000), (64, 256), (63, 900)] {
+                let (slot, reference) = (&slot.0[..samples], &reference.0[..samples]);
+                let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);
+                conj_mac::conj_mac(slot, reference, block, &mut found);
+                conj_mac::portable(slot, reference, block, &mut expected);
+                same("dechirp", round, found, expected);
+            }
         }
     }
 

@@ -21,13 +21,13 @@ mod firmware {
         let Ok(plan) = Plan::new(4000, 3, sensing, shares) else { return 0 };
         let mut sequencer = Sequencer::new(&plan);
         let before = instructions();
-        let mut heard = 0_u32;
+        let mut sum = 0_u32;
         for _ in 0..plan.period() {
             if let SlotUse::Communication(k) = sequencer.next_slot() {
-                heard = heard.wrapping_add(u32::from(k));
+                sum = sum.wrapping_add(u32::from(k));
             }
         }
-        core::hint::black_box(heard);
+        core::hint::black_box(sum);
         instructions().wrapping_sub(before).checked_div(plan.period().into()).unwrap_or(0)
     }
 
@@ -63,7 +63,7 @@ mod firmware {
         println(format_args!("digest {:016x} of {}", digest.hash(), digest.count()));
         let three = instructions_per_decision(309, &[1297, 1197, 1197]);
         let eight = instructions_per_decision(400, &[450; 8]);
-        println(format_args!("instructions a decision: {three} with 3 receivers, {eight} with 8"));
+        println(format_args!("instructions a decision: {three} with 3 users, {eight} with 8"));
         let [plan, end] = most_instructions();
         println(format_args!("instructions of a new plan: at most {plan}, of an end of sensing {end}"));
         let known = digest.hash() == churn::KNOWN_ANSWER;

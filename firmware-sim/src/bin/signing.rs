@@ -1,4 +1,4 @@
-//! Which models a firmware with a key takes: one file as it is, then bits flipped in its memory, then the same with a mended
+//! Which models a firmware with a key takes: one file as it is, then bits flipped in its memory, then the same with a corrected
 //! checksum.
 //!
 //! Arguments: the model file; `oldest=N`, the oldest revision that is taken; `flips=N`, how many of each. The key is
@@ -33,8 +33,8 @@ mod firmware {
         file.read(whole).then_some(whole)
     }
 
-    /// Flips one seeded bit a time, mends the checksum if wanted, and counts what is refused as `wanted` and what is taken.
-    fn alter(model: &mut [u8], times: u32, mend: bool) -> (u32, u32) {
+    /// Flips one seeded bit a time, corrects the checksum if wanted, and counts what is refused as `wanted` and what is taken.
+    fn alter(model: &mut [u8], times: u32, correct: bool) -> (u32, u32) {
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(u64::from(times));
         let content = model.len().saturating_sub(4);
         let Some(checksum) = model.last_chunk::<4>().copied() else { return (0, 0) };
@@ -45,15 +45,15 @@ mod firmware {
             let flip =
                 |model: &mut [u8]| model.iter_mut().skip(at).take(1).for_each(|b| *b ^= 1 << (draw & 7));
             flip(model);
-            if mend {
-                let mended = crc32(model.get(..content).unwrap_or_default()).to_le_bytes();
-                model.iter_mut().skip(content).zip(mended).for_each(|(to, from)| *to = from);
+            if correct {
+                let checksum = crc32(model.get(..content).unwrap_or_default()).to_le_bytes();
+                model.iter_mut().skip(content).zip(checksum).for_each(|(to, from)| *to = from);
             }
             match Model::parse_signed(model, KEY, 0) {
                 Ok(_) => taken += 1,
                 Err(ModelError::Signature) => refused += 1,
                 // magic, version, lengths and the flag of the signature are looked at before the signature
-                Err(_) => refused += u32::from(!mend || at < 64),
+                Err(_) => refused += u32::from(!correct || at < 64),
             }
             flip(model);
             model.iter_mut().skip(content).zip(checksum).for_each(|(to, from)| *to = from);
@@ -82,8 +82,10 @@ mod firmware {
             Err(error) => println(format_args!("refused: {error}")),
         }
         let mut altered = 0;
-        for (what, mend, times) in [("flipped", false, flips), ("flipped and mended", true, flips / 10)] {
-            let (refused, taken) = alter(model, times, mend);
+        for (what, correct, times) in
+            [("flipped", false, flips), ("flipped, checksum corrected", true, flips / 10)]
+        {
+            let (refused, taken) = alter(model, times, correct);
             println(format_args!("{what}: {times} models, {refused} refused, {taken} taken"));
             altered += taken + (times - refused - taken);
         }

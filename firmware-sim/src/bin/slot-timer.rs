@@ -16,12 +16,12 @@ mod firmware {
     };
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 
-    /// An interrupt whose own work takes two and a half slots.
+    /// An interrupt with work of its own of two and a half slots.
     const LONG: u32 = 100;
 
     /// Instructions of a slot.
     static SLOT: AtomicU32 = AtomicU32::new(0);
-    /// Interrupts, the most that one was late, and those at whose end the next was already due.
+    /// Interrupts, the most that one was late, and those that ended when the next was already due.
     static INTERRUPTS: AtomicU32 = AtomicU32::new(0);
     static LATEST: AtomicU32 = AtomicU32::new(0);
     static OVERRUNS: AtomicU32 = AtomicU32::new(0);
@@ -44,7 +44,7 @@ mod firmware {
         }
     }
 
-    /// Work whose instructions do not depend on when it is interrupted.
+    /// Work with as many instructions wherever it is interrupted.
     #[inline(never)]
     fn work() -> u32 {
         (0..20_000_u32).fold(1, |sum, k| core::hint::black_box(sum.rotate_left(5) ^ k))

@@ -1,8 +1,8 @@
-//! The guarded station through many slots: memory that stays flat, sensing that never drifts.
+//! The radar module through many slots: memory that stays flat, sensing that never drifts.
 //!
 //! Argument: `slots=N`. Recordings are seeded noise; periods have 4000 slots, every fourth of which may sense. Prints the digest of
-//! all uses and verdicts, and the deepest stack after a hundredth of the slots and at the end. Exit code 0 if no sensing slot lay
-//! elsewhere, nothing was told, and the stack did not grow; 1 if not.
+//! all uses and logits, and the deepest stack after a hundredth of the slots and at the end. Exit code 0 if no sensing slot lay
+//! elsewhere, no fault was reported, and the stack did not grow; 1 if not.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -14,24 +14,19 @@ fn main() {
 mod firmware {
     use rand_core::SeedableRng;
     use sdp3_core::digest::Digest;
-    use sdp3_core::dsn::Shape;
-    use sdp3_core::early_exit::{Anytime, Exit};
-    use sdp3_core::memory_for;
-    use sdp3_core::scheduler::{Sensing, SlotUse};
-    use sdp3_core::supervision::{Guarded, Intact, Watch};
-    use sdp3_firmware_sim::rt::{Single, paint_stack, stack_used};
+    use sdp3_core::radar::Event;
+    use sdp3_core::{Progress, RadarModule, Retained, Shape, SlotAction, radar_memory};
+    use sdp3_firmware_sim::rt::static_cell::ConstStaticCell;
+    use sdp3_firmware_sim::rt::{paint_stack, stack_used};
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
-    use sdp3_testkit::campaign::{SAMPLES, slot};
+    use sdp3_firmware_sim::station::settings;
+    use sdp3_testkit::models::DSN_200;
     use sdp3_testkit::signals::noise;
 
-    static MODEL: &[u8] = sdp3_testkit::models::DSN_200;
-    const SHAPE: Shape = match Shape::of(MODEL) {
-        Some(shape) => shape,
-        None => panic!("dsn-200.sdp3 is no model"),
-    };
-    type Small = memory_for!(SHAPE);
-    static MEMORY: Single<Small> = Single::new(Small::new());
-    const PERIOD: u32 = 4000;
+    const SHAPE: Shape = Shape::of(DSN_200).expect("a model");
+    static MEMORY: ConstStaticCell<radar_memory!(SHAPE)> =
+        ConstStaticCell::new(<radar_memory!(SHAPE)>::new());
+    static RETAINED: Retained = Retained::new();
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
@@ -40,42 +35,39 @@ mod firmware {
         let mut buffer = [0; 1024];
         let mut words = arguments(&mut buffer).split_ascii_whitespace();
         let wanted = words.next().and_then(|word| word.strip_prefix("slots=")?.parse::<u32>().ok());
-        let (Some(slots), Some(memory)) = (wanted, MEMORY.take()) else { exit(2) };
-        let (Ok((intact, model)), Ok(sensing)) = (Intact::accept(MODEL), Sensing::new(PERIOD, 3, PERIOD / 4))
-        else {
-            exit(2)
-        };
-        let mut buffers = memory.view();
-        let Ok(kernels) = buffers.take_kernels(&model) else { exit(2) };
-        let Ok(receiver) = Anytime::new([Exit::alone(model, kernels)], 2.0, buffers) else { exit(2) };
+        let (Some(slots), Ok(settings)) = (wanted, settings()) else { exit(2) };
+        let period = settings.layout.period();
+        let Ok(module) = RadarModule::single(DSN_200, settings, MEMORY.take(), &RETAINED) else { exit(2) };
+        let (mut context, mut task) = module.split();
         // the radio's number wraps on the way
         let first = (slots / 2).wrapping_neg();
-        let watch = Watch::new(sensing, [1500, 2500, 3000, 0, 0, 0, 0, 0], first);
-        let mut station = Guarded::new(watch, receiver, [intact].into_iter().collect());
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-        let mut samples = [0; SAMPLES];
         let (mut digest, mut early) = (Digest::new(), 0);
-        let (mut verdicts, mut sensed, mut elsewhere, mut told) = (0_u32, 0_u32, 0_u32, 0_u32);
+        let (mut classified, mut sensed, mut elsewhere, mut faults) = (0_u32, 0_u32, 0_u32, 0_u32);
         for n in 0..slots {
-            let number = first.wrapping_add(n);
-            let begun = station.begin(number);
-            told += begun.troubles.len() as u32;
-            digest.value([match begun.slot {
-                SlotUse::Communication(k) => k,
-                SlotUse::Sensing => 254,
-                SlotUse::Idle => 255,
-            }]);
-            if begun.slot == SlotUse::Sensing {
+            let (used, senses) = match context.begin(first.wrapping_add(n)) {
+                SlotAction::Sense(buffer) => {
+                    noise(&mut rng, &mut buffer.0);
+                    (254, true)
+                }
+                SlotAction::Serve(user) => (user, false),
+                SlotAction::Idle => (255, false),
+            };
+            digest.value([used]);
+            if senses {
                 sensed += 1;
-                elsewhere += u32::from((n % PERIOD) % 4 != 0);
-                noise(&mut rng, &mut samples);
-                match station.sensed(number, &slot(&samples)) {
-                    Ok(Some(verdict)) => {
-                        verdicts += 1;
-                        verdict.answer.logits.iter().for_each(|logit| digest.value(logit.to_le_bytes()));
+                elsewhere += u32::from(!(n % period).is_multiple_of(4));
+                context.samples_ready();
+            }
+            loop {
+                match task.poll() {
+                    Progress::Idle => break,
+                    Progress::Event(Event::Classification { classification, .. }) => {
+                        classified += 1;
+                        classification.logits.iter().for_each(|logit| digest.value(logit.to_le_bytes()));
                     }
-                    Ok(None) => (),
-                    Err(_) => told += 1,
+                    Progress::Event(Event::Fault(_)) => faults += 1,
+                    Progress::Busy | Progress::Event(Event::Period(_)) => {}
                 }
             }
             if n == slots / 100 {
@@ -84,12 +76,12 @@ mod firmware {
         }
         let stack = stack_used();
         println(format_args!(
-            "{slots} slots, {sensed} of them sensing, {verdicts} verdicts, digest {:016x}",
+            "{slots} slots, {sensed} of them sensing, {classified} classifications, digest {:016x}",
             digest.hash()
         ));
         println(format_args!(
-            "sensing elsewhere {elsewhere}, troubles {told}, stack {early} bytes early, {stack} at the end"
+            "sensing elsewhere {elsewhere}, faults {faults}, stack {early} bytes early, {stack} at the end"
         ));
-        exit(usize::from(elsewhere != 0 || told != 0 || stack != early))
+        exit(usize::from(elsewhere != 0 || faults != 0 || stack != early))
     }
 }

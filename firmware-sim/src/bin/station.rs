@@ -27,6 +27,11 @@ mod board {
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         power_on();
+        run()
+    }
+
+    #[inline(never)] // its frame does not lie under the self test's
+    fn run() -> ! {
         match crate::porting::run() {
             Ok(()) => fail("the idle loop ended"),
             Err(error) => fail(error),

@@ -166,7 +166,7 @@ pub unsafe fn trap(operation: usize, argument: usize) -> isize {
 
 /// Allows the timer's interrupt.
 pub fn enable_interrupt() {
-    // SAFETY: enables the timer's interrupt, whose handler is this module's.
+    // SAFETY: enables the timer's interrupt; its handler is this module's.
     unsafe {
         GICD.write_volatile(1);
         GICD.add(0x100 / 4).write_volatile(1 << TIMER);

@@ -64,7 +64,7 @@ const LONGEST: u64 = 1 << 24;
 /// Application interrupt and reset control.
 const AIRCR: *mut u32 = 0xE000_ED0C as *mut u32;
 
-/// The free-running counter, of 32 bits: the register whose bit 0 enables it, its value, which must run over its whole range,
+/// The free-running counter, of 32 bits: the register that enables it by bit 0, its value, which must run over its whole range,
 /// and what makes that count upwards. It ticks at the rate of SysTick.
 struct Counter {
     control: *mut u32,
@@ -147,7 +147,7 @@ pub fn ticks() -> u64 {
 /// The next interrupt, at a value of the counter; before it, if that is too far. To be called with interrupts masked.
 ///
 /// SysTick runs once: a reload value of zero, written when the counter has taken the other, stops it at the next zero.
-/// (QEMU would skip an interrupt of a sleeping processor whose timer runs on.)
+/// (QEMU would skip an interrupt of a sleeping processor if its timer runs on.)
 pub fn set_alarm(at: u64) {
     let [control, reload, value] = SYSTICK;
     // SAFETY: SysTick belongs to this module. It is loaded at the tick after its value was written.

@@ -58,8 +58,8 @@ fn from_ticks(ticks: u64) -> u64 {
 
 /// Semihosting call; the result of the emulator.
 pub(crate) fn call(operation: usize, block: &[usize; 4]) -> isize {
-    // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the buffers whose
-    // addresses `semihosting` put there from live exclusive slices.
+    // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the
+    // buffers that `semihosting` put there from live exclusive slices.
     unsafe { trap(operation, block.as_ptr() as usize) }
 }
 
@@ -99,7 +99,7 @@ static TIMER: TimerCell = TimerCell(UnsafeCell::new(Timer {
     interrupted: 0,
 }));
 
-/// Lets `f` use the timer, and tells it the counter, with interrupts masked. It must not call this function.
+/// Calls `f` with the timer and the counter, with interrupts masked. It must not call this function.
 fn timer<R>(f: impl FnOnce(&mut Timer, u64) -> R) -> R {
     // SAFETY: interrupts are masked and `f` is not nested: this is the only reference.
     family::masked(|| f(unsafe { &mut *TIMER.0.get() }, family::ticks()))

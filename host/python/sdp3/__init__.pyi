@@ -27,8 +27,9 @@ def simulate(
 ) -> Recordings:
     """What ``sdp3 simulate`` stores, recordings of each class in turn.
 
-    ``beat`` [recording, slow time, fast time, 2] int32, eighths of an LSB; ``image`` [recording, 64, frame] int8, grey levels - 128;
-    ``label`` [recording] uint8; with ``raw`` also ``raw`` [recording, slow time, 1000, 2] int16, LSB.
+    ``beat`` [recording, slow time, range, 2] int32; ``image`` [recording, 64, frame] int8, grey levels - 128;
+    ``label`` [recording] uint8; with ``raw`` also ``raw`` [recording, slow time, samples, 2] int16, LSB, without the
+    last axis for a radar of real samples.
     """
 
 def calibrate(
@@ -56,8 +57,9 @@ def optimize(
 ) -> dict[str, Any]:
     """Region, zones and operating point under at most one rule: the answer of ``sdp3 optimize --json``."""
 
-def dechirp(slots: NDArray[np.int16]) -> NDArray[np.int32]:
-    """[slow time, 1000, 2] LSB to [slow time, 8, 2], by the radar module's code."""
+def dechirp(slots: NDArray[np.int16], scenario: str = "") -> NDArray[np.int32]:
+    """Raw slots [slow time, samples, 2] or [slow time, samples] of the scenario's radar to its range samples [slow time, 8, 2], by the
+    radar module's code."""
 
 class Scheduler:
     """The radar module's scheduler. Slots are -1 for sensing, -2 for nobody's, else the receiver's number."""
@@ -91,7 +93,7 @@ class Model:
     @property
     def signed(self) -> bool: ...
     def image(self, slots: NDArray[np.int16]) -> NDArray[np.int8]:
-        """[slow time, 1000, 2] LSB to the network's image, [64, frames]."""
+        """Raw slots of the model's radar to the network's image, [64, frames]."""
 
     def logits(self, image: NDArray[np.int8]) -> NDArray[np.int8]:
         """[64, frames] or [recording, 64, frames] to [classes] or [recording, classes]."""

@@ -1,10 +1,10 @@
 //! The radar module: `dechirp`, `Scheduler`, `Model`.
 
-use crate::refused;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use crate::{parsed, refused};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use sdp3::inference::Classifier;
 use sdp3::formats::slots::Slots;
+use sdp3::inference::Classifier;
 use sdp3::predictor::memory::OwnedMemory;
 use sdp3_core::config::{RadarConfig, SampleFormat};
 use sdp3_core::dims::{BEATS, ROWS};
@@ -13,28 +13,32 @@ use sdp3_core::probe::Probe;
 use sdp3_core::scheduler::{SensingLayout, SlotUse, USERS};
 use sdp3_core::signal::stft::NativeStft;
 
-/// Raw slots of an array: [slow time, samples, 2] from a sensor with complex samples, [slow time, samples, 1] from a real one.
-fn slots(array: &PyReadonlyArray3<'_, i16>, radar: &RadarConfig) -> PyResult<Slots> {
-    let parts = if radar.format == SampleFormat::Complex { 2 } else { 1 };
-    let (shape, samples) = (array.shape(), usize::from(radar.samples));
-    if shape[1..] != [samples, parts] {
-        let legal = format!("[slow time, {samples}, {parts}]");
-        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: {legal}")));
+/// Raw slots of an array [slow time, samples, 2], or [slow time, samples] of a real converter.
+fn slots(array: &PyReadonlyArrayDyn<'_, i16>, radar: RadarConfig) -> PyResult<Slots> {
+    let samples = usize::from(radar.samples);
+    let (legal, words) = match radar.format {
+        SampleFormat::Complex => (vec![samples, 2], format!("[slow time, {samples}, 2]")),
+        SampleFormat::Real => (vec![samples], format!("[slow time, {samples}]")),
+    };
+    let shape = array.shape();
+    if shape.get(1..) != Some(&legal[..]) {
+        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: {words}")));
     }
     Ok(Slots { values: array.as_array().iter().copied().collect(), per_slot: radar.values_per_slot() })
 }
 
-/// [slow time, 1000, 2] of the paper's radar to [slow time, 8, 2].
+/// [slow time, samples, 2] or [slow time, samples] to [slow time, 8, 2], for the radar of a scenario.
 #[pyfunction]
+#[pyo3(signature = (slots, scenario = ""))]
 pub fn dechirp<'py>(
     py: Python<'py>,
-    slots: PyReadonlyArray3<'py, i16>,
+    slots: PyReadonlyArrayDyn<'py, i16>,
+    scenario: &str,
 ) -> PyResult<Bound<'py, numpy::PyArray3<i32>>> {
-    let slots = self::slots(&slots, &RadarConfig::PAPER)?;
-    let beats = slots.beats(RadarConfig::PAPER).unwrap_or_default();
-    let count = beats.len();
-    let values = beats.into_iter().flatten().flat_map(|z| [z.re, z.im]).collect();
-    PyArray1::from_vec(py, values).reshape([count, BEATS, 2])
+    let radar = parsed(scenario)?.radar.config();
+    let beats = self::slots(&slots, radar)?.beats(radar).unwrap_or_default();
+    let values = beats.iter().flatten().flat_map(|z| [z.re, z.im]).collect();
+    PyArray1::from_vec(py, values).reshape([beats.len(), BEATS, 2])
 }
 
 /// The scheduler.
@@ -129,20 +133,23 @@ impl Model {
     }
 
     /// Slots through the pipeline.
-    fn recognise(&self, slots: &PyReadonlyArray3<'_, i16>, probe: &mut impl Probe) -> PyResult<Classification> {
+    fn recognise(
+        &self,
+        slots: &PyReadonlyArrayDyn<'_, i16>,
+        probe: &mut impl Probe,
+    ) -> PyResult<Classification> {
         let model = self.parsed()?;
-        let slots = self::slots(slots, &model.radar())?;
-        let (have, need) = (slots.len(), model.sensing_slots());
-        let wrong = || refused(format!("slots: {have} are outside the legal range: the model takes {need}"));
-        if have != need {
-            return Err(wrong());
+        let slots = self::slots(slots, model.radar())?;
+        if slots.len() != model.sensing_slots() {
+            let (have, need) = (slots.len(), model.sensing_slots());
+            return Err(refused(format!("slots: {have} are outside the legal range: the model takes {need}")));
         }
         let mut memory = OwnedMemory::for_model(&model);
         let mut pipeline = memory.pipeline::<NativeStft>(model).map_err(refused)?;
         for slot in &slots {
             pipeline.push(slot, &mut ()).map_err(refused)?;
         }
-        pipeline.classify(probe).ok_or_else(wrong)
+        pipeline.classify(probe).ok_or_else(|| refused("slots: too few for a window"))
     }
 }
 
@@ -184,7 +191,7 @@ impl Model {
     fn image<'py>(
         &self,
         py: Python<'py>,
-        slots: PyReadonlyArray3<'py, i16>,
+        slots: PyReadonlyArrayDyn<'py, i16>,
     ) -> PyResult<Bound<'py, numpy::PyArray2<i8>>> {
         let mut kept = Kept::default();
         self.recognise(&slots, &mut kept)?;
@@ -217,7 +224,7 @@ impl Model {
         PyArray1::from_vec(py, logits).reshape(wanted)
     }
 
-    fn classify(&self, slots: PyReadonlyArray3<'_, i16>) -> PyResult<(String, f32)> {
+    fn classify(&self, slots: PyReadonlyArrayDyn<'_, i16>) -> PyResult<(String, f32)> {
         let answer = self.recognise(&slots, &mut ())?;
         let model = self.parsed()?;
         Ok((model.class_name(usize::from(answer.class)).to_owned(), answer.confidence))

@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use sdp3::formats::dataset::{PER_CLASS, Work, part};
 use sdp3::formats::measured::{Samples, Stated, signal};
-use sdp3::scenario::Class;
+use sdp3::scenario::{Class, Format};
 use sdp3::simulator::calibration::{calibrate_measured, stored_rho};
 
 /// The scenario resolved, as TOML.
@@ -61,10 +61,10 @@ pub fn simulate<'py>(
     arrays.set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::dims::ROWS, frames])?)?;
     arrays.set_item("label", PyArray1::from_vec(py, all.iter().map(|one| one.label).collect()))?;
     if raw {
-        let samples: Vec<i16> = all.iter().flat_map(|one| one.slots.values.iter().copied()).collect();
-        let per_slot = all.first().map_or(0, |one| one.slots.per_slot);
-        let raw = PyArray1::from_vec(py, samples).reshape([count, slots, per_slot / 2, 2])?;
-        arrays.set_item("raw", raw)?;
+        let values = all.iter().filter_map(|one| one.slots.as_ref()).flat_map(|slots| slots.values.iter().copied());
+        let mut shape = vec![count, slots, usize::from(scenario.radar.samples)];
+        shape.extend((scenario.radar.format == Format::Complex).then_some(2));
+        arrays.set_item("raw", PyArray1::from_vec(py, values.collect()).reshape(shape)?)?;
     }
     Ok(arrays)
 }

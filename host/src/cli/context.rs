@@ -1,6 +1,7 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
 use clap::{Args, ValueEnum};
+use sdp3::formats::model_file::check_use;
 use sdp3::output::{Output, OutputError, to_json};
 use sdp3::pipeline::{Failure, Job};
 use sdp3::progress::Progress;
@@ -200,4 +201,16 @@ pub fn name_of(file: &Path) -> String {
 /// Where `--out` has the int8 network of so many sensing slots.
 pub fn model_name(sensing_slots: u32) -> String {
     format!("models/dsn-{sensing_slots}.sdp3")
+}
+
+/// The models of every N_s of the scenario in `--out`, each for its radar; `hint` says what makes them.
+pub fn stored_models(job: &Job, hint: &'static str) -> Result<Vec<Vec<u8>>, Failure> {
+    let stored = |&slots: &u32| {
+        let name = model_name(slots);
+        let bytes = job.output.read(&name, hint)?;
+        let path = job.output.path(&name);
+        check_use(&bytes, &job.scenario, slots).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(bytes)
+    };
+    job.scenario.frame.sensing_slots.iter().map(stored).collect()
 }

@@ -1,6 +1,6 @@
 //! The main job and what belongs to its results: `run`, `verify`, `report`.
 
-use super::context::{Context, Preset, model_name};
+use super::context::{Context, Preset, stored_models};
 use super::simulator::MeasuredArgs;
 use clap::Args;
 use sdp3::conformance::qemu::MACHINES;
@@ -68,17 +68,7 @@ pub fn stored(job: &Job) -> Result<Run, OutputError> {
 
 fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
     check_targets(proof)?;
-    let models = job
-        .scenario
-        .frame
-        .sensing_slots
-        .iter()
-        .map(|n| job.output.read(&model_name(*n), RUN_FIRST))
-        .collect::<Result<Vec<_>, _>>()?;
-    for (bytes, n) in models.iter().zip(&job.scenario.frame.sensing_slots) {
-        let path = job.output.path(&model_name(*n));
-        sdp3_core::dsn::Model::parse(bytes).map_err(|e| format!("{}: {e}", path.display()))?;
-    }
+    let models = stored_models(job, RUN_FIRST)?;
     let suite = job.suite(run.rho, &models, schedule_case(run))?;
     job.prove(&suite, &proof.targets, proof.firmware.as_deref())
 }

@@ -4,7 +4,9 @@
 //! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
 //! `sdp3_core::dsn::model` reads it.
 
+use crate::scenario::Scenario;
 use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
+use sdp3_core::dsn::Model;
 use std::fmt::Write as _;
 
 mod check;
@@ -150,6 +152,34 @@ const KIND_CONV: u8 = 1;
 const KIND_AFFINE: u8 = 2;
 const KIND_ADD: u8 = 3;
 const KIND_HEAD: u8 = 4;
+
+/// Refuses a model for another radar than the scenario's, or for another N_s.
+///
+/// # Errors
+/// What the radar module's parser finds wrong, or what differs.
+pub fn check_use(bytes: &[u8], scenario: &Scenario, sensing_slots: u32) -> Result<(), ModelFileError> {
+    let model = Model::parse(bytes)?;
+    let field = |field: &str, value: String, legal: String| {
+        Err(ModelFileError::Field { field: field.to_owned(), value, legal })
+    };
+    let (found, radar) = (model.radar(), scenario.radar.config());
+    if found != radar {
+        return field(
+            "radar",
+            sweep_words(&found),
+            format!("{}, as the scenario has it", sweep_words(&radar)),
+        );
+    }
+    let found = model.sensing_slots();
+    if found != sensing_slots as usize {
+        return field(
+            "sensing_slots",
+            found.to_string(),
+            format!("{sensing_slots}, as the file's name says"),
+        );
+    }
+    Ok(())
+}
 
 impl QuantizedNetwork {
     /// Channels of every convolution.
@@ -527,5 +557,31 @@ pub(crate) mod tests {
         for part in ["200 sensing slots", "3.5 GHz", "64 x 10", "50.0 dB", "block 1 conv2", "head"] {
             assert!(text.contains(part), "{part} missing in {text}");
         }
+    }
+
+    #[test]
+    fn a_model_belongs_to_a_radar_and_a_number_of_slots() {
+        let paper = Scenario::default();
+        let bytes = network().to_bytes().unwrap();
+        assert_eq!(bytes[RADAR_AT..RADAR_AT + 16], [0; 16], "the paper's radar leaves no trace");
+        check_use(&bytes, &paper, 200).unwrap();
+        let refused = |bytes: &[u8], scenario: &Scenario, slots| {
+            check_use(bytes, scenario, slots).unwrap_err().to_string()
+        };
+        assert!(refused(&bytes, &paper, 300).contains("sensing_slots is 200, must be 300"));
+        let bgt60 = crate::scenario::builtin::named("bgt60".as_ref()).unwrap().scenario();
+        let error = refused(&bytes, &bgt60, 200);
+        assert!(
+            error.contains("1000 complex samples") && error.contains("must be 128 real samples of 12 bits"),
+            "{error}"
+        );
+        let mut other = network();
+        other.preprocessing.radar = bgt60.radar.config();
+        let bytes = other.to_bytes().unwrap();
+        check_use(&bytes, &bgt60, 200).unwrap();
+        assert_eq!(QuantizedNetwork::from_bytes(&bytes).unwrap(), other);
+        assert!(other.describe().contains("8 x 4 range bins from bin 6 on"), "{}", other.describe());
+        other.preprocessing.radar.samples = 63;
+        assert!(other.to_bytes().unwrap_err().to_string().contains("radar is RadarConfig"));
     }
 }

@@ -143,7 +143,9 @@ fn images_on_the_way(
     let settings = scenario.spectrogram.preprocessing();
     let radar = scenario.radar.config();
     let mut memory = OwnedMemory::new(&radar, slots, settings.frames(slots), 0);
-    let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else { return Vec::new() };
+    let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
+        return Vec::new();
+    };
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);

@@ -174,7 +174,7 @@ impl Scenario {
             "radar.samples",
             r.samples,
             fits,
-            &format!("{product}, radar.sweep_s times radar.sample_rate_hz"),
+            &format!("{product} (fixed): radar.sweep_s times radar.sample_rate_hz"),
         );
         c.count("radar.converter_bits", r.converter_bits.into(), 8, 16);
         c.count("radar.range_samples", r.range_samples.into(), 1, 8);
@@ -296,7 +296,7 @@ mod tests {
             words.iter().for_each(|word| assert!(error.contains(word), "{word} is not in: {error}"));
         };
         refused(&["radar.bandwidth_hz=20e6"], &["radar.sample_rate_hz = 10000000", "20000000 (fixed)"]);
-        refused(&["radar.samples=500"], &["radar.samples = 500", "1000, radar.sweep_s times"]);
+        refused(&["radar.samples=500"], &["radar.samples = 500", "1000 (fixed): radar.sweep_s times"]);
         refused(&["radar.format=real"], &["radar.format = real", "complex (fixed)"]);
         refused(&["radar.bins_per_sample=4"], &["radar.bins_per_sample = 4", "0 (fixed)", "analog"]);
         refused(&["radar.first_bin=4"], &["radar.first_bin = 4", "0 (fixed)", "no gate"]);

@@ -2,7 +2,7 @@
 
 pub mod files;
 
-use sdp3_core::dsn::model::crc32;
+use sdp3_core::crc32::crc32;
 
 /// Bytes read as numbers; zeros beyond the end.
 #[derive(Debug)]

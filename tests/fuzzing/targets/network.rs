@@ -1,4 +1,4 @@
-//! The core's layers, by plain loops, by tiles and by every instruction set there is, against the reference, which is naive and
+//! The core's layers, by plain loops, by Winograd tiles and by every instruction set there is, against the reference, which is naive and
 //! shares no code with them: the same bits for any weights, shapes, scales and images.
 #![no_main]
 
@@ -9,7 +9,7 @@ use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model, Portable, infer};
 use sdp3_core::dims::ROWS;
 use sdp3_core::probe::Probe;
-use sdp3_core::simd::dual_mac::Eight;
+use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_fuzz::{Bytes, Sizes, model};
 
 #[derive(Default, PartialEq, Debug)]
@@ -51,8 +51,8 @@ fuzz_target!(|data: &[u8]| {
     assert_eq!(layers(&model, &image, Portable), expected);
     for places in [1, 2 * model.blocks()] {
         let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let (mut eights, mut words) = (vec![Eight::ZERO; sizes.eights], vec![0; sizes.words]);
-        let memory = WinogradMemory { eights: &mut eights, words: &mut words };
+        let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+        let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
         let kernels = WinogradF2::new(&model, memory).expect("enough memory");
         assert_eq!(layers(&model, &image, kernels), expected, "tiles, {places} places");
     }

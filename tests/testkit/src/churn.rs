@@ -4,7 +4,7 @@
 
 use rand_core::Rng;
 use sdp3_core::digest::Digest;
-use sdp3_core::scheduler::{USERS, Scheduler, SensingLayout, SlotUse};
+use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
 
 /// Digest of [`run`] over [`PERIODS`] for `rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3)`.
 pub const KNOWN_ANSWER: u64 = 0x2645_ab31_0824_de99;

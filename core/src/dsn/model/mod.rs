@@ -13,8 +13,8 @@ pub use super::format::{
 };
 use super::head::MAX_CLASSES;
 use super::shape::Shape;
-pub use crate::crc32::crc32;
 use crate::config::RadarConfig;
+pub use crate::crc32::crc32;
 use crate::dims::ROWS;
 use crate::signal::clutter::SvdRange;
 use crate::signal::front_end::Preprocessing;
@@ -41,7 +41,7 @@ pub struct Model<'m> {
     signed: bool,
 }
 
-/// A byte string whose envelope is whole: magic, version, length, checksum.
+/// A byte string with a valid envelope: magic, version, length, checksum.
 struct Envelope<'m> {
     /// Header, names and layers: what a signature signs.
     content: &'m [u8],
@@ -226,7 +226,7 @@ impl<'m> Model<'m> {
         usize::from(self.blocks)
     }
 
-    /// Classes it tells apart.
+    /// Number of classes.
     pub fn classes(&self) -> usize {
         usize::from(self.classes)
     }

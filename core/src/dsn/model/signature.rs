@@ -8,7 +8,7 @@ impl<'m> Model<'m> {
     /// content is looked at. A model of a revision before `oldest` is refused, however well it is signed; firmware keeps the
     /// largest revision it ever ran where no update can lower it, and passes it here.
     ///
-    /// Signature, key and content are public: there is no secret that the time taken could tell.
+    /// Signature, key and content are public: there is no secret that the time taken could reveal.
     ///
     /// # Errors
     ///

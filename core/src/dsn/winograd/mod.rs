@@ -4,7 +4,7 @@
 //!
 //! Convolutions take 16 products instead of 36 by F(2x2, 3x3) in exact integers, additions are tables, and the stem keeps no
 //! row before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed
-//! ahead. An operator whose numbers this form does not cover (a shift outside -20..=-1, an accumulator beyond 2^29;
+//! ahead. An operator with numbers that this form does not cover (a shift outside -20..=-1, an accumulator beyond 2^29;
 //! convolutions of other than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such
 //! shifts or accumulators.
 //!
@@ -115,7 +115,7 @@ impl<'b> WinogradF2<'b> {
         Self::with_mac(model, NativeDualMac::default(), memory)
     }
 
-    /// The fastest arithmetic of the target, for every model whose [`WinogradSizes`] the memory holds; nothing is packed
+    /// The fastest arithmetic of the target, for every model if the memory holds its [`WinogradSizes`]; nothing is packed
     /// ahead. An operator that the memory does not hold runs by the plain loops.
     pub fn shared(memory: WinogradMemory<'b>) -> Self {
         Self::shared_with_mac(NativeDualMac::default(), memory)
@@ -239,9 +239,9 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
             Operator::BatchNormRelu { layer, input, output } => {
                 pointwise::batch_norm(layer, self.words, input, output, step)
             }
-            Operator::Conv { layer, input, size, rows, output } => {
+            Operator::Conv { layer, input, size, row, output } => {
                 let (mac, width) = (self.mac, size.1);
-                let border = established(rows.get_mut(..width * layer.inputs));
+                let border = established(row.get_mut(..width * layer.inputs));
                 let Place { tile, weights, constants, strip } =
                     established(self.place(number, layer.inputs, width));
                 Convolution { layer, weights, constants, input, width, border, strip, tile, output }

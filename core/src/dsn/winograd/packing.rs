@@ -19,7 +19,7 @@ const OUTPUTS: usize = 16;
 /// Words of an output channel: what four times its sum starts with, then its [`Requantizer`].
 pub const WORDS: usize = 1 + Requantizer::WORDS;
 
-/// The words of output channel `o`, whose `taps` weights have this `sum`, for inputs as u8 = i8 + 128; `None` if an
+/// The words of output channel `o` with `taps` weights of this `sum`, for inputs as u8 = i8 + 128; `None` if an
 /// accumulator or the scale is not within a [`Requantizer`]'s range.
 pub fn channel(quant: &PerChannelQuant<'_>, o: usize, sum: i32, taps: usize) -> Option<[i32; WORDS]> {
     let bias = i64::from(quant.bias(o));

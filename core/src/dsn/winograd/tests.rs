@@ -6,12 +6,12 @@ use super::*;
 use crate::crc32::crc32;
 use crate::dsn::network::{Network, infer};
 use crate::dsn::per_channel::PerChannelQuant;
-use sdp3_testkit::random_model::{Numbers, Size, write};
 use crate::fixed::Requantizer;
 use crate::probe::Probe;
 use crate::simd::dual_mac::Plain;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_testkit::random_model::{Numbers, Size, write};
 use std::vec;
 use std::vec::Vec as List;
 

@@ -1,7 +1,7 @@
 //! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
 //! [`DualMac`].
 //!
-//! The module is compiled only where the target promises the extension; that is what every `unsafe` below stands on.
+//! The module is compiled only for targets that have the extension: every `unsafe` below relies on it.
 
 #[cfg(arm_mve)]
 mod helium;

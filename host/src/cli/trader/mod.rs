@@ -2,7 +2,7 @@
 
 mod schedule;
 
-use super::context::{Context, model_name};
+use super::context::{Context, stored_models};
 use super::{job, simulator};
 use clap::Args;
 use sdp3::formats::points;
@@ -236,8 +236,7 @@ fn words(found: &Optimum) -> String {
 
 fn models(job: &Job) -> Result<Vec<Vec<u8>>, Failure> {
     const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
-    let slots = &job.scenario.frame.sensing_slots;
-    slots.iter().map(|n| Ok(job.output.read(&model_name(*n), QUANTIZE_FIRST)?)).collect()
+    stored_models(job, QUANTIZE_FIRST)
 }
 
 pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {

@@ -5,7 +5,12 @@ use crate::cli::context::Context;
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
-use sdp3::optimizer::campaign::{self, Loop, Settings, plain, radar::{Radar, Station}, trace::Trace, world::World};
+use sdp3::optimizer::campaign::{
+    self, Loop, Settings, plain,
+    radar::{Radar, Station},
+    trace::Trace,
+    world::World,
+};
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
 use sdp3::predictor::memory::OwnedMemory;

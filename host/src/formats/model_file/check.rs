@@ -2,6 +2,7 @@
 //!
 //! The ranges are the format's own; the radar module's parser refuses what this would.
 
+use sdp3_core::dsn::ModelError;
 use thiserror::Error;
 
 use super::{KIND_HEAD, NAME_BYTES, QuantizedNetwork, Weighted};
@@ -19,6 +20,9 @@ pub enum ModelFileError {
         /// What it may hold.
         legal: String,
     },
+    /// The radar module refuses it.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// The file system refused.
     #[error("model file {path}: {source}")]
     Io {

@@ -16,7 +16,7 @@ use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
 use invariants::Invariants;
 use radar::Radar;
-use sdp3_core::scheduler::{PlanError, USERS, Scheduler, SensingLayout, SlotUse};
+use sdp3_core::scheduler::{PlanError, Scheduler, SensingLayout, SlotUse, USERS};
 use trace::Trace;
 use world::World;
 
@@ -195,7 +195,10 @@ pub fn play(
         let changed = world.change(settings, scenario);
         let scheduler = slots.scheduler();
         if changed.rates {
-            rates(&world).into_iter().enumerate().for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
+            rates(&world)
+                .into_iter()
+                .enumerate()
+                .for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
         }
         if let Some(n) = changed.sensing_slots {
             // one of the scenario's: it fits

@@ -5,7 +5,7 @@
 //! a few megabytes of memory.
 
 use crate::scenario::Frame;
-use sdp3_core::scheduler::{PeriodReport, Plan, USERS, SlotUse};
+use sdp3_core::scheduler::{PeriodReport, Plan, SlotUse, USERS};
 use std::fmt::Write;
 
 /// A trace being written.
