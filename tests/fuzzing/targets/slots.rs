@@ -43,9 +43,11 @@ fn alone(model: Model<'_>, slots: &[Vec<i16>]) -> Classification {
 }
 
 fuzz_target!(|data: &[u8]| {
-    let mut bytes = Bytes(data);
-    let sizes = Sizes { channels: 4, blocks: 1, ..Sizes::of(&mut bytes) };
-    let file = model(sizes, &mut bytes);
+    // a model would use up all bytes
+    let (data, weights) = data.split_at(data.len() / 2);
+    let (mut bytes, mut weights) = (Bytes(data), Bytes(weights));
+    let sizes = Sizes { channels: 4, blocks: 1, ..Sizes::of(&mut weights) };
+    let file = model(sizes, &mut weights);
     let parsed = Model::parse(&file).expect("a valid model");
     let need = parsed.sensing_slots();
     let mut memory = Largest::new();
