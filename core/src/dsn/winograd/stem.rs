@@ -19,6 +19,7 @@ pub const WORDS: usize = POINTS + packing::WORDS;
 const VALUES: usize = 256;
 
 /// Packs the weights; `None` if these kernels cannot compute it.
+#[inline(never)]
 pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
     let (taps, _) = stem.quant.weights.as_chunks::<9>();
     for (o, (words, taps)) in
