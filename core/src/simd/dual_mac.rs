@@ -38,7 +38,7 @@ pub trait DualMac: Copy {
 
     /// For each column of points the products summed over all channels, and the rows gathered: with p the sums of rows 1,
     /// 2, 0 and 3, `p1 + p2 + p0` and `p1 - p2 + p3`. Wraps.
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums;
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums);
 }
 
 /// Where group `group` of tile or output `part` lies: which [`I16x8`], and its first value.
@@ -59,13 +59,14 @@ pub fn widen(four: [i8; 4]) -> [i32; 2] {
     [word, word >> 8].map(|pair| (pair & 0x00ff_00ff) as i32)
 }
 
-/// The sums `[output, tile]` plus the products of one point over all channels.
+/// `sums[output, tile] += sum over channels`, of one point.
 #[inline(always)]
 fn accumulate<P: DualMac, const GROUPS: usize>(
     inputs: &[I16x8; GROUPS],
     weights: &[I16x8; GROUPS],
-    [mut s00, mut s01, mut s10, mut s11]: [i32; 4],
-) -> [i32; 4] {
+    sums: &mut [i32; 4],
+) {
+    let [mut s00, mut s01, mut s10, mut s11] = *sums;
     for group in 0..GROUPS {
         let [(e0, k0), (e1, k1)] = [lane::<P>(group, 0), lane::<P>(group, 1)];
         for k in 0..4 {
@@ -77,7 +78,7 @@ fn accumulate<P: DualMac, const GROUPS: usize>(
             s11 = s11.wrapping_add(x1 * w1);
         }
     }
-    [s00, s01, s10, s11]
+    *sums = [s00, s01, s10, s11];
 }
 
 /// [`DualMac::products`] in plain Rust, in the order of `P`.
@@ -85,15 +86,19 @@ fn accumulate<P: DualMac, const GROUPS: usize>(
 pub fn plain_products<P: DualMac, const GROUPS: usize>(
     inputs: &Tile<GROUPS>,
     weights: &Tile<GROUPS>,
-) -> Sums {
-    [0, 1, 2, 3].map(|column| {
-        let [x, w] = [inputs, weights].map(|from| [0, 1, 2, 3].map(|row| &from[(4 * column + row) % POINTS]));
-        let point = |row: usize, sums| accumulate::<P, GROUPS>(x[row], w[row], sums);
-        let (p1, p2) = (point(0, [0; 4]), point(1, [0; 4]));
-        let upper = [0, 1, 2, 3].map(|k| p1[k].wrapping_add(p2[k]));
-        let lower = [0, 1, 2, 3].map(|k| p1[k].wrapping_sub(p2[k]));
-        [point(2, upper), point(3, lower)]
-    })
+    sums: &mut Sums,
+) {
+    let ((inputs, _), (weights, _)) = (inputs.as_chunks::<4>(), weights.as_chunks::<4>());
+    for (([x1, x2, x0, x3], [w1, w2, w0, w3]), [upper, lower]) in inputs.iter().zip(weights).zip(sums) {
+        let (mut p1, mut p2) = ([0; 4], [0; 4]);
+        accumulate::<P, GROUPS>(x1, w1, &mut p1);
+        accumulate::<P, GROUPS>(x2, w2, &mut p2);
+        for k in 0..4 {
+            (upper[k], lower[k]) = (p1[k].wrapping_add(p2[k]), p1[k].wrapping_sub(p2[k]));
+        }
+        accumulate::<P, GROUPS>(x0, w0, upper);
+        accumulate::<P, GROUPS>(x3, w3, lower);
+    }
 }
 
 /// Pairs in plain Rust: a pair (l, h) is the number h 2^16 + l, so that sums of pairs are sums of numbers.
@@ -122,7 +127,7 @@ impl<const WIDE: bool> DualMac for Plain<WIDE> {
     }
 
     #[inline]
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
-        plain_products::<Self, GROUPS>(inputs, weights)
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
+        plain_products::<Self, GROUPS>(inputs, weights, sums);
     }
 }

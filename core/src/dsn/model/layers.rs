@@ -42,7 +42,7 @@ const fn block_len(channels: usize) -> usize {
 /// The bytes of a field or a layer.
 #[inline(always)]
 fn field(bytes: &[u8], at: usize, length: usize) -> &[u8] {
-    established(bytes.get(at..).and_then(|rest| rest.get(..length)))
+    established(bytes.get(at..at + length))
 }
 
 /// The bytes of a field of a constant length.

@@ -18,14 +18,17 @@ use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Sums, Tile, lane, widen};
 /// Four channels of a column, transformed: two pairs at each of four points.
 type Column = [i32; 8];
 
+/// Words of the sums.
+const SUMS: usize = size_of::<Sums>() / size_of::<i32>();
+
 /// Columns of a strip: two tiles at a time, and their border.
 const fn columns(width: usize) -> usize {
     4 * width.div_ceil(4) + 2
 }
 
-/// Words of a strip.
-pub const fn strip_words(width: usize, channels: usize) -> usize {
-    columns(width) * (channels / 4) * size_of::<Column>() / size_of::<i32>()
+/// Words of the sums, then of a strip.
+pub const fn words(width: usize, channels: usize) -> usize {
+    SUMS + columns(width) * (channels / 4) * size_of::<Column>() / size_of::<i32>()
 }
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
@@ -37,8 +40,8 @@ pub struct Convolution<'a> {
     pub width: usize,
     /// A row of the input's zero point, which the first step writes.
     pub border: &'a mut [i8],
-    /// The strip of the row of tiles that is computed, which stays between two steps.
-    pub strip: &'a mut [i32],
+    /// Sums, and the strip of the row of tiles that is computed, which stays between two steps.
+    pub words: &'a mut [i32],
     /// The inputs of two tiles.
     pub tile: &'a mut [I16x8],
     pub output: &'a mut [i8],
@@ -56,9 +59,9 @@ impl Convolution<'_> {
     /// Does a step: some blocks of a row of tiles, below 45 000 instructions on Cortex-M4F; true after the last.
     pub fn run<P: DualMac>(self, mac: P, step: usize) -> bool {
         match self.layer.inputs {
-            8 => self.blocks::<P, 2>(mac, step, 8),
-            16 => self.blocks::<P, 4>(mac, step, 4),
-            _ => self.blocks::<P, 8>(mac, step, 1),
+            8 => self.blocks::<P, 2>(mac, step, if P::WIDE { 16 } else { 8 }),
+            16 => self.blocks::<P, 4>(mac, step, if P::WIDE { 7 } else { 4 }),
+            _ => self.blocks::<P, 8>(mac, step, if P::WIDE { 2 } else { 1 }),
         }
     }
 
@@ -69,11 +72,14 @@ impl Convolution<'_> {
         let (y, first) = (2 * (step / steps), step % steps * most);
         let last = (first + most).min(all);
 
-        let (strip, _) = self.strip.as_chunks_mut();
+        let (sums, strip) = established(self.words.split_at_mut_checked(SUMS));
+        let (strip, _) = strip.as_chunks_mut();
         if step == 0 {
             self.border.fill(self.layer.quant.in_zp);
             let pixel = [self.layer.quant.in_zp; 4];
-            strip.fill(transform_column(mac, [pixel; 4]));
+            let edge = transform_column(mac, [pixel; 4]);
+            established(strip.get_mut(..GROUPS)).fill(edge);
+            established(strip.get_mut((self.width + 1) * GROUPS..)).fill(edge);
         }
         let (border, _) = self.border.as_chunks::<4>();
         // the columns that these blocks read and those before them have not
@@ -85,7 +91,10 @@ impl Convolution<'_> {
         });
         transform_columns(mac, lines, established(strip.get_mut((from + 1) * GROUPS..)));
 
-        let [inputs] = self.tile.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<POINTS>().0 else {
+        let ([inputs], [sums]) = (
+            self.tile.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<POINTS>().0,
+            sums.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0,
+        ) else {
             established::<()>(None);
             return true;
         };
@@ -96,21 +105,18 @@ impl Convolution<'_> {
         let upper = established(upper.get_mut(range.clone()));
         let lower = established(lower.get_mut(range));
         let (columns, _) = strip.as_chunks::<GROUPS>();
-        let mut columns = established(columns.get(4 * first..)).windows(6).step_by(4);
-        let mut block = |rows: [&mut Pixels<GROUPS>; 2]| {
-            let six = columns.next().and_then(|columns| columns.first_chunk());
-            let Some(six) = six else { return established(None) };
-            transform_rows(mac, six, inputs);
-            outputs(mac, inputs, self.weights, self.constants, rows);
-        };
+        let columns = established(columns.get(4 * first..)).windows(6).step_by(4);
         let ((upper_blocks, upper_rest), (lower_blocks, lower_rest)) = (pixels(upper), pixels(lower));
-        upper_blocks.iter_mut().zip(lower_blocks).for_each(|(upper, lower)| block([upper, lower]));
-        if !upper_rest.is_empty() {
-            let mut found = [[[[0; 4]; GROUPS]; 4]; 2];
-            block(found.each_mut());
-            for (rest, found) in [upper_rest, lower_rest].into_iter().zip(&found) {
-                rest.iter_mut().zip(found).for_each(|(to, from)| *to = *from);
-            }
+        // the last block of a row may have fewer pixels than are computed
+        let mut found = (!upper_rest.is_empty()).then_some([[[[0; 4]; GROUPS]; 4]; 2]);
+        let blocks = upper_blocks.iter_mut().zip(lower_blocks).map(|(upper, lower)| [upper, lower]);
+        for (rows, columns) in blocks.chain(found.as_mut().map(|found| found.each_mut())).zip(columns) {
+            let Some(six) = columns.first_chunk() else { continue };
+            transform_rows(mac, six, inputs);
+            outputs(mac, inputs, self.weights, self.constants, sums, rows);
+        }
+        for (rest, found) in [upper_rest, lower_rest].into_iter().zip(found.iter().flatten()) {
+            rest.iter_mut().zip(found).for_each(|(to, from)| *to = *from);
         }
         let range = (self.layer.quant.act_min, self.layer.quant.act_max);
         clamp_all(upper, range);
@@ -163,25 +169,23 @@ fn transform_rows<P: DualMac, const GROUPS: usize>(
 }
 
 /// All channels of two tiles.
-#[inline(never)]
+#[inline(always)]
 fn outputs<P: DualMac, const GROUPS: usize>(
     mac: P,
     inputs: &Tile<GROUPS>,
     weights: &[I16x8],
     constants: &[i32],
+    sums: &mut Sums,
     mut rows: [&mut Pixels<GROUPS>; 2],
 ) {
     let (weights, _) = weights.as_chunks::<GROUPS>();
     let (weights, _) = weights.as_chunks::<POINTS>();
-    let (weights, _) = weights.as_chunks::<2>();
     let (constants, _) = constants.as_chunks::<WORDS>();
-    let (constants, _) = constants.as_chunks::<4>();
-    for (group, (weights, constants)) in weights.iter().zip(constants).enumerate().take(GROUPS) {
-        for (pair, weights) in weights.iter().enumerate() {
-            let sums = mac.products(inputs, weights);
-            finish::<GROUPS, 0>(&sums, &constants[2 * pair], &mut rows, group, 2 * pair);
-            finish::<GROUPS, 1>(&sums, &constants[2 * pair + 1], &mut rows, group, 2 * pair + 1);
-        }
+    let (constants, _) = constants.as_chunks::<2>();
+    for (pair, (weights, constants)) in weights.iter().zip(constants).enumerate() {
+        mac.products(inputs, weights, sums);
+        finish::<GROUPS, 0>(sums, &constants[0], &mut rows, 2 * pair);
+        finish::<GROUPS, 1>(sums, &constants[1], &mut rows, 2 * pair + 1);
     }
 }
 
@@ -191,20 +195,19 @@ fn finish<const GROUPS: usize, const OUTPUT: usize>(
     sums: &Sums,
     constants: &[i32; WORDS],
     rows: &mut [&mut Pixels<GROUPS>; 2],
-    group: usize,
     channel: usize,
 ) {
     let [start, scale @ ..] = *constants;
     let requantizer = Requantizer::from_words(scale);
-    let (group, channel) = (group % GROUPS, channel % 4);
+    let channel = channel % (4 * GROUPS);
     for (row, pixels) in rows.iter_mut().enumerate() {
         for tile in 0..2 {
             let m = [0, 1, 2, 3].map(|column| sums[column][row][2 * OUTPUT + tile]);
             let middle = m[1].wrapping_add(start);
             let left = m[0].wrapping_add(middle).wrapping_add(m[2]);
             let right = middle.wrapping_sub(m[2]).wrapping_sub(m[3]);
-            pixels[2 * tile][group][channel] = requantizer.apply(left);
-            pixels[2 * tile + 1][group][channel] = requantizer.apply(right);
+            pixels[2 * tile].as_flattened_mut()[channel] = requantizer.apply(left);
+            pixels[2 * tile + 1].as_flattened_mut()[channel] = requantizer.apply(right);
         }
     }
 }

@@ -85,7 +85,7 @@ impl Shape {
 
 /// Words that one operator leaves to the next: a strip of tiles, the tables of an addition, or the stem's weights.
 const fn spare_words(frames: usize, channels: usize, stem_stride: usize) -> usize {
-    let strip = convolution::strip_words(same(frames, stem_stride) / 2, channels);
+    let strip = convolution::words(same(frames, stem_stride) / 2, channels);
     let stem = channels * stem::WORDS;
     let most = if strip > stem { strip } else { stem };
     if most > pointwise::MOST_WORDS { most } else { pointwise::MOST_WORDS }
@@ -152,15 +152,15 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
     /// Packed weights and constants of convolution `number`, and the words of its strip.
     fn place(&mut self, number: usize, channels: usize, width: usize) -> Option<Place<'_>> {
         let place = number.min(self.prepacked);
-        let (vectors, words) = (conv_vectors(channels), conv_words(channels));
-        let spare = self.words.len().checked_sub(self.places * words)?;
+        let (vectors, constant_words) = (conv_vectors(channels), conv_words(channels));
+        let spare = self.words.len().checked_sub(self.places * constant_words)?;
         let (spare, constants) = self.words.split_at_mut_checked(spare)?;
         let (tile, weights) = self.vectors.split_at_mut_checked(tile_vectors(channels))?;
         Some(Place {
             tile,
             weights: weights.get_mut(place * vectors..)?.get_mut(..vectors)?,
-            constants: constants.get_mut(place * words..)?.get_mut(..words)?,
-            strip: spare.get_mut(..convolution::strip_words(width, channels))?,
+            constants: constants.get_mut(place * constant_words..)?.get_mut(..constant_words)?,
+            words: spare.get_mut(..convolution::words(width, channels))?,
         })
     }
 
@@ -177,7 +177,7 @@ struct Place<'a> {
     tile: &'a mut [I16x8],
     weights: &'a mut [I16x8],
     constants: &'a mut [i32],
-    strip: &'a mut [i32],
+    words: &'a mut [i32],
 }
 
 /// Number of the convolution that is operator `index`: the second and third of every four behind the stem.
@@ -205,16 +205,14 @@ fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
 impl<P: DualMac> Kernels for WinogradF2<'_, P> {
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
         let number = convolution_number(index);
-        let ahead = matches!(operator, Operator::Conv { .. }) && number < self.prepacked;
-        let packing = match operator {
-            Operator::Average { .. } => 0,
-            Operator::Conv { layer, .. } if !ahead => packing::steps(layer.inputs),
-            Operator::Conv { .. } => 0,
-            _ => 1,
+        let (packing, plain) = match operator {
+            Operator::Average { .. } => (0, true),
+            Operator::Conv { .. } if number < self.prepacked => (0, self.uncovered >> number & 1 == 1),
+            Operator::Conv { layer, .. } => (packing::steps(layer.inputs), false),
+            _ => (1, false),
         };
         if step == 0 {
-            self.plain =
-                ahead && self.uncovered >> number & 1 == 1 || matches!(operator, Operator::Average { .. });
+            self.plain = plain;
         }
         if step < packing {
             let done = match operator {
@@ -242,9 +240,9 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
             Operator::Conv { layer, input, size, row, output } => {
                 let (mac, width) = (self.mac, size.1);
                 let border = established(row.get_mut(..width * layer.inputs));
-                let Place { tile, weights, constants, strip } =
+                let Place { tile, weights, constants, words } =
                     established(self.place(number, layer.inputs, width));
-                Convolution { layer, weights, constants, input, width, border, strip, tile, output }
+                Convolution { layer, weights, constants, input, width, border, words, tile, output }
                     .run(mac, step)
             }
             Operator::Add { layer, x, branch } => pointwise::add(layer, self.words, x, branch, step),

@@ -26,6 +26,7 @@ const _: () = assert!(MAX_CHANNELS * BATCH_NORM_WORDS <= MOST_WORDS);
 const VALUES: usize = 2560;
 
 /// Packs a normalisation; `None` if these kernels cannot compute it.
+#[inline(never)]
 pub fn pack_batch_norm(layer: &BatchNormRelu<'_>, words: &mut [i32]) -> Option<()> {
     let channels = packed_mut::<BATCH_NORM_WORDS>(words, layer.quant.channels)?;
     for (c, (words, &weight)) in channels.iter_mut().zip(layer.quant.weights).enumerate() {
@@ -65,18 +66,19 @@ pub fn batch_norm(
 }
 
 /// Makes both tables of an addition; `None` if a sum might leave its range.
+#[inline(never)]
 pub fn pack_add(layer: &Add, words: &mut [i32]) -> Option<()> {
-    let mut largest = 0;
+    let mut largest = 0_u32;
     for (term, table) in packed_mut::<TABLE>(words, 2)?.iter_mut().enumerate() {
         let mut most = 0;
         for (bits, value) in table.iter_mut().enumerate() {
             *value = layer.term(term, bits as u8 as i8);
-            most = most.max(i64::from(*value).abs());
+            most = most.max(value.unsigned_abs());
             *value = value.wrapping_shl(2);
         }
-        largest += most;
+        largest = largest.saturating_add(most);
     }
-    (largest < Requantizer::MAX_ACCUMULATOR).then_some(())?;
+    (i64::from(largest) < Requantizer::MAX_ACCUMULATOR).then_some(())?;
     requantizer(layer).map(|_| ())
 }
 

@@ -19,6 +19,7 @@ pub const WORDS: usize = POINTS + packing::WORDS;
 const VALUES: usize = 256;
 
 /// Packs the weights; `None` if these kernels cannot compute it.
+#[inline(never)]
 pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
     let (taps, _) = stem.quant.weights.as_chunks::<9>();
     for (o, (words, taps)) in
@@ -132,7 +133,7 @@ fn largest_of_tile(points: &[[i32; 4]; 4], words: &[i32; WORDS]) -> i32 {
     most(upper).max(most(lower))
 }
 
-/// Five rows of five pixels.
+/// Five columns of five pixels.
 type Patch = [[i32; 5]; 5];
 
 /// A stride of 2, from pooled pixel `(y, first)` on.
@@ -148,24 +149,36 @@ fn patches(
     let border = border(stem);
     let (above, before) = (pad_before(height, 2), pad_before(width, 2));
     let rows = [0, 1, 2, 3, 4].map(|k| line(image, width, (4 * y + k).wrapping_sub(above)));
+    let column = |x: usize| rows.map(|row| pixel(row, x, border));
+    let mut patch: Patch = [column((4 * first).wrapping_sub(before)); 5];
     for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
-        let first = (4 * (first + x)).wrapping_sub(before);
-        let patch: Patch = rows.map(|row| [0, 1, 2, 3, 4].map(|k| pixel(row, first.wrapping_add(k), border)));
+        let x = (4 * (first + x)).wrapping_sub(before);
+        let [_, _, _, _, shared] = patch;
+        patch = [
+            shared,
+            column(x.wrapping_add(1)),
+            column(x.wrapping_add(2)),
+            column(x.wrapping_add(3)),
+            column(x.wrapping_add(4)),
+        ];
         for (out, words) in pooled.iter_mut().zip(channels) {
-            *out = requantize(largest_of_patch(&patch, words), words);
+            let [.., multiplier, offset, shift] = *words;
+            *out =
+                Requantizer::from_words([multiplier, offset, shift]).apply(largest_of_patch(&patch, words));
         }
     }
 }
 
-/// The largest of a patch's four sums.
+/// The largest of a patch's four sums, with their start.
 #[inline(always)]
 fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
-    let mut sums = [0_i32; 4];
+    let [.., start, _, _, _] = *words;
+    let mut sums = [start; 4];
     for row in 0..3 {
         for column in 0..3 {
             let w = words[3 * row + column];
             for (k, sum) in sums.iter_mut().enumerate() {
-                *sum = sum.wrapping_add(w.wrapping_mul(patch[row + k / 2 * 2][column + k % 2 * 2]));
+                *sum = sum.wrapping_add(w.wrapping_mul(patch[column + k % 2 * 2][row + k / 2 * 2]));
             }
         }
     }

@@ -3,7 +3,6 @@
 use super::Dsp;
 use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
-use core::mem::MaybeUninit;
 
 /// Helium, and with it the DSP extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -102,18 +101,15 @@ impl DualMac for Helium {
     }
 
     #[inline]
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
-        let mut sums = MaybeUninit::uninit();
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
         // SAFETY: each reads 16 GROUPS eights of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words. It saves the registers it must.
         match GROUPS {
-            2 => unsafe { sdp3_wide_products_1(x, w, sums.as_mut_ptr()) },
-            4 => unsafe { sdp3_wide_products_2(x, w, sums.as_mut_ptr()) },
-            8 => unsafe { sdp3_wide_products_4(x, w, sums.as_mut_ptr()) },
-            _ => return plain_products::<Self, GROUPS>(inputs, weights),
+            2 => unsafe { sdp3_wide_products_1(x, w, sums) },
+            4 => unsafe { sdp3_wide_products_2(x, w, sums) },
+            8 => unsafe { sdp3_wide_products_4(x, w, sums) },
+            _ => plain_products::<Self, GROUPS>(inputs, weights, sums),
         }
-        // SAFETY: each has written them all.
-        unsafe { sums.assume_init() }
     }
 }

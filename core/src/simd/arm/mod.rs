@@ -11,7 +11,6 @@ pub use helium::Helium;
 use crate::simd::conj_mac::{Iq, portable};
 use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
 use core::arch::{asm, global_asm};
-use core::mem::MaybeUninit;
 
 /// The DSP extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -127,19 +126,16 @@ impl DualMac for Dsp {
     }
 
     #[inline]
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>) -> Sums {
-        let mut sums = MaybeUninit::uninit();
+    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
         let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
         // SAFETY: each reads 16 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 128
         // bytes, which is what the sums are; all are aligned to words.
         match GROUPS {
-            2 => unsafe { sdp3_products_2(x, w, sums.as_mut_ptr()) },
-            4 => unsafe { sdp3_products_4(x, w, sums.as_mut_ptr()) },
-            8 => unsafe { sdp3_products_8(x, w, sums.as_mut_ptr()) },
-            _ => return plain_products::<Self, GROUPS>(inputs, weights),
+            2 => unsafe { sdp3_products_2(x, w, sums) },
+            4 => unsafe { sdp3_products_4(x, w, sums) },
+            8 => unsafe { sdp3_products_8(x, w, sums) },
+            _ => plain_products::<Self, GROUPS>(inputs, weights, sums),
         }
-        // SAFETY: each has written them all.
-        unsafe { sums.assume_init() }
     }
 }
 
