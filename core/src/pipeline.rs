@@ -379,9 +379,10 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         self.recognition = None;
         if outdated {
             self.logits.clear();
+        } else if stop {
+            self.stopped = true;
         } else {
-            let _ = self.logits.push(classification.logits.clone()); // as many as there are exits
-            self.stopped = stop;
+            let _ = self.logits.push(classification.logits.clone()); // fewer than there are exits
         }
         Some(classification)
     }

@@ -40,8 +40,8 @@ pub fn confidence(logits: &[i8], class: usize, scale: f32) -> f32 {
 /// Probability of the class with the largest logit, from how far each class's, its own too, lies above it, in nat: 0 or
 /// less. f32, relative error below 0.6 %; 0 of no classes.
 pub fn softmax_confidence(above: impl Iterator<Item = f32>) -> f32 {
-    let terms = above.map(|x| if x < -16.0 { 0.0 } else { fast_expf(x) });
-    terms.reduce(|sum, term| sum + term).map_or(0.0, |sum| fast_expf(0.0) / sum)
+    let sum = above.fold(0.0, |sum, x| if x < -16.0 { sum } else { sum + fast_expf(x) });
+    if sum.to_bits() == 0 { 0.0 } else { fast_expf(0.0) / sum }
 }
 
 /// Index of the first maximum.

@@ -110,14 +110,17 @@ pub struct ClutterSolver {
     kept: SvdRange,
 }
 
-/// Rotations of a sweep, in their order: rows 0 and 1, 0 and 2, ... 6 and 7.
-const PAIRS: [[usize; 2]; BEATS * (BEATS - 1) / 2] = {
-    let mut pairs = [[0; 2]; BEATS * (BEATS - 1) / 2];
+/// Rotations of one step, so that it is short without a floating-point unit: some 110 000 instructions.
+const ROTATIONS: usize = 7;
+
+/// Rotations of a sweep, in their order, by step: rows 0 and 1, 0 and 2, ... 6 and 7.
+const PAIRS: [[[usize; 2]; ROTATIONS]; BEATS * (BEATS - 1) / 2 / ROTATIONS] = {
+    let mut pairs = [[[0; 2]; ROTATIONS]; BEATS * (BEATS - 1) / 2 / ROTATIONS];
     let (mut k, mut p) = (0, 0);
     while p < BEATS {
         let mut q = p + 1;
         while q < BEATS {
-            pairs[k] = [p, q];
+            pairs[k / ROTATIONS][k % ROTATIONS] = [p, q];
             (k, q) = (k + 1, q + 1);
         }
         p += 1;
@@ -125,11 +128,8 @@ const PAIRS: [[usize; 2]; BEATS * (BEATS - 1) / 2] = {
     pairs
 };
 
-/// Rotations of one step, so that it is short without a floating-point unit: 25 000 instructions each.
-const ROTATIONS: usize = 4;
-
 /// Steps of a solver.
-pub const SOLVER_STEPS: usize = SWEEPS * PAIRS.len() / ROTATIONS;
+pub const SOLVER_STEPS: usize = SWEEPS * PAIRS.len();
 
 impl ClutterSolver {
     /// Begins with a Gram matrix and the components to keep.
@@ -145,12 +145,10 @@ impl ClutterSolver {
         ClutterSolver { matrix, vectors: Matrix::identity(), steps_left, kept }
     }
 
-    /// Four rotations; false if none is left.
+    /// Seven rotations; false if none is left.
     pub fn step(&mut self) -> bool {
         let Some(left) = self.steps_left.checked_sub(1) else { return false };
-        let first = ROTATIONS * (SOLVER_STEPS - self.steps_left);
-        for k in first..first + ROTATIONS {
-            let [p, q] = PAIRS[k % PAIRS.len()];
+        for &[p, q] in &PAIRS[(SOLVER_STEPS - self.steps_left) % PAIRS.len()] {
             rotate(&mut self.matrix, &mut self.vectors, p % BEATS, q % BEATS);
         }
         self.steps_left = left;

@@ -235,7 +235,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// One bounded step of the image; the image, `[64, frames]` row-major, when it is done.
     ///
-    /// A step is four rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
+    /// A step is seven rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
     pub fn step(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
         let job = self.job.as_mut()?;
         let cells = ROWS * job.frames;

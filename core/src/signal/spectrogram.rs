@@ -18,12 +18,9 @@ pub fn log_magnitudes<T: Stft>(
 ) -> i16 {
     let g = usize::from(bins_per_row);
     let mut largest = FLOOR;
-    for (r, row) in levels.chunks_exact_mut(frames.max(1)).enumerate().take(ROWS) {
-        let value = T::level(spectrum, (r * g).wrapping_sub(ROWS / 2 * g), g);
-        largest = largest.max(value);
-        if let Some(cell) = row.get_mut(k) {
-            *cell = value;
-        }
+    for (r, cell) in levels.iter_mut().skip(k).step_by(frames.max(1)).enumerate().take(ROWS) {
+        *cell = T::level(spectrum, (r * g).wrapping_sub(ROWS / 2 * g), g);
+        largest = largest.max(*cell);
     }
     largest
 }
