@@ -102,7 +102,7 @@ fn slots_of_the_next_recording_may_come_before_a_recognition_is_over() {
     alone.reset();
     let (_, second) = until_classified(&mut alone, &slots[144..]);
     // the next recording begins behind every step up to the slow time's last, and two more
-    for before in 0..64 {
+    for before in 0..40 {
         let mut memory = Memory::of(&parse(&file));
         let mut overlapped = plain([exit(parse(&file), &[1])], &mut memory).expect("enough memory");
         slots[..144].iter().for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
