@@ -6,14 +6,14 @@
 use crate::config::RadarConfig;
 use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use crate::dsn::winograd::{WinogradF2, WinogradMemory};
-use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
+use crate::dsn::{Classification, Kernels, Logits, Network, Shape, image_mut};
 use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
 use crate::probe::Probe;
 use crate::selftest;
 use crate::signal::dechirp::WordAligned;
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers, image_steps};
-use crate::signal::stft::{NativeStft, Stft};
+use crate::signal::stft::{FixedSpectrum, NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use heapless::Vec;
 use rand_core::Rng;
@@ -23,9 +23,15 @@ impl Shape {
     pub const fn required_bytes(&self) -> usize {
         let kernels = self.winograd_sizes();
         let slow_time = self.sensing_slots * (size_of::<Beat>() + size_of::<Complex<i32>>());
-        let cells = ROWS * self.frames * (size_of::<i16>() + size_of::<i8>());
+        let cells = ROWS * self.frames * size_of::<i16>();
         let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
-        let sum = kernels.vectors * size_of::<I16x8>() + words + slow_time + cells + self.scratch_bytes();
+        let spectrum = size_of::<FixedSpectrum>();
+        let sum = kernels.vectors * size_of::<I16x8>()
+            + words
+            + slow_time
+            + cells
+            + spectrum
+            + self.scratch_bytes();
         sum.next_multiple_of(size_of::<I16x8>())
     }
 }
@@ -48,7 +54,7 @@ pub struct PipelineMemory<
     beats: [Beat; BEATS],
     slow_time: [Complex<i32>; SLOTS],
     levels: [[i16; FRAMES]; ROWS],
-    image: [[i8; FRAMES]; ROWS],
+    spectrum: FixedSpectrum,
     scratch: [i8; SCRATCH],
 }
 
@@ -91,7 +97,7 @@ impl<
             beats: [ZERO_BEAT; BEATS],
             slow_time: [Complex::new(0, 0); SLOTS],
             levels: [[0; FRAMES]; ROWS],
-            image: [[0; FRAMES]; ROWS],
+            spectrum: FixedSpectrum::ZERO,
             scratch: [0; SCRATCH],
         }
     }
@@ -104,7 +110,7 @@ impl<
                 beats: &mut self.beats,
                 slow_time: &mut self.slow_time,
                 levels: self.levels.as_flattened_mut(),
-                image: self.image.as_flattened_mut(),
+                spectrum: &mut self.spectrum,
             },
             scratch: &mut self.scratch,
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
@@ -242,7 +248,6 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             ("beats", slots, f.beats.len()),
             ("slow_time", slots, f.slow_time.len()),
             ("levels", cells, f.levels.len()),
-            ("image", cells, f.image.len()),
             ("scratch", scratch, buffers.scratch.len()),
         ] {
             if have < need {
@@ -357,11 +362,11 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         let recognition = self.recognition.as_mut()?;
         let exit = self.exits.get(recognition.exit)?;
         if !recognition.imaged {
-            recognition.imaged = self.front_end.step(probe).is_some();
+            let image = image_mut(self.scratch, exit.model.frames());
+            recognition.imaged = self.front_end.step(image, probe);
             return None;
         }
-        let image = self.front_end.last_image(exit.model.frames());
-        let logits = self.network.step(&exit.model, image, self.scratch, &mut self.kernels, probe)?;
+        let logits = self.network.step(&exit.model, self.scratch, &mut self.kernels, probe)?;
         let mut classification = Classification::new(&exit.model, logits, probe);
         let Recognition { exit: number, outdated, .. } = *recognition;
         if self.exits.len() > 1 {
@@ -390,10 +395,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     /// Steps of a recognition by exit number `exit`, counted by running its network once on the image that lies in memory.
     pub(crate) fn count_steps(&mut self, exit: usize) -> usize {
         let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
-        let image = self.front_end.last_image(model.frames());
         let mut network = Network::new();
         let mut steps = image_steps(model.sensing_slots(), model.frames()) + 1;
-        while network.step(model, image, self.scratch, &mut self.kernels, &mut ()).is_none() {
+        while network.step(model, self.scratch, &mut self.kernels, &mut ()).is_none() {
             steps += 1;
         }
         steps
@@ -402,10 +406,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     /// Whether every operator of every exit's network gives what the plain loops give: [`selftest::network`]. Before the first slot.
     pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
         let (scratch, kernels) = (&mut *self.scratch, &mut self.kernels);
-        self.exits.iter().all(|EarlyExit { model, .. }| {
-            let image = self.front_end.image_memory().get_mut(..ROWS * model.frames());
-            image.is_some_and(|image| selftest::network(model, image, scratch, kernels, rng).is_none())
-        })
+        self.exits.iter().all(|exit| selftest::network(&exit.model, scratch, kernels, rng).is_none())
     }
 
     /// Finishes the recognition that is under way.

@@ -91,7 +91,7 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
     let mut front_end =
         FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     for n in 0..160 {
-        let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
+        let frames = front_end.image(&mut [0; 2 * ROWS], &mut ()).map(|image| image.len() / ROWS);
         let wanted = match n {
             0..128 => None,
             128..136 => Some(1),
@@ -110,7 +110,8 @@ fn rows<T: Stft>(settings: Preprocessing, bin: i32) -> Vec<usize> {
     let mut front_end =
         FrontEnd::<T>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
-    let image = front_end.image(&mut ()).expect("three frames");
+    let mut memory = [0; 3 * ROWS];
+    let image = front_end.image(&mut memory, &mut ()).expect("three frames");
     let bright = |frame: usize| (0..ROWS).max_by_key(|row| image[row * 3 + frame]);
     (0..3).filter_map(bright).collect()
 }

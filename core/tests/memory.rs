@@ -12,10 +12,10 @@ use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::random_model::{Numbers, Size, write};
 use support::{Memory, VALUES, noise_slots};
 
-const BUFFERS: [&str; 7] = ["beats", "slow_time", "levels", "image", "scratch", "vectors", "words"];
+const BUFFERS: [&str; 6] = ["beats", "slow_time", "levels", "scratch", "vectors", "words"];
 
 /// Of every buffer in the order of [`BUFFERS`], which elements are as in `before`.
-fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 7] {
+fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 6] {
     fn each<T: PartialEq>(a: &[T], b: &[T]) -> Vec<bool> {
         a.iter().zip(b).map(|(a, b)| a == b).collect()
     }
@@ -23,7 +23,6 @@ fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 7] {
         each(&after.beats, &before.beats),
         each(&after.slow_time, &before.slow_time),
         each(&after.levels, &before.levels),
-        each(&after.image, &before.image),
         each(&after.scratch, &before.scratch),
         each(&after.vectors, &before.vectors),
         each(&after.words, &before.words),
@@ -36,14 +35,13 @@ fn logits<K: Kernels>(pipeline: &mut Pipeline<'_, '_, K>, slots: &[[i16; VALUES]
 }
 
 /// Recognises noise by Winograd or plain kernels in memory full of `pattern`: the logits, and what is left of the pattern.
-fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<bool>; 7]) {
+fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<bool>; 6]) {
     let word = i32::from_ne_bytes([pattern as u8; 4]);
     let complex = Complex::new(word, word);
     let mut memory = Memory::of(model);
     memory.beats.fill([complex; 8]);
     memory.slow_time.fill(complex);
     memory.levels.fill(word as i16);
-    memory.image.fill(pattern);
     memory.scratch.fill(pattern);
     memory.vectors.fill(I16x8([word as i16; 8]));
     memory.words.fill(word);

@@ -4,7 +4,9 @@ use rand_core::SeedableRng;
 use sdp3_core::dsn::{Model, Shape};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::Pipeline;
-use sdp3_core::radar::{Event, ProcessingContext, Progress, RadarModule, Settings, SlotAction, SlotContext};
+use sdp3_core::radar::{
+    Event, ProcessingContext, Progress, RadarModule, SLOT_BUFFERS, Settings, SlotAction, SlotContext,
+};
 use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
 use sdp3_core::supervision::retained::Retained;
 use sdp3_core::supervision::{Fault, SampleFault};
@@ -283,7 +285,11 @@ fn without_a_poll_sensing_slots_are_lost_and_said_so() {
     let mut radio = Radio::new(0);
     radio.polls = 0;
     let uses = radio.play(40);
-    assert_eq!(uses.iter().filter(|&&slot| slot == Use::Sense).count(), 4, "as many as there are buffers");
+    assert_eq!(
+        uses.iter().filter(|&&slot| slot == Use::Sense).count(),
+        SLOT_BUFFERS,
+        "as many as there are buffers"
+    );
     radio.polls = 1000;
     radio.play(1);
     let faults = radio.faults();

@@ -12,10 +12,11 @@ use crate::dims::ROWS;
 use crate::probe::Probe;
 use heapless::Vec;
 
-/// Bytes of scratch the network needs: three activation maps and a row of one.
+/// Bytes of scratch the network needs: a row of an activation map and three of them; the image lies in the last two at first.
 pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -> usize {
-    let (height, width) = (same(ROWS, stem_stride), same(frames, stem_stride));
-    3 * (height / 2) * (width / 2) * channels + (width / 2) * channels
+    let (height, width) = (same(ROWS, stem_stride) / 2, same(frames, stem_stride) / 2);
+    let (map, image) = (height * width * channels, ROWS * frames);
+    width * channels + map + if 2 * map > image { 2 * map } else { image }
 }
 
 impl Shape {
@@ -74,21 +75,21 @@ impl Network {
         *self = Self::new();
     }
 
-    /// Does one bounded step with an image, `[64, frames]`; the logits after the last step, and then the next image may begin.
+    /// Does one bounded step with the image, `[64, frames]`, in the last bytes of `scratch`: [`image_mut`]; the logits after the
+    /// last step, and then the next image may be written there.
     ///
-    /// From the first step to the last, `model` and `image` stay the same, and nobody else writes to `scratch`, at least
-    /// [`Shape::scratch_bytes`] long, or uses `kernels`. Too short an image or scratch gives empty logits at once.
+    /// From the first step to the last `model` stays the same, and nobody else writes to `scratch`, at least
+    /// [`Shape::scratch_bytes`] long, or uses `kernels`. Too short a scratch gives empty logits at once.
     pub fn step(
         &mut self,
         model: &Model<'_>,
-        image: &[i8],
         scratch: &mut [i8],
         kernels: &mut impl Kernels,
         probe: &mut impl Probe,
     ) -> Option<Logits> {
         let (frames, channels, stride) = (model.frames(), model.channels(), model.stem_stride());
-        if image.len() < ROWS * frames || scratch.len() < scratch_bytes(frames, channels, stride) {
-            debug_assert!(false, "image or scratch is smaller than the model's");
+        if scratch.len() < scratch_bytes(frames, channels, stride) {
+            debug_assert!(false, "the scratch is smaller than the model's");
             self.reset();
             return Some(Logits::new());
         }
@@ -97,21 +98,23 @@ impl Network {
         let map = size.0 * size.1 * channels;
         let (row, rest) = established(scratch.split_at_mut_checked(size.1 * channels));
         let (x, rest) = established(rest.split_at_mut_checked(map));
-        let (a, rest) = established(rest.split_at_mut_checked(map));
-        let (b, _) = established(rest.split_at_mut_checked(map));
 
         let (index, step) = (self.operator as usize, self.step as usize);
         let number = index.wrapping_sub(1) / 4;
-        let (done, output): (bool, &[i8]) = match index {
-            0 => {
-                let (layer, size) = (&model.stem(), (ROWS, frames));
-                (kernels.run(index, Operator::Stem { layer, image, size, output: x }, step), x)
-            }
-            _ if number >= model.blocks() => {
-                let output = established(row.get_mut(..channels));
-                (kernels.run(index, Operator::Average { input: x, channels, output }, step), output)
-            }
-            _ => match index % 4 {
+        let (done, output): (bool, &[i8]) = if index == 0 {
+            let (layer, image) = (&model.stem(), &*image_mut(rest, frames));
+            let stem = Operator::Stem { layer, image, size: (ROWS, frames), output: x };
+            (kernels.run(index, stem, step), x)
+        } else {
+            // the image is no longer needed
+            let (a, rest) = established(rest.split_at_mut_checked(map));
+            let b = established(rest.get_mut(..map));
+            let end = number >= model.blocks();
+            match index % 4 {
+                _ if end => {
+                    let output = established(row.get_mut(..channels));
+                    (kernels.run(index, Operator::Average { input: x, channels, output }, step), output)
+                }
                 1 => {
                     let layer = &model.batch_norm(number);
                     (kernels.run(index, Operator::BatchNormRelu { layer, input: x, output: a }, step), a)
@@ -128,7 +131,7 @@ impl Network {
                     let layer = &model.add(number);
                     (kernels.run(index, Operator::Add { layer, x, branch: a }, step), x)
                 }
-            },
+            }
         };
         self.step += 1;
         if !done {
@@ -149,6 +152,12 @@ impl Network {
     }
 }
 
+/// Where an image of so many frames lies in the scratch of [`Network::step`].
+pub fn image_mut(scratch: &mut [i8], frames: usize) -> &mut [i8] {
+    let rest = scratch.len().saturating_sub(ROWS * frames);
+    scratch.get_mut(rest..).unwrap_or_default()
+}
+
 /// Classifies an image, `[64, frames]`, without a pause; memory as of [`Network::step`].
 pub fn infer(
     model: &Model<'_>,
@@ -158,8 +167,9 @@ pub fn infer(
     probe: &mut impl Probe,
 ) -> Classification {
     let mut network = Network::new();
+    image_mut(scratch, model.frames()).iter_mut().zip(image).for_each(|(to, from)| *to = *from);
     loop {
-        if let Some(logits) = network.step(model, image, scratch, kernels, probe) {
+        if let Some(logits) = network.step(model, scratch, kernels, probe) {
             return Classification::new(model, logits, probe);
         }
     }
@@ -170,8 +180,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scratch_is_three_maps_and_a_row() {
+    fn the_scratch_is_three_maps_or_one_and_the_image_and_a_row() {
         assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 27 * 16);
         assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 5 * 8);
+        assert_eq!(scratch_bytes(9, 8, 2), 16 * 2 * 8 + 64 * 9 + 2 * 8);
     }
 }

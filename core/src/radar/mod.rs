@@ -36,7 +36,7 @@ use heapless::Vec;
 use processing_context::CHECK_BYTES;
 
 /// Slot buffers of a module: one that is being filled, and the others waiting.
-pub const SLOT_BUFFERS: usize = 4;
+pub const SLOT_BUFFERS: usize = 3;
 
 /// What a module does.
 #[derive(Debug, Clone, Copy)]

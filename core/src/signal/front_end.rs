@@ -11,7 +11,7 @@ use super::dechirp::Iq;
 use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
 use super::spectrogram::{log_magnitudes, quantize_db};
-use super::stft::{NativeStft, Stft, frames};
+use super::stft::{FixedSpectrum, NativeStft, Stft, frames};
 use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
@@ -78,8 +78,8 @@ pub struct FrontEndBuffers<'b> {
     pub slow_time: &'b mut [Complex<i32>],
     /// Log magnitudes of the image, at least 64 x frames.
     pub levels: &'b mut [i16],
-    /// The image, at least 64 x frames.
-    pub image: &'b mut [i8],
+    /// Spectrum of the transform in integers.
+    pub spectrum: &'b mut FixedSpectrum,
 }
 
 /// Slots of one step over slow time, so that a step is short.
@@ -127,7 +127,7 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
-    spectrum: T::Spectrum,
+    spectrum: T::Spectrum<'b>,
     gram: Gram,
     taken: usize,
     /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
@@ -138,13 +138,12 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     beats: &'b mut [Beat],
     slow_time: &'b mut [Complex<i32>],
     levels: &'b mut [i16],
-    image: &'b mut [i8],
 }
 
 impl<'b, T: Stft> FrontEnd<'b, T> {
     /// A front end for a sensor with `settings`, or `None` if either is not valid or the reference does not fit its memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
-        let FrontEndBuffers { reference, beats, slow_time, levels, image } = buffers;
+        let FrontEndBuffers { reference, beats, slow_time, levels, spectrum } = buffers;
         if !settings.is_valid() {
             return None;
         }
@@ -152,7 +151,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             fast_time: FastTime::new(config, reference)?,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
-            spectrum: T::ZERO,
+            spectrum: T::spectrum(spectrum),
             gram: Gram::new(),
             taken: 0,
             waiting: false,
@@ -161,7 +160,6 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             beats,
             slow_time,
             levels,
-            image,
         })
     }
 
@@ -214,11 +212,10 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     }
 
     /// Begins the image of the slots taken so far; [`FrontEnd::step`] makes it. `false` if an image is in the making, the slots do
-    /// not fill one window, or the image does not fit its memory.
+    /// not fill one window, or the levels do not fit their memory.
     pub fn begin_image(&mut self, probe: &mut impl Probe) -> bool {
         let frames = self.stft.frames(self.taken);
-        let cells = ROWS * frames;
-        let fits = frames > 0 && cells <= self.levels.len() && cells <= self.image.len();
+        let fits = frames > 0 && ROWS * frames <= self.levels.len();
         if !fits || self.job.is_some() || self.waiting {
             return false;
         }
@@ -233,10 +230,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         true
     }
 
-    /// One bounded step of the image; the image, `[64, frames]` row-major, when it is done.
+    /// One bounded step of the image; `true` when `image`, `[64, frames]` row-major and as long, is done. Steps before the last
+    /// four leave `image` as it is.
     ///
     /// A step is seven rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
-    pub fn step(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
+    pub fn step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> bool {
+        self.try_step(image, probe).is_some()
+    }
+
+    fn try_step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> Option<()> {
         let job = self.job.as_mut()?;
         let cells = ROWS * job.frames;
         job.stage = match job.stage {
@@ -294,16 +296,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             }
             Stage::Quantize { row, largest } => {
                 let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
-                let (image, levels) = (self.image.get_mut(part.clone())?, self.levels.get(part)?);
+                let (rows, levels) = (image.get_mut(part.clone())?, self.levels.get(part)?);
                 let range = self.settings.range;
-                for (pixel, &level) in image.iter_mut().zip(levels) {
+                for (pixel, &level) in rows.iter_mut().zip(levels) {
                     *pixel = quantize_db(level, largest, range);
                 }
                 if row + ROWS_A_STEP >= ROWS {
                     self.job = None;
-                    let image = self.image.get(..cells)?;
-                    probe.image(image);
-                    return Some(image);
+                    probe.image(image.get(..cells)?);
+                    return Some(());
                 }
                 Stage::Quantize { row: row + ROWS_A_STEP, largest }
             }
@@ -311,27 +312,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         None
     }
 
-    /// The image of the slots taken so far, at once, or `None` as [`FrontEnd::begin_image`] says. More slots may be taken
-    /// afterwards.
-    pub fn image(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
+    /// The image of the slots taken so far, at once, in the beginning of this memory; `None` if it is too short, or as
+    /// [`FrontEnd::begin_image`] says. More slots may be taken afterwards.
+    pub fn image<'i>(&mut self, memory: &'i mut [i8], probe: &mut impl Probe) -> Option<&'i [i8]> {
+        let image = memory.get_mut(..ROWS * self.stft.frames(self.taken))?;
         if !self.begin_image(probe) {
             return None;
         }
-        let cells = self.job.as_ref().map_or(0, |job| ROWS * job.frames);
-        while self.job.is_some() {
-            self.step(probe);
-        }
-        self.image.get(..cells)
-    }
-
-    /// The image made last, `[64, frames]` of a recording with so many frames.
-    pub fn last_image(&self, frames: usize) -> &[i8] {
-        self.image.get(..ROWS * frames).unwrap_or(self.image)
-    }
-
-    /// All memory of the image, for tests before the first slot.
-    pub(crate) fn image_memory(&mut self) -> &mut [i8] {
-        self.image
+        while !self.step(image, probe) {}
+        Some(image)
     }
 
     /// Begins a recording. An image in the making goes on.

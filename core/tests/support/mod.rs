@@ -11,6 +11,7 @@ use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::PipelineBuffers;
 use sdp3_core::signal::front_end::FrontEndBuffers;
+use sdp3_core::signal::stft::FixedSpectrum;
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{self, Numbers, Size};
 use sdp3_testkit::signals::noise;
@@ -53,7 +54,7 @@ pub struct Memory {
     pub beats: Vec<Beat>,
     pub slow_time: Vec<Complex<i32>>,
     pub levels: Vec<i16>,
-    pub image: Vec<i8>,
+    pub spectrum: Box<FixedSpectrum>,
     pub scratch: Vec<i8>,
     pub vectors: Vec<I16x8>,
     pub words: Vec<i32>,
@@ -77,7 +78,7 @@ impl Memory {
             beats: vec![ZERO_BEAT; slots],
             slow_time: vec![Complex::new(0, 0); slots],
             levels: vec![0; ROWS * frames],
-            image: vec![0; ROWS * frames],
+            spectrum: Box::new(FixedSpectrum::ZERO),
             scratch: Vec::new(),
             vectors: Vec::new(),
             words: Vec::new(),
@@ -91,7 +92,7 @@ impl Memory {
                 beats: &mut self.beats,
                 slow_time: &mut self.slow_time,
                 levels: &mut self.levels,
-                image: &mut self.image,
+                spectrum: &mut self.spectrum,
             },
             scratch: &mut self.scratch,
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
@@ -103,11 +104,10 @@ impl Memory {
 pub type Shorten = fn(&mut Memory);
 
 /// Every part of the memory and what shortens it; the last two are the kernels'.
-pub const SHORTER: [(&str, Shorten); 7] = [
+pub const SHORTER: [(&str, Shorten); 6] = [
     ("beats", |m| _ = m.beats.pop()),
     ("slow_time", |m| _ = m.slow_time.pop()),
     ("levels", |m| _ = m.levels.pop()),
-    ("image", |m| _ = m.image.pop()),
     ("scratch", |m| _ = m.scratch.pop()),
     ("vectors", |m| _ = m.vectors.pop()),
     ("words", |m| _ = m.words.pop()),

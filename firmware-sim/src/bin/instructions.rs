@@ -15,9 +15,9 @@ mod firmware {
     use sdp3_core::config::RadarConfig;
     use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex, ROWS};
+    use sdp3_core::dims::{Beat, Complex};
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
-    use sdp3_core::dsn::{Kernels, Model, Network, Portable, scratch_bytes};
+    use sdp3_core::dsn::{Kernels, Model, Network, Portable, image_mut, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
@@ -167,12 +167,11 @@ mod firmware {
     fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
         let buffers = memory.view();
         let mut kernels = WinogradF2::shared(buffers.kernels);
-        let image = part(buffers.front_end.image, ROWS * model.frames());
-        image.fill(1);
+        image_mut(buffers.scratch, model.frames()).fill(1);
         let (mut network, mut largest) = (Network::new(), 0);
         loop {
             let before = instructions();
-            let logits = network.step(model, image, buffers.scratch, &mut kernels, &mut ());
+            let logits = network.step(model, buffers.scratch, &mut kernels, &mut ());
             largest = instructions().wrapping_sub(before).max(largest);
             if logits.is_some() {
                 return largest;

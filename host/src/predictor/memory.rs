@@ -10,7 +10,7 @@ use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::{Pipeline, PipelineBuffers};
 use sdp3_core::signal::dechirp::Iq;
 use sdp3_core::signal::front_end::FrontEndBuffers;
-use sdp3_core::signal::stft::{NativeStft, Stft};
+use sdp3_core::signal::stft::{FixedSpectrum, NativeStft, Stft};
 
 /// A pipeline that computes by this processor's vectors.
 pub type HostPipeline<'m, 'b, T = NativeStft> = Pipeline<'m, 'b, VectorKernels, T>;
@@ -21,7 +21,7 @@ pub struct OwnedMemory {
     beats: Vec<Beat>,
     slow_time: Vec<Complex<i32>>,
     levels: Vec<i16>,
-    image: Vec<i8>,
+    spectrum: Box<FixedSpectrum>,
     scratch: Vec<i8>,
 }
 
@@ -33,7 +33,7 @@ impl OwnedMemory {
             beats: vec![ZERO_BEAT; slots],
             slow_time: vec![Complex::new(0, 0); slots],
             levels: vec![0; ROWS * frames],
-            image: vec![0; ROWS * frames],
+            spectrum: Box::new(FixedSpectrum::ZERO),
             scratch: vec![0; scratch],
         }
     }
@@ -74,7 +74,7 @@ impl OwnedMemory {
                 beats: &mut self.beats,
                 slow_time: &mut self.slow_time,
                 levels: &mut self.levels,
-                image: &mut self.image,
+                spectrum: &mut self.spectrum,
             },
             scratch: &mut self.scratch,
             kernels: WinogradMemory::default(),

@@ -146,11 +146,12 @@ fn images_on_the_way(
     let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
         return Vec::new();
     };
+    let mut image = vec![0; ROWS * settings.frames(slots)];
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);
         if scenario.frame.sensing_slots.contains(&(front_end.taken() as u32)) {
-            images.push(front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default());
+            images.push(front_end.image(&mut image, &mut ()).map(<[i8]>::to_vec).unwrap_or_default());
         }
     }
     images

@@ -154,7 +154,7 @@ fn one_memory_serves_models_in_turn_and_an_unfinished_image_is_given_up() {
             let mut scratch = vec![0; model.shape().scratch_bytes()];
             let mut network = Network::new();
             for _ in 0..unfinished {
-                assert_eq!(network.step(model, &image, &mut scratch, &mut kernels, &mut ()), None);
+                assert_eq!(network.step(model, &mut scratch, &mut kernels, &mut ()), None);
             }
             let found = infer(model, &image, &mut scratch, &mut kernels, &mut ());
             assert_eq!(found, infer(model, &image, &mut scratch, &mut Portable, &mut ()));

@@ -14,10 +14,10 @@ pub use fixed::{FixedSpectrum, FixedStft};
 
 /// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
 pub trait Stft {
-    /// Spectrum of one frame, `[doppler]`.
-    type Spectrum;
-    /// A spectrum of zeros.
-    const ZERO: Self::Spectrum;
+    /// Spectrum of one frame, `[doppler]`: in integers in memory of the caller, in f32 its own.
+    type Spectrum<'b>;
+    /// A spectrum of zeros in this memory.
+    fn spectrum(memory: &mut FixedSpectrum) -> Self::Spectrum<'_>;
 
     /// A Kaiser window of `length` (2..=256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
     ///
@@ -28,11 +28,17 @@ pub trait Stft {
     fn frames(&self, slots: usize) -> usize;
     /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `bins_per_row` bins. A frame beyond the
     /// end of the signal is transformed as if the signal went on with zeros.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, bins_per_row: u8, spectrum: &mut Self::Spectrum);
+    fn frame(
+        &self,
+        slow_time: &[Complex<i32>],
+        k: usize,
+        bins_per_row: u8,
+        spectrum: &mut Self::Spectrum<'_>,
+    );
     /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
-    fn level(spectrum: &Self::Spectrum, first: usize, count: usize) -> i16;
+    fn level(spectrum: &Self::Spectrum<'_>, first: usize, count: usize) -> i16;
     /// Shows a spectrum to an observer.
-    fn probe(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
+    fn probe(spectrum: &Self::Spectrum<'_>, k: usize, probe: &mut impl Probe);
 }
 
 /// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
@@ -61,8 +67,11 @@ impl FloatStft {
 }
 
 impl Stft for FloatStft {
-    type Spectrum = Spectrum;
-    const ZERO: Spectrum = ZERO_SPECTRUM;
+    type Spectrum<'b> = Spectrum;
+
+    fn spectrum(_memory: &mut FixedSpectrum) -> Spectrum {
+        ZERO_SPECTRUM
+    }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
         let length = usize::from(length).clamp(2, FFT_LEN);

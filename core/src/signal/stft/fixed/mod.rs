@@ -50,6 +50,12 @@ pub struct FixedSpectrum {
     parts: [Part; PARTS],
 }
 
+impl FixedSpectrum {
+    /// Zeros.
+    pub const ZERO: Self =
+        FixedSpectrum { bins: [Complex::new(0, 0); FFT_LEN], parts: [[Complex::new(0, 0); PART]; PARTS] };
+}
+
 /// [`FloatStft`] in integers.
 ///
 /// Error against exact arithmetic: below 40 LSB a part, of up to 2^30, for a slow-time signal of at most 23 bits, which
@@ -216,9 +222,12 @@ impl FixedStft {
 }
 
 impl Stft for FixedStft {
-    type Spectrum = FixedSpectrum;
-    const ZERO: FixedSpectrum =
-        FixedSpectrum { bins: [Complex::new(0, 0); FFT_LEN], parts: [[Complex::new(0, 0); PART]; PARTS] };
+    type Spectrum<'b> = &'b mut FixedSpectrum;
+
+    fn spectrum(memory: &mut FixedSpectrum) -> &mut FixedSpectrum {
+        *memory = FixedSpectrum::ZERO; // bins that become no row are never written
+        memory
+    }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
         let float = FloatStft::new(length, beta, hop);
@@ -234,8 +243,14 @@ impl Stft for FixedStft {
     }
 
     /// Cost: 48 butterflies of radix 4 with 3 products each, 3 more products a bin.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, bins_per_row: u8, spectrum: &mut FixedSpectrum) {
-        let FixedSpectrum { bins, parts } = spectrum;
+    fn frame(
+        &self,
+        slow_time: &[Complex<i32>],
+        k: usize,
+        bins_per_row: u8,
+        spectrum: &mut &mut FixedSpectrum,
+    ) {
+        let FixedSpectrum { bins, parts } = &mut **spectrum;
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         if self.first(signal, parts).is_none() {
             self.stage1_padded(signal, parts);
@@ -247,7 +262,7 @@ impl Stft for FixedStft {
         combine(parts, (ROWS * usize::from(bins_per_row)).min(FFT_LEN), bins);
     }
 
-    fn level(spectrum: &FixedSpectrum, first: usize, count: usize) -> i16 {
+    fn level(spectrum: &&mut FixedSpectrum, first: usize, count: usize) -> i16 {
         let mut power = 0_u64;
         for k in 0..count {
             let z = spectrum.bins[first.wrapping_add(k) % FFT_LEN];
@@ -258,7 +273,7 @@ impl Stft for FixedStft {
         if power == 0 { FLOOR } else { level_u64(power) }
     }
 
-    fn probe(spectrum: &FixedSpectrum, k: usize, probe: &mut impl Probe) {
+    fn probe(spectrum: &&mut FixedSpectrum, k: usize, probe: &mut impl Probe) {
         probe.fixed_frame(k, &spectrum.bins);
     }
 }
