@@ -28,6 +28,8 @@ pub type Sums = [[[i32; 4]; 2]; 4];
 pub trait DualMac: Copy {
     /// Whether a [`Tile`] is in the wide order; then there are an even number of groups.
     const WIDE: bool = false;
+    /// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does: some 40 000 instructions, here 120 000 on RV32IMAC.
+    const BLOCKS: [usize; 3] = [4, 2, 1];
 
     /// Sum of pairs, in a form of the implementation's own; no part leaves i16.
     fn add(self, a: i32, b: i32) -> i32;

@@ -59,9 +59,9 @@ impl Convolution<'_> {
     /// Does a step: some blocks of a row of tiles, below 45 000 instructions on Cortex-M4F; true after the last.
     pub fn run<P: DualMac>(self, mac: P, step: usize) -> bool {
         match self.layer.inputs {
-            8 => self.blocks::<P, 2>(mac, step, if P::WIDE { 16 } else { 8 }),
-            16 => self.blocks::<P, 4>(mac, step, if P::WIDE { 7 } else { 4 }),
-            _ => self.blocks::<P, 8>(mac, step, if P::WIDE { 2 } else { 1 }),
+            8 => self.blocks::<P, 2>(mac, step, P::BLOCKS[0]),
+            16 => self.blocks::<P, 4>(mac, step, P::BLOCKS[1]),
+            _ => self.blocks::<P, 8>(mac, step, P::BLOCKS[2]),
         }
     }
 

@@ -84,6 +84,7 @@ unsafe extern "C" {
 
 impl DualMac for Helium {
     const WIDE: bool = true;
+    const BLOCKS: [usize; 3] = [16, 7, 2];
 
     #[inline(always)]
     fn add(self, a: i32, b: i32) -> i32 {

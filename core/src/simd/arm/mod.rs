@@ -100,6 +100,8 @@ unsafe extern "C" {
 }
 
 impl DualMac for Dsp {
+    const BLOCKS: [usize; 3] = [8, 4, 1];
+
     #[inline(always)]
     fn add(self, a: i32, b: i32) -> i32 {
         let sum;
