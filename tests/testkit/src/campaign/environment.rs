@@ -527,12 +527,13 @@ impl<const VALUES: usize> Environment<VALUES> {
                 (messages.plan, messages.changes) = (plan, changes);
             }
         }
-        let mut reports = take(&mut messages.reports).into_iter();
+        let reports = take(&mut messages.reports);
+        let mut reports = reports.iter();
         loop {
             match self.contexts.1.poll() {
                 Progress::Idle => break,
                 Progress::Busy => (),
-                Progress::Event(Event::Period(report)) => self.invariant(reports.next() == Some(report)),
+                Progress::Event(Event::Period(report)) => self.invariant(reports.next() == Some(&report)),
                 Progress::Event(Event::Fault(fault)) => {
                     let fault = if matches!(fault, Fault::Model(_)) { MODEL_FAULT } else { fault };
                     let full = self.reported.push(fault).is_err();
