@@ -1,5 +1,13 @@
 //! A model file is read to the last byte, and every field that is not legal is named with its value.
 
+#[path = "model/conv.rs"]
+mod conv;
+#[path = "model/head.rs"]
+mod head;
+#[path = "model/network.rs"]
+mod network;
+#[path = "model/pool.rs"]
+mod pool;
 mod support;
 
 use sdp3_core::config::RadarConfig;

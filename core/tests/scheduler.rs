@@ -1,5 +1,19 @@
 //! The scheduler under churn: every period keeps its plan, and its decisions are the known ones.
 
+#[path = "scheduler/apportion.rs"]
+mod apportion;
+#[path = "scheduler/layout.rs"]
+mod layout;
+#[path = "scheduler/plan.rs"]
+mod plan;
+#[path = "scheduler/sample_health.rs"]
+mod sample_health;
+#[path = "scheduler/scheduler.rs"]
+mod scheduler;
+#[path = "scheduler/sequencer.rs"]
+mod sequencer;
+#[path = "scheduler/slot_order.rs"]
+mod slot_order;
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::scheduler::SlotUse;

@@ -34,17 +34,3 @@ pub const fn quantize_db(level: i16, largest: i16, range: u16) -> i8 {
     }
     (255 - below * 255 / range - 128) as i8
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intensity_runs_from_the_maximum_to_the_range() {
-        assert_eq!(quantize_db(100, 100, 1063), 127);
-        assert_eq!(quantize_db(100 - 1062, 100, 1063), -127);
-        assert_eq!(quantize_db(100 - 1063, 100, 1063), -128);
-        assert_eq!(quantize_db(FLOOR, FLOOR, 1063), -128);
-        assert_eq!(quantize_db(0, 0, 0), -128);
-    }
-}

@@ -1,0 +1,93 @@
+//! Tests of `supervision::sample_health`.
+
+use sdp3_core::config::RadarConfig;
+use sdp3_core::supervision::sample_health::*;
+use std::string::ToString;
+use std::vec::Vec;
+
+const PAPER: RadarConfig = RadarConfig::PAPER;
+
+fn sweep(amplitude: f64) -> Vec<i16> {
+    let pair = |n: usize| {
+        let phase = 3e-4 * (n * n) as f64;
+        [0.0, -1.571]
+            .map(|shift| libm::round(amplitude * libm::cos(phase + shift)).clamp(-32768.0, 32767.0) as i16)
+    };
+    (0..1000).flat_map(pair).collect()
+}
+
+/// The in-phase values, or those in quadrature.
+fn channel(slot: &mut [i16], quadrature: bool) -> impl Iterator<Item = &mut i16> {
+    slot.iter_mut().skip(usize::from(quadrature)).step_by(2)
+}
+
+#[test]
+fn working_converters_are_trusted_from_a_few_lsb_to_the_range() {
+    for amplitude in [2.0, 5.0, 100.0, 3e4] {
+        assert_eq!(check(&sweep(amplitude), &PAPER), Ok(()), "{amplitude}");
+    }
+    // 12 bits in the upper part of a word, and a beat signal beside zero
+    for bits in [8, 12, 14] {
+        let left = RadarConfig { converter_bits: bits, left_justified: true, ..PAPER };
+        let slot: Vec<i16> = sweep(3e4).iter().map(|x| x >> (16 - bits) << (16 - bits)).collect();
+        assert_eq!(check(&slot, &left), Ok(()), "{bits} bits");
+        assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Stuck { .. })));
+    }
+    let beside: Vec<i16> = sweep(50.0).iter().step_by(2).take(128).map(|x| x + 100).collect();
+    assert_eq!(check(&beside, &RadarConfig::BGT60), Ok(()));
+}
+
+#[test]
+fn every_fault_has_its_name() {
+    assert_eq!(check(&[5; 2000], &PAPER), Err(SampleFault::Silent));
+    assert_eq!(check(&[], &PAPER), Err(SampleFault::Silent));
+    for bit in 0..16 {
+        let mut slot = sweep(2000.0);
+        channel(&mut slot, true).for_each(|x| *x |= 1 << bit);
+        assert_eq!(check(&slot, &PAPER), Err(SampleFault::Stuck { i: 0, q: 1 << bit }));
+        let mut slot = sweep(2000.0);
+        channel(&mut slot, false).for_each(|x| *x &= !(1 << bit));
+        assert_eq!(check(&slot, &PAPER), Err(SampleFault::Stuck { i: 1 << bit, q: 0 }));
+    }
+    assert!(matches!(check(&sweep(4e4), &PAPER), Err(SampleFault::Saturated { values: 60.. })));
+    let mut slot = sweep(5000.0);
+    channel(&mut slot, false).for_each(|x| *x += 3500);
+    assert!(matches!(check(&slot, &PAPER), Err(SampleFault::Offset { i: 2500..4500, q: -1000..1000 })));
+    // a real sensor of 12 bits
+    let real: Vec<i16> = sweep(4000.0).iter().step_by(2).take(128).map(|x| (*x).clamp(-2048, 2047)).collect();
+    assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
+    let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
+    assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
+}
+
+/// Samples that move every bit about these means.
+fn about(i: i16, q: i16) -> Vec<i16> {
+    let pair = |n: usize| {
+        let swing = 31 * (n as i16 / 2) + 1;
+        let swing = if (n / 8).is_multiple_of(2) { swing } else { -swing };
+        [i + swing, q - swing]
+    };
+    (0..1000).flat_map(pair).collect()
+}
+
+#[test]
+fn means_beyond_the_limit_are_found_on_either_side() {
+    for (i, q) in [(1800, 0), (0, -1800), (-1800, 1800)] {
+        assert_eq!(check(&about(i, q), &PAPER), Ok(()), "{i}, {q}");
+    }
+    for (i, q) in [(2300, 0), (-2300, 1), (0, 2300), (7, -2300)] {
+        assert!(matches!(check(&about(i, q), &PAPER), Err(SampleFault::Offset { .. })), "{i}, {q}");
+    }
+}
+
+#[test]
+fn every_fault_says_what_it_is() {
+    for (fault, words) in [
+        (SampleFault::Silent, "the samples are the same"),
+        (SampleFault::Stuck { i: 1, q: 0x8000 }, "bits never move: 0x0001 in phase, 0x8000 in quadrature"),
+        (SampleFault::Saturated { values: 21 }, "21 values are at an end of the range"),
+        (SampleFault::Offset { i: -3000, q: 4 }, "the mean is -3000 LSB in phase, 4 in quadrature"),
+    ] {
+        assert_eq!(fault.to_string(), words);
+    }
+}
