@@ -9,10 +9,10 @@ use super::per_channel::PerChannelQuant;
 pub const MAX_CHANNELS: usize = 32;
 
 /// The values under a kernel.
-pub type Patch = [i16; 9 * MAX_CHANNELS];
+pub(crate) type Patch = [i16; 9 * MAX_CHANNELS];
 
 /// A [`Patch`] for scratch.
-pub const EMPTY_PATCH: Patch = [0; 9 * MAX_CHANNELS];
+pub(crate) const EMPTY_PATCH: Patch = [0; 9 * MAX_CHANNELS];
 
 /// A 3x3 convolution; weights `[output, 3, 3, input]`.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +39,7 @@ impl Conv<'_> {
     /// All output channels of output pixel `(y, x)`, from `[height, width, inputs]`; `patch` is scratch.
     ///
     /// Cost: outputs x 9 x inputs multiply-accumulates. Padding contributes nothing.
-    pub fn pixel(
+    pub(crate) fn pixel(
         &self,
         input: &[i8],
         (height, width): (usize, usize),

@@ -103,7 +103,7 @@ pub const UNIT_PROJECTION: Projection = [Complex::new(1 << PROJECTION_BITS, 0); 
 /// `64 eps / gap` in norm, `gap` being the smallest relative distance between a dropped and a kept eigenvalue.
 /// Bounded: [`SWEEPS`] sweeps of 28 rotations, about 70 k floating-point operations in all.
 #[derive(Debug, Clone)]
-pub struct ClutterSolver {
+pub(crate) struct ClutterSolver {
     matrix: Matrix,
     vectors: Matrix,
     steps_left: usize,
@@ -178,7 +178,7 @@ impl ClutterSolver {
     }
 }
 
-/// [`ClutterSolver`] to its end.
+/// The projection from the Gram matrix, all rotations at once.
 pub fn clutter_projection(gram: &Gram, kept: SvdRange) -> Projection {
     let mut solver = ClutterSolver::new(gram, kept);
     while solver.step() {}

@@ -32,7 +32,7 @@ pub const fn words(width: usize, channels: usize) -> usize {
 }
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
-pub struct Convolution<'a> {
+pub(super) struct Convolution<'a> {
     pub layer: &'a Conv<'a>,
     pub weights: &'a [I16x8],
     pub constants: &'a [i32],

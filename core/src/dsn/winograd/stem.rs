@@ -39,7 +39,7 @@ pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
 }
 
 /// `[height, width]` to the pooled `[height, width, channels]`.
-pub struct Stem<'a> {
+pub(super) struct Stem<'a> {
     pub layer: &'a Conv<'a>,
     pub words: &'a [i32],
     pub image: &'a [i8],

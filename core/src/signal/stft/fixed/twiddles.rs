@@ -24,7 +24,7 @@ pub const fn to_q31(x: f64) -> i32 {
 }
 
 /// Turns W^n, W^2n and W^3n of a transform of length 4 `N`, for n in 0..`N`.
-pub type Turns<const N: usize> = [[Complex<i32>; 3]; N];
+pub(super) type Turns<const N: usize> = [[Complex<i32>; 3]; N];
 
 pub static TURNS_64: Turns<16> = turns();
 pub static TURNS_16: Turns<4> = turns();
