@@ -137,7 +137,7 @@ fn row(folder: &Path, machine: &Machine, short: bool) -> Result<(String, Vec<Str
     must(wrong == 0, "faults were reported that were not injected");
     must(missed == 0, "injected faults were not reported");
     must(run.good, "the program found a violation");
-    must(first > 0 && last > 0, "an exit classified nothing");
+    must(first > 0 && (last > 0 || short), "an exit classified nothing"); // a short run may stop at the first each time
     must(machine.name != "cortex-m4f" || context <= SLOT_CONTEXT, "the slot context takes too long");
     must(!LIMITED.contains(&machine.name) || poll <= POLL, "a step of processing takes too long");
     if !short {
