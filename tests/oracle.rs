@@ -3,9 +3,7 @@
 //! The vectors and the Python programs that made them lie in `tests/oracles`.
 
 use sdp3_core::dims::{Beat, Complex};
-use sdp3_core::signal::clutter::{
-    Gram, PROJECTION_BITS, Projection, SvdRange, UNIT_PROJECTION, clutter_projection,
-};
+use sdp3_core::signal::clutter::{Gram, PROJECTION_BITS, SvdRange, UNIT_PROJECTION, clutter_projection};
 use sdp3_core::signal::dechirp::CHIRP;
 use sdp3_core::signal::stft::{FloatStft, Stft, ZERO_SPECTRUM};
 use sdp3_tests::networks::layers;
@@ -63,7 +61,7 @@ fn slow_time_is_numpys_truncated_svd() {
         .collect();
     let mut gram = Gram::new();
     beats.iter().for_each(|beat| gram.add(beat));
-    let project = |w: &Projection, beat: &Beat| {
+    let project = |w: &Beat, beat: &Beat| {
         let scale = f64::from(1 << PROJECTION_BITS);
         w.iter().zip(beat).fold((0.0, 0.0), |sum, (w, b)| {
             let (wr, wi) = (f64::from(w.re) / scale, f64::from(w.im) / scale);

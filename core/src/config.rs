@@ -8,6 +8,8 @@
 //! | analog | none | summed in blocks |
 //! | analog | some | the range profile around some bins (`signal::range_gate`) |
 
+use crate::dims::BEATS;
+
 /// Complex or real samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -190,5 +192,3 @@ impl RadarConfig {
 pub(crate) const fn ceil_log2(n: u32) -> u32 {
     if n <= 1 { 0 } else { u32::BITS - (n - 1).leading_zeros() }
 }
-
-use crate::dims::BEATS;

@@ -21,7 +21,7 @@ const TABLE: [u32; 256] = {
 /// A checksum that is computed piece by piece: `Crc32::new().update(bytes).finish()`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Crc32(u32);
+pub(crate) struct Crc32(u32);
 
 impl Crc32 {
     /// The checksum of no bytes so far.
@@ -41,13 +41,7 @@ impl Crc32 {
     }
 }
 
-impl Default for Crc32 {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// [`Crc32`] of bytes that are all there.
+/// The checksum of these bytes.
 pub fn crc32(bytes: &[u8]) -> u32 {
     Crc32::new().update(bytes).finish()
 }

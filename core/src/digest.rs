@@ -12,12 +12,7 @@ pub struct Digest {
     count: u64,
 }
 
-impl Default for Digest {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
+#[allow(clippy::new_without_default)] // there is one way to begin
 impl Digest {
     /// The digest of nothing.
     pub const fn new() -> Self {
@@ -43,30 +38,23 @@ impl Digest {
     }
 }
 
-/// One digest for every stage.
-#[derive(Debug, Clone)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StageDigests([Digest; Stage::ALL.len()]);
-
-impl Sink for StageDigests {
+impl Sink for [Digest; Stage::ALL.len()] {
     fn value<const N: usize>(&mut self, stage: Stage, bytes: [u8; N]) {
-        if let Some(digest) = self.0.get_mut(stage as usize) {
-            digest.value(bytes);
-        }
+        self[stage as usize].value(bytes);
     }
 }
 
 /// Digests every stage it sees.
-pub type DigestProbe = Values<StageDigests>;
+pub type DigestProbe = Values<[Digest; Stage::ALL.len()]>;
 
 impl DigestProbe {
     /// A probe that has seen nothing.
     pub const fn new() -> Self {
-        Values(StageDigests([Digest::new(); Stage::ALL.len()]))
+        Values([Digest::new(); Stage::ALL.len()])
     }
 
     /// Name and digest of every stage, in the order of [`Stage::ALL`].
     pub fn stages(&self) -> impl Iterator<Item = (&'static str, Digest)> {
-        Stage::ALL.into_iter().map(Stage::name).zip(self.0.0)
+        Stage::ALL.into_iter().map(Stage::name).zip(self.0)
     }
 }

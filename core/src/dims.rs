@@ -22,8 +22,8 @@ pub type Beat = [Complex<i32>; BEATS];
 pub const ZERO_BEAT: Beat = [Complex::new(0, 0); BEATS];
 
 /// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
-pub type Spectrum = [Complex<f32>; FFT_LEN];
+pub(crate) type Spectrum = [Complex<f32>; FFT_LEN];
 
 /// The same in integers, in LSB of the slow-time signal (half of it for a window beyond 128 samples). Bins that become no row
 /// are zero.
-pub type FixedBins = [Complex<i32>; FFT_LEN];
+pub(crate) type FixedBins = [Complex<i32>; FFT_LEN];

@@ -19,7 +19,7 @@ pub const EVIDENCE_BITS: u32 = 16;
 pub const MAX_WEIGHT: i32 = 1 << 19;
 
 /// Log-odds of every class up to a constant, in 2^-16 nat.
-pub type Evidence = Vec<i32, MAX_CLASSES>;
+pub(crate) type Evidence = Vec<i32, MAX_CLASSES>;
 
 /// A network and how much its logits and the earlier exits' count.
 #[derive(Debug, Clone, Copy)]

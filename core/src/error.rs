@@ -1,18 +1,21 @@
-//! Why a radar module cannot be made.
+//! Why a radar module cannot be made, or a slot is not taken.
 
 use crate::dsn::ModelError;
 use crate::scheduler::PlanError;
 
-/// Why a radar module, a pipeline or a plan cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Why a radar module, a pipeline or a plan cannot be made, or a pipeline does not take a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Error {
     /// A byte string is no model.
-    Model(ModelError),
+    #[error("model: {0}")]
+    Model(#[from] ModelError),
     /// Numbers are no plan.
-    Plan(PlanError),
+    #[error("plan: {0}")]
+    Plan(#[from] PlanError),
     /// A buffer is smaller than the models need.
+    #[error("buffer {buffer} has {have} elements; the model needs {need}")]
     Memory {
         /// Name of the buffer.
         buffer: &'static str,
@@ -23,8 +26,10 @@ pub enum Error {
     },
     /// Early exits are not 1 to 12 with ascending numbers of slots, do not agree on sensor, preprocessing and classes, or an own
     /// weight rounds to nothing or is beyond its limit.
+    #[error("early exits are not ascending, do not agree, or have a weight out of range")]
     Exits,
     /// A period has fewer sensing slots than the first exit needs.
+    #[error("a period has {have} sensing slots; the first exit needs {need}")]
     SensingSlots {
         /// Slots the first exit needs.
         need: usize,
@@ -32,48 +37,20 @@ pub enum Error {
         have: u32,
     },
     /// A recognition at one step a slot is not over when the next one is due.
+    #[error("a recognition needs {need} slots at one step a slot; the next one is due after {have}")]
     Deadline {
         /// Slots a recognition and the slots taken meanwhile need.
         need: u32,
         /// Slots there are.
         have: u32,
     },
-}
-
-impl core::fmt::Display for Error {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            Error::Model(error) => write!(f, "model: {error}"),
-            Error::Plan(error) => write!(f, "plan: {error}"),
-            Error::Memory { buffer, need, have } => {
-                write!(f, "buffer {buffer} has {have} elements; the model needs {need}")
-            }
-            Error::Exits => {
-                write!(f, "early exits are not ascending, do not agree, or have a weight out of range")
-            }
-            Error::SensingSlots { need, have } => {
-                write!(f, "a period has {have} sensing slots; the first exit needs {need}")
-            }
-            Error::Deadline { need, have } => {
-                write!(
-                    f,
-                    "a recognition needs {need} slots at one step a slot; the next one is due after {have}"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for Error {}
-
-impl From<ModelError> for Error {
-    fn from(error: ModelError) -> Self {
-        Error::Model(error)
-    }
-}
-
-impl From<PlanError> for Error {
-    fn from(error: PlanError) -> Self {
-        Error::Plan(error)
-    }
+    /// A recognition is not yet over: [`Pipeline::step`](crate::pipeline::Pipeline::step) first.
+    #[error("a recognition is not yet over")]
+    Busy,
+    /// The recording is complete: [`Pipeline::reset`](crate::pipeline::Pipeline::reset) begins the next.
+    #[error("the recording is complete")]
+    Full,
+    /// The slot has another number of values than the sensor's configuration says.
+    #[error("the slot has another length than the sensor's")]
+    Length,
 }

@@ -43,7 +43,7 @@ pub fn bessel_i0f(x: f32) -> f32 {
 /// Sine and cosine of `2 pi k / n`, for tables made at compile time; error below 1e-15.
 ///
 /// Reduced to the first octant in integers, then Taylor's series.
-pub(crate) const fn sin_cos_turn(k: u64, n: u64) -> (f64, f64) {
+pub const fn sin_cos_turn(k: u64, n: u64) -> (f64, f64) {
     let n = if n == 0 { 1 } else { n };
     let k = k % n;
     // eight octants of n/8: work in units of 1/(8 n) turn to stay exact
@@ -77,7 +77,7 @@ pub(crate) const fn sin_cos_turn(k: u64, n: u64) -> (f64, f64) {
 }
 
 /// 2^(k/n) for 0 <= k < n, for tables made at compile time; error below 1e-15.
-pub(crate) const fn exp2_fraction(k: u64, n: u64) -> f64 {
+pub const fn exp2_fraction(k: u64, n: u64) -> f64 {
     let x = core::f64::consts::LN_2 * (k as f64) / (n as f64);
     let mut sum = 1.0;
     let mut degree = 24_u32;
@@ -86,45 +86,4 @@ pub(crate) const fn exp2_fraction(k: u64, n: u64) -> f64 {
         degree -= 1;
     }
     sum
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-
-    #[test]
-    fn compile_time_trigonometry_agrees_with_the_platform() {
-        for k in 0..2000 {
-            let (s, c) = sin_cos_turn(k, 2000);
-            let x = std::f64::consts::TAU * k as f64 / 2000.0;
-            assert!((s - x.sin()).abs() < 1e-14 && (c - x.cos()).abs() < 1e-14, "{k}: {s} {c}");
-        }
-    }
-
-    #[test]
-    fn compile_time_powers_of_two_agree_with_the_platform() {
-        for k in 0..64 {
-            assert!((exp2_fraction(k, 64) - (k as f64 / 64.0).exp2()).abs() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn bessel_series_matches_tabulated_values() {
-        // Abramowitz & Stegun, table 9.8 and 9.11
-        for (x, i0) in [(0.0, 1.0), (1.0, 1.266_065_88), (5.0, 27.239_871_8), (10.0, 2_815.716_63)] {
-            assert!((f64::from(bessel_i0f(x)) / i0 - 1.0).abs() < 2e-6, "{x}");
-        }
-    }
-
-    #[test]
-    fn fast_exponential_holds_its_bound() {
-        let mut worst = 0.0_f64;
-        for k in 0..=1600 {
-            let x = -(k as f32) / 100.0;
-            let exact = f64::from(x).exp();
-            worst = worst.max((f64::from(fast_expf(x)) / exact - 1.0).abs());
-        }
-        assert!(worst < 3e-3, "{worst}");
-    }
 }

@@ -129,31 +129,6 @@ pub struct PipelineBuffers<'b> {
     pub kernels: WinogradMemory<'b>,
 }
 
-/// Why a slot is not taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Refused {
-    /// A recognition is not yet over: [`Pipeline::step`] first.
-    Busy,
-    /// The recording is complete: [`Pipeline::reset`] begins the next.
-    Full,
-    /// The slot has another number of values than the sensor's configuration says.
-    Length,
-}
-
-impl core::fmt::Display for Refused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Refused::Busy => "a recognition is not yet over",
-            Refused::Full => "the recording is complete",
-            Refused::Length => "the slot has another length than the sensor's",
-        })
-    }
-}
-
-impl core::error::Error for Refused {}
-
 /// A recognition under way.
 #[derive(Debug, Clone, Copy)]
 struct Recognition {
@@ -327,16 +302,16 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     ///
     /// # Errors
     ///
-    /// [`Refused`]: nothing has changed.
-    pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> Result<(), Refused> {
+    /// [`Error::Busy`], [`Error::Full`], [`Error::Length`]: nothing has changed.
+    pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> Result<(), Error> {
         if self.stopped || self.next_exit >= self.exits.len() {
-            return Err(Refused::Full);
+            return Err(Error::Full);
         }
         if !self.has_room() {
-            return Err(Refused::Busy);
+            return Err(Error::Busy);
         }
         if !self.front_end.push(slot, probe) {
-            return Err(Refused::Length);
+            return Err(Error::Length);
         }
         self.begin_recognition(probe);
         Ok(())

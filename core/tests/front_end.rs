@@ -29,7 +29,7 @@ fn settings_have_their_ranges() {
             Memory::of_front_end(200, 10).view().front_end,
         )
         .is_some();
-        assert_eq!(made, settings.is_valid());
+        assert_eq!(made, settings.illegal().is_none());
         made
     };
     assert!(with(&|_| ()));

@@ -5,8 +5,8 @@ mod support;
 
 use sdp3_core::Error;
 use sdp3_core::dsn::{Classification, Model, Portable};
-use sdp3_core::early_exit::{EXITS, EarlyExit, Evidence, MAX_WEIGHT, add_evidence, decide};
-use sdp3_core::pipeline::{Pipeline, Refused};
+use sdp3_core::early_exit::{EXITS, EarlyExit, MAX_WEIGHT, add_evidence, decide};
+use sdp3_core::pipeline::Pipeline;
 use sdp3_core::signal::stft::FixedStft;
 use support::{CHANNELS, Memory, SHORTER, VALUES, altered, noise_slots, random_model};
 
@@ -71,14 +71,14 @@ fn every_exit_sums_the_logits_so_far() {
         assert_eq!((taken, usize::from(classification.exit)), (usize::from(SLOTS[number]), number));
         assert_eq!((classification.stop, pipeline.stopped()), (number == 2, number == 2));
         assert_eq!(classification.logits, alone[number].logits);
-        let mut evidence = Evidence::from_slice(&[0; 3]).expect("three classes");
+        let mut evidence = [0; 3];
         for (single, &weight) in alone.iter().zip(*weights) {
             add_evidence(&mut evidence, &single.logits, weight);
         }
         assert_eq!((classification.class, classification.confidence), decide(&evidence));
         found.push(classification);
     }
-    assert_eq!(pipeline.push(&slots[0], &mut ()), Err(Refused::Full));
+    assert_eq!(pipeline.push(&slots[0], &mut ()), Err(Error::Full));
 
     // as sure as wanted is sure enough; nothing is taken after that; the next recording begins with the first exit
     pipeline.set_threshold(found[0].confidence);
@@ -88,7 +88,7 @@ fn every_exit_sums_the_logits_so_far() {
         let (taken, only) = until_classified(&mut pipeline, &slots);
         assert!(only.stop && pipeline.stopped() && taken == 144);
         assert_eq!((only.exit, only.class, only.confidence), (0, found[0].class, found[0].confidence));
-        assert_eq!(pipeline.push(&slots[taken], &mut ()), Err(Refused::Full));
+        assert_eq!(pipeline.push(&slots[taken], &mut ()), Err(Error::Full));
     }
 }
 
@@ -113,7 +113,7 @@ fn slots_of_the_next_recording_may_come_before_a_recognition_is_over() {
         if before == 0 {
             // one in eight before the first step
             waiting.by_ref().take(18).for_each(|slot| assert_eq!(overlapped.push(slot, &mut ()), Ok(())));
-            assert_eq!(overlapped.push(&slots[162], &mut ()), Err(Refused::Busy));
+            assert_eq!(overlapped.push(&slots[162], &mut ()), Err(Error::Busy));
         }
         while found.len() < 2 {
             while waiting.peek().is_some_and(|slot| overlapped.push(*slot, &mut ()).is_ok()) {

@@ -1,5 +1,6 @@
 //! The two contexts of a radar module on the host: the slot interrupt and the task take turns as the test says.
 
+use core::sync::atomic::Ordering::Relaxed;
 use rand_core::SeedableRng;
 use sdp3_core::dsn::{Model, Shape};
 use sdp3_core::early_exit::EarlyExit;
@@ -11,6 +12,7 @@ use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
 use sdp3_core::supervision::retained::Retained;
 use sdp3_core::supervision::{Fault, SampleFault};
 use sdp3_core::{Error, pipeline_memory, radar_memory};
+use sdp3_testkit::flip;
 use sdp3_testkit::models::DSN_200;
 use sdp3_testkit::signals::noise;
 
@@ -320,7 +322,7 @@ fn any_flipped_bit_of_the_state_is_found_and_played_over() {
             let mut radio = Radio::with(make(kept, settings()).unwrap(), 0);
             radio.processing.set_rate(0, 3);
             assert_eq!(radio.play(9), whole[..9]);
-            kept.flip(at, 1 << bit);
+            flip(kept, at, 1 << bit);
             assert_eq!(radio.play(60), whole[9..69], "word {at}, bit {bit}");
             let newest = at / (Retained::LEN / 2) == 1; // ten saves: the last, number 9, is the second copy
             let expected = if newest { vec![Fault::StateRepaired] } else { vec![] };
@@ -334,8 +336,8 @@ fn with_both_copies_damaged_a_new_period_follows() {
     let kept = retained();
     let mut radio = Radio::with(make(kept, settings()).unwrap(), 0);
     radio.play(5);
-    kept.flip(3, 1);
-    kept.flip(3 + Retained::LEN / 2, 1);
+    flip(kept, 3, 1);
+    flip(kept, 3 + Retained::LEN / 2, 1);
     let uses = radio.play(30);
     assert_eq!(radio.faults(), [Fault::StateLost]);
     let idle = uses.iter().take_while(|&&slot| slot == Use::Idle).count();
@@ -356,6 +358,42 @@ fn a_reset_goes_on_from_retained_memory() {
     assert!(matches!(back.faults()[..], [Fault::SlotsSkipped { slots: 2, .. }]));
     back.play(4 * 210);
     assert_eq!(back.classified(), [1], "the recording began again");
+}
+
+#[test]
+fn a_reset_within_a_write_loses_at_most_one_slot() {
+    let whole = planned(1);
+    let written = |slots: usize| {
+        let kept = retained();
+        Radio::with(make(kept, settings()).unwrap(), 0).play(slots);
+        kept.words().iter().map(|word| word.load(Relaxed)).collect::<Vec<u32>>()
+    };
+    let (before, after) = (written(10), written(11));
+    let half = Retained::LEN / 2;
+    let first = if before[0] == after[0] { half } else { 0 };
+    assert_eq!(before[half - first..][..half], after[half - first..][..half], "one copy is written");
+    for stop in 0..=half {
+        let kept = retained();
+        for (at, word) in kept.words().iter().enumerate() {
+            let new = (first..first + stop).contains(&at);
+            word.store(if new { after[at] } else { before[at] }, Relaxed);
+        }
+        let mut back = Radio::with(make(kept, settings()).unwrap(), 11);
+        assert_eq!(back.play(20), whole[11..31], "stopped after {stop} words");
+        let skipped = Fault::SlotsSkipped { slots: 1, sensing: u32::from(whole[10] == Use::Sense) };
+        let expected = if stop < half { vec![skipped] } else { vec![] };
+        assert_eq!(back.faults(), expected, "stopped after {stop} words");
+    }
+}
+
+#[test]
+fn memory_that_nothing_was_written_to_is_not_a_state() {
+    for filled in [0, u32::MAX, 0xAAAA_AAAA, 0x5555_5555, 0xDEAD_BEEF] {
+        let kept = retained();
+        kept.words().iter().for_each(|word| word.store(filled, Relaxed));
+        let mut radio = Radio::with(make(kept, settings()).unwrap(), 77);
+        assert_eq!((radio.play(30), radio.faults()), (planned(1)[..30].to_vec(), vec![]), "{filled:#x}");
+    }
 }
 
 #[test]

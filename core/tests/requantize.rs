@@ -94,3 +94,12 @@ fn every_tie_of_the_second_rounding() {
         }
     }
 }
+
+#[test]
+fn a_shift_beyond_the_word_is_the_longest() {
+    for accumulator in [i32::MIN, -1, 0, 1, i32::MAX] {
+        let [far, longest] = [-40, -31].map(|shift| requantize(accumulator, i32::MAX, shift));
+        assert_eq!(far, longest);
+    }
+    assert_eq!(requantize(i32::MIN, i32::MIN, 0), i32::MAX, "the single overflow saturates");
+}

@@ -12,8 +12,7 @@ mod sample_health;
 mod scheduler;
 #[path = "scheduler/sequencer.rs"]
 mod sequencer;
-#[path = "scheduler/slot_order.rs"]
-mod slot_order;
+
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::scheduler::SlotUse;

@@ -1,5 +1,7 @@
 //! The stages of the signal chain one by one.
 
+#[path = "signal/clutter.rs"]
+mod clutter;
 #[path = "signal/config.rs"]
 mod config;
 #[path = "signal/conj_mac.rs"]
@@ -10,8 +12,14 @@ mod crc32;
 mod digest;
 #[path = "signal/early_exit.rs"]
 mod early_exit;
+#[path = "signal/fast_time.rs"]
+mod fast_time;
+#[path = "signal/fixed_stft.rs"]
+mod fixed_stft;
 #[path = "signal/logarithm.rs"]
 mod logarithm;
+#[path = "signal/math.rs"]
+mod math;
 #[path = "signal/selftest.rs"]
 mod selftest;
 #[path = "signal/spectrogram.rs"]

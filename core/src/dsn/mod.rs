@@ -21,7 +21,8 @@ pub mod winograd;
 
 pub use kernels::{Kernels, Operator, Portable};
 pub use model::{Model, ModelError};
-pub use network::{Classification, Logits, Network, image_mut, infer, scratch_bytes};
+pub(crate) use network::Logits;
+pub use network::{Classification, Network, image_mut, infer, scratch_bytes};
 pub use shape::Shape;
 pub use winograd::WinogradF2;
 

@@ -27,7 +27,7 @@ impl Shape {
 }
 
 /// The network's output before the softmax, quantised, `[classes]`.
-pub type Logits = Vec<i8, MAX_CLASSES>;
+pub(crate) type Logits = Vec<i8, MAX_CLASSES>;
 
 /// What a recording was recognised as.
 #[derive(Debug, Clone, PartialEq)]

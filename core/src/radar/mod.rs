@@ -73,7 +73,10 @@ enum Report {
     /// A period's sensing has ended early.
     Released {
         period: u32,
-        release: crate::scheduler::sequencer::Release,
+        /// Slots of the period still to come.
+        rest: u32,
+        /// Slots each user has had.
+        served: [u32; USERS],
     },
     /// Nothing, or only the running plan, is known: a plan is needed.
     PlanNeeded,

@@ -5,7 +5,8 @@ use super::{Filled, Report, Totals};
 use crate::crc32::{Crc32, crc32};
 use crate::dsn::{Classification, ModelError, WinogradF2};
 use crate::early_exit::EXITS;
-use crate::pipeline::{Pipeline, Refused};
+use crate::error::Error;
+use crate::pipeline::Pipeline;
 use crate::scheduler::{Changes, PeriodCounts, PeriodReport, PlanError, Planner, SensingLayout};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::{Fault, sample_health};
@@ -177,8 +178,8 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
                 let changes = Changes { lost, sensing_lost, released, ..because };
                 Progress::Event(Event::Period(PeriodReport { period, replanned, changes }))
             }
-            Report::Released { period, release } => {
-                let totals = self.planner.totals(&release);
+            Report::Released { period, rest, served } => {
+                let totals = self.planner.totals(rest, &served);
                 let _ = self.ends.totals.enqueue(Totals { period, totals }); // those of an earlier period are late anyway
                 Progress::Busy
             }
@@ -227,7 +228,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
             match fault {
                 Some(_) => self.pipeline.begin_recording(period),
                 None => match self.pipeline.push(&buffer.0, &mut ()) {
-                    Ok(()) | Err(Refused::Full) => (),
+                    Ok(()) | Err(Error::Full) => (),
                     // there was room, and the length is the configuration's
                     Err(_) => self.pipeline.begin_recording(period),
                 },

@@ -310,11 +310,11 @@ impl<const VALUES: usize> SlotContext<VALUES> {
                 self.report(Report::Period { period, replanned, counts });
             }
         } else if self.ends.release.load(Ordering::Acquire) == state.period
-            && let Some(release) = state.sequencer.release_sensing()
+            && let released @ 1.. = state.sequencer.release_sensing()
         {
-            state.counts.released = state.counts.released.wrapping_add(release.released);
-            let period = state.period;
-            self.report(Report::Released { period, release });
+            state.counts.released = state.counts.released.wrapping_add(released);
+            let (period, rest, served) = (state.period, state.sequencer.rest(), state.sequencer.served());
+            self.report(Report::Released { period, rest, served });
         } else if let Some(Totals { period, totals }) = self.ends.totals.dequeue()
             && period == state.period
         {
@@ -338,18 +338,5 @@ impl<const VALUES: usize> SlotContext<VALUES> {
         if self.ends.reports.enqueue(report).is_err() {
             self.reports_lost = self.reports_lost.saturating_add(1);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::supervision::retained::WORDS;
-
-    #[test]
-    fn the_state_has_as_many_words_as_memory_is_kept_for() {
-        let mut count = 0;
-        SlotState::new(&Plan::IDLE).words(&mut |_| count += 1);
-        assert_eq!(count, WORDS);
     }
 }

@@ -9,21 +9,24 @@ pub const USERS: usize = 8;
 pub const LONGEST_PERIOD: u32 = 1 << 24;
 
 /// Why numbers are not a plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PlanError {
     /// The period is 0 or longer than [`LONGEST_PERIOD`].
+    #[error("period {period} is not in 1..={LONGEST_PERIOD}")]
     Period {
         /// N.
         period: u32,
     },
     /// No user, or more than [`USERS`].
+    #[error("{users} users; legal are 1..={USERS}")]
     Users {
         /// K.
         users: usize,
     },
     /// The sensing slots with their spacing do not fit the period: N_s (N_m + 1) > N.
+    #[error("sensing slots with their spacing need {need} slots; the period has {period}")]
     Spacing {
         /// Slots they need.
         need: u64,
@@ -31,6 +34,7 @@ pub enum PlanError {
         period: u32,
     },
     /// The uses do not add up to the period.
+    #[error("the uses sum to {sum} slots; the period has {period}")]
     Sum {
         /// N_s + sum N_c,k.
         sum: u64,
@@ -38,25 +42,6 @@ pub enum PlanError {
         period: u32,
     },
 }
-
-impl core::fmt::Display for PlanError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            PlanError::Period { period } => write!(f, "period {period} is not in 1..={LONGEST_PERIOD}"),
-            PlanError::Users { users } => {
-                write!(f, "{users} users; legal are 1..={USERS}")
-            }
-            PlanError::Spacing { need, period } => {
-                write!(f, "sensing slots with their spacing need {need} slots; the period has {period}")
-            }
-            PlanError::Sum { sum, period } => {
-                write!(f, "the uses sum to {sum} slots; the period has {period}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for PlanError {}
 
 /// Where a period's sensing slots lie: N, N_m and N_s, checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Which slot is for what: sensing slots exactly periodic, the others in optimal proportions, spread evenly.
 //!
 //! Section II of the paper: slot j of a period senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1). [`layout`] says where
-//! those lie, [`plan`] how many slots each use gets ([`mod@apportion`]), [`sequencer`] what the next slot is for ([`slot_order`]),
+//! those lie, [`plan`] how many slots each use gets ([`mod@apportion`]), [`sequencer`] what the next slot is for (`slot_order`),
 //! [`planner`] which plan comes next when rates, users or losses change; [`scheduler`] is both in one.
 
 pub mod apportion;
@@ -11,7 +11,7 @@ pub mod planner;
 #[allow(clippy::module_inception)]
 pub mod scheduler;
 pub mod sequencer;
-pub mod slot_order;
+mod slot_order;
 
 pub use apportion::apportion;
 pub use layout::{PlanError, SensingLayout, USERS};

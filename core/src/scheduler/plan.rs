@@ -81,10 +81,8 @@ impl Plan {
 
     /// Most slots that lie between two of user k's while this plan is played period after period; `None` without a share.
     ///
-    /// Two order of n in C communication slots are at most D = ceil(2 C / n) communication slots apart ([`SlotOrder`]); in D steps
+    /// Two order of n in C communication slots are at most D = ceil(2 C / n) communication slots apart (`slot_order`); in D steps
     /// from one communication slot to the next lie at most ceil(D / N_m) sensing slots, or all N_s of them if N_m = 0.
-    ///
-    /// [`SlotOrder`]: super::slot_order::SlotOrder
     pub fn longest_wait(&self, k: usize) -> Option<u32> {
         let share = self.shares().get(k).copied().filter(|&share| share > 0)?;
         let others: u32 = self.shares.iter().copied().fold(0, u32::saturating_add);

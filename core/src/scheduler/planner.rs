@@ -3,7 +3,7 @@
 use super::apportion::apportion;
 use super::layout::{PlanError, SensingLayout, USERS};
 use super::plan::Plan;
-use super::sequencer::{Release, SlotUse};
+use super::sequencer::SlotUse;
 use crate::supervision::retained::State;
 
 /// What a period lost and gave back.
@@ -177,12 +177,13 @@ impl Planner {
         (Some(Plan::optimal(self.target, &self.rates, &credit)), changes)
     }
 
-    /// Totals of the period for every user after an early end of sensing: the worst is as large as it can be. Cost: O(K^3).
-    pub fn totals(&self, release: &Release) -> [u32; USERS] {
-        let credit = release.served.map(|served| served as i32); // at most 2^24
+    /// Totals of the period for every user that shares its last `rest` slots after an early end of sensing and has had `served`: the
+    /// worst is as large as it can be. Cost: O(K^3).
+    pub fn totals(&self, rest: u32, served: &[u32; USERS]) -> [u32; USERS] {
+        let credit = served.map(|served| served as i32); // at most 2^24
         let mut totals = [0; USERS];
-        apportion(&self.planned, &credit, release.rest, &mut totals);
-        totals.iter_mut().zip(release.served).for_each(|(total, served)| *total += served);
+        apportion(&self.planned, &credit, rest, &mut totals);
+        totals.iter_mut().zip(served).for_each(|(total, served)| *total += served);
         totals
     }
 }

@@ -76,9 +76,12 @@ impl Scheduler {
     /// No more sensing in this period: its remaining slots go to the users so that the period's worst total is as large as it
     /// can be. Between periods nothing happens. Cost: O(K^3).
     pub fn end_sensing(&mut self) {
-        let Some(release) = self.sequencer.release_sensing() else { return };
-        self.sequencer.reassign(&self.planner.totals(&release));
-        self.counts.released += release.released;
+        let released = self.sequencer.release_sensing();
+        if released > 0 {
+            let totals = self.planner.totals(self.sequencer.rest(), &self.sequencer.served());
+            self.sequencer.reassign(&totals);
+            self.counts.released += released;
+        }
     }
 
     /// Use of the next slot. A period begins with a new plan if anything changed; [`Scheduler::report`] says so.

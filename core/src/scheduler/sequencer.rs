@@ -33,18 +33,7 @@ impl State for SlotUse {
     }
 }
 
-/// State of a period when its sensing ended early.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Release {
-    /// Sensing slots that were left.
-    pub released: u32,
-    /// Slots of the period still to come.
-    pub rest: u32,
-    /// Slots each user had in the period.
-    pub served: [u32; USERS],
-}
-
-/// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, [`SlotOrder`] which user has the others.
+/// Plays a plan, slot by slot: [`Plan::senses`] says when the radar sweeps, `SlotOrder` which user has the others.
 ///
 /// Between two slots of a user lie at most [`Plan::longest_wait`] others.
 #[derive(Debug, Clone)]
@@ -106,14 +95,15 @@ impl Sequencer {
         self.before = [0; USERS];
     }
 
-    /// No more sensing in this period; `None`, and nothing changes, if none is left or no period is running. The released slots
-    /// follow the order of the others until [`Sequencer::reassign`].
-    pub fn release_sensing(&mut self) -> Option<Release> {
-        if self.left == 0 || self.position == 0 {
-            return None;
-        }
-        let released = core::mem::take(&mut self.left);
-        Some(Release { released, rest: self.plan.period() - self.position, served: self.served() })
+    /// Slots of the current period still to come.
+    pub fn rest(&self) -> u32 {
+        self.plan.period() - self.position
+    }
+
+    /// No more sensing in this period; how many slots are released, 0 if none is left or no period is running. They follow the
+    /// order of the others until [`Sequencer::reassign`].
+    pub fn release_sensing(&mut self) -> u32 {
+        if self.position == 0 { 0 } else { core::mem::take(&mut self.left) }
     }
 
     /// Shares the rest of the period so that each user ends it with these totals, as far as they sum to what is left.

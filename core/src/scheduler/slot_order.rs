@@ -59,7 +59,7 @@ impl State for Window {
 /// The order of a run of communication slots.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SlotOrder {
+pub(crate) struct SlotOrder {
     windows: [Window; USERS],
     users: u32,
     /// C.

@@ -21,12 +21,7 @@ pub struct Gram {
 /// Most slots a [`Gram`] may sum without overflow.
 pub const GRAM_SLOTS: usize = 4000;
 
-impl Default for Gram {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
+#[allow(clippy::new_without_default)] // there is one way to begin
 impl Gram {
     /// A Gram matrix of nothing.
     pub const fn new() -> Self {
@@ -89,7 +84,7 @@ pub struct SvdRange {
 }
 
 /// The projection vector w in Q3.28: y = w^H b.
-pub type Projection = [Complex<i32>; BEATS];
+pub(crate) type Projection = [Complex<i32>; BEATS];
 
 /// Fraction bits of a [`Projection`]; |w| <= sqrt(8) < 4.
 pub const PROJECTION_BITS: u32 = 28;
@@ -266,104 +261,4 @@ fn inner(projection: &Projection, beat: &Beat) -> Complex<i64> {
 /// `round(x / 2^shift)`, halves up; shift 0..=40.
 const fn round_shift(x: i64, shift: u32) -> i32 {
     if shift == 0 { x as i32 } else { (x.wrapping_add(1 << (shift - 1)) >> shift) as i32 }
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use rand_core::{Rng, SeedableRng};
-    use std::vec::Vec;
-
-    fn noise(seed: u64, slots: usize) -> Vec<Beat> {
-        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(seed);
-        let mut draw = || (rng.next_u32() as i32) >> 7;
-        (0..slots).map(|_| core::array::from_fn(|_| Complex::new(draw(), draw()))).collect()
-    }
-
-    #[test]
-    fn eigenvectors_rebuild_the_matrix_and_are_unitary() {
-        for seed in 0..200 {
-            let mut gram = Gram::new();
-            noise(seed, 1 + seed as usize % 20).iter().for_each(|beat| gram.add(beat));
-            let matrix = gram.normalised().unwrap();
-            let mut solver = ClutterSolver::new(&gram, SvdRange { first: 2, last: 8 });
-            while solver.step() {}
-            let v = solver.vectors;
-            let d =
-                Matrix::from_diagonal(&Vector::from_fn(|i, _| Complex::new(solver.matrix[(i, i)].re, 0.0)));
-            let rebuilt = v * d * v.adjoint();
-            assert!((rebuilt - matrix).camax() < 2e-6, "seed {seed}");
-            assert!((v.adjoint() * v - Matrix::identity()).camax() < 2e-6, "seed {seed}");
-        }
-    }
-
-    #[test]
-    fn a_constant_echo_is_removed_to_the_arithmetic() {
-        // one static echo at full scale: rank one, so nothing may be left at d = 2
-        let echo: Beat =
-            core::array::from_fn(|i| Complex::new(20_000_000 - 900_000 * i as i32, 1_000_000 * i as i32));
-        let beats = [echo; 300];
-        let mut gram = Gram::new();
-        beats.iter().for_each(|beat| gram.add(beat));
-        let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
-        let kept = inner(&w, &echo);
-        let whole = inner(&UNIT_PROJECTION, &echo);
-        let ratio = (kept.re as f64).hypot(kept.im as f64) / (whole.re as f64).hypot(whole.im as f64);
-        assert!(ratio < 1e-6, "left over: {ratio}");
-    }
-
-    #[test]
-    fn full_scale_recordings_do_not_overflow() {
-        // the loudest beats there are, as many as a Gram matrix takes: one static echo, removed like any other
-        let loudest: Beat = [Complex::new(32_700_000, 32_700_000); BEATS];
-        let mut gram = Gram::new();
-        (0..GRAM_SLOTS).for_each(|_| gram.add(&loudest));
-        assert!(gram.upper().iter().all(|entry| entry.re > 0));
-        let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
-        assert_ne!(w, UNIT_PROJECTION);
-        let kept = inner(&w, &loudest);
-        assert!(kept.re.unsigned_abs() < 1 << 38, "{kept}"); // of 2^56 before
-    }
-
-    #[test]
-    fn keeping_everything_sums_the_beat() {
-        let beats = noise(7, 40);
-        let mut gram = Gram::new();
-        beats.iter().for_each(|beat| gram.add(beat));
-        assert_eq!(clutter_projection(&gram, SvdRange { first: 1, last: 8 }), UNIT_PROJECTION);
-        assert_eq!(clutter_projection(&Gram::new(), SvdRange { first: 2, last: 8 }), UNIT_PROJECTION);
-    }
-
-    #[test]
-    fn components_are_cut_by_rank_from_both_ends() {
-        // every slot in one range cell: eigenvectors are the cells, the later the stronger, the first two alike
-        let mut gram = Gram::new();
-        for (cell, times) in [1, 1, 2, 3, 4, 5, 6, 7].into_iter().enumerate() {
-            let mut beat = crate::dims::ZERO_BEAT;
-            beat[cell] = Complex::new(1000, -1000);
-            (0..times).for_each(|_| gram.add(&beat));
-        }
-        let ranks = [7, 8, 6, 5, 4, 3, 2, 1];
-        for first in 1..=8 {
-            for last in first..=8 {
-                let kept = |rank: &u8| (first..=last).contains(rank);
-                let wanted = ranks.map(|rank| Complex::new(i32::from(kept(&rank)) << PROJECTION_BITS, 0));
-                assert_eq!(clutter_projection(&gram, SvdRange { first, last }), wanted, "{first}..={last}");
-            }
-        }
-    }
-
-    #[test]
-    fn slow_time_uses_its_bits() {
-        let beats = noise(3, 64);
-        let mut y = [Complex::new(0, 0); 64];
-        project(&beats, &UNIT_PROJECTION, slow_time_shift(largest_part(&beats, &UNIT_PROJECTION)), &mut y);
-        let largest = y.iter().map(|y| y.re.unsigned_abs().max(y.im.unsigned_abs())).max().unwrap();
-        assert!((1 << 22..=1 << 23).contains(&largest), "{largest}");
-        let mut silent = [Complex::new(1, 1); 4];
-        assert_eq!(slow_time_shift(largest_part(&[crate::dims::ZERO_BEAT; 4], &UNIT_PROJECTION)), 0);
-        project(&[crate::dims::ZERO_BEAT; 4], &UNIT_PROJECTION, 0, &mut silent);
-        assert_eq!(silent, [Complex::new(0, 0); 4]);
-    }
 }

@@ -4,12 +4,12 @@
 
 use crate::config::RadarConfig;
 use crate::math::sin_cos_turn;
-pub use crate::simd::conj_mac::Iq;
+pub(crate) use crate::simd::conj_mac::Iq;
 
 /// Complex samples that begin at a word: what the multiply-accumulate instructions of Arm load in fours.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(4))]
-pub struct WordAligned<const N: usize>(pub [Iq; N]);
+pub(crate) struct WordAligned<const N: usize>(pub [Iq; N]);
 
 const L: usize = RadarConfig::PAPER.samples as usize;
 

@@ -41,15 +41,19 @@ impl Preprocessing {
         frames(slots, self.window as usize, self.hop as usize)
     }
 
-    /// Whether every field is within its legal range.
-    pub fn is_valid(&self) -> bool {
-        (1..=8).contains(&self.kept.first)
-            && (self.kept.first..=8).contains(&self.kept.last)
-            && (2..=256).contains(&self.window)
-            && (0.0..=40.0).contains(&self.beta)
-            && (1..=self.window).contains(&self.hop)
-            && matches!(self.bins_per_row, 1 | 2 | 4)
-            && (1..=4095).contains(&self.range)
+    /// The first field that is outside its legal range, by its name in a model file, and its value.
+    pub fn illegal(&self) -> Option<(&'static str, i64)> {
+        let Preprocessing { kept, window, beta, hop, bins_per_row, range } = *self;
+        let fields = [
+            ("first_kept", i64::from(kept.first), (1..=8).contains(&kept.first)),
+            ("last_kept", i64::from(kept.last), (kept.first..=8).contains(&kept.last)),
+            ("window_len", i64::from(window), (2..=256).contains(&window)),
+            ("hop", i64::from(hop), (1..=window).contains(&hop)),
+            ("bins_per_row", i64::from(bins_per_row), matches!(bins_per_row, 1 | 2 | 4)),
+            ("range", i64::from(range), (1..=4095).contains(&range)),
+            ("kaiser_beta", i64::from(beta.to_bits()), (0.0..=40.0).contains(&beta)),
+        ];
+        fields.into_iter().find(|(_, _, legal)| !legal).map(|(name, value, _)| (name, value))
     }
 }
 
@@ -144,7 +148,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// A front end for a sensor with `settings`, or `None` if either is not valid or the reference does not fit its memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
         let FrontEndBuffers { reference, beats, slow_time, levels, spectrum } = buffers;
-        if !settings.is_valid() {
+        if settings.illegal().is_some() {
             return None;
         }
         Some(FrontEnd {

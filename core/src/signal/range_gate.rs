@@ -39,39 +39,3 @@ fn sin_half(g: u64, n: u64, l: u64) -> f64 {
     let (sine, _) = sin_cos_turn(g * position.abs_diff(centre), 4 * l);
     if position < centre { -sine } else { sine }
 }
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use std::vec;
-    use std::vec::Vec;
-
-    #[test]
-    fn references_are_the_windowed_sums_of_bins() {
-        for config in [RadarConfig::BGT60, RadarConfig::IWR] {
-            let gate = config.gate.unwrap();
-            let mut table = vec![[0; 2]; config.reference_len()];
-            write_references(&config, gate, &mut table);
-            let l = f64::from(config.samples);
-            for (at, sample) in table.iter().enumerate() {
-                let (range, n) = (at / usize::from(config.samples), at % usize::from(config.samples));
-                let u = (n as f64 + 0.5) / l - 0.5;
-                let bins = usize::from(gate.bins_per_sample);
-                let first = usize::from(gate.first_bin) + range * bins;
-                let hann = 0.5 + 0.5 * (std::f64::consts::TAU * u).cos();
-                let phases: Vec<f64> =
-                    (first..first + bins).map(|k| std::f64::consts::TAU * k as f64 * u).collect();
-                let sum = |f: fn(f64) -> f64| {
-                    phases.iter().map(|&p| f(p)).sum::<f64>() * hann / bins as f64 * 32767.0
-                };
-                assert!((f64::from(sample[0]) - sum(f64::cos)).abs() < 0.51, "{range}, {n}");
-                assert!((f64::from(sample[1]) - sum(f64::sin)).abs() < 0.51, "{range}, {n}");
-            }
-            for reference in table.chunks_exact(usize::from(config.samples)) {
-                let sum: f64 = reference.iter().map(|s| f64::from(s[0]).hypot(f64::from(s[1]))).sum();
-                assert!(sum <= 32768.0 * l / 2.0 * 1.01, "the bound that the shift stands on: {sum}");
-            }
-        }
-    }
-}

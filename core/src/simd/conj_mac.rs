@@ -3,7 +3,7 @@
 //! [`portable`] is the reference of `arm`'s dual multiply-accumulates.
 
 /// Complex samples: in-phase and quadrature.
-pub type Iq = [i16; 2];
+pub(crate) type Iq = [i16; 2];
 
 /// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, by the fastest way of the target.
 ///

@@ -1,7 +1,7 @@
 //! Dual multiply-accumulates of i16: what the network's Winograd kernels need of a processor.
 //!
-//! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference, `arm::Dsp` the DSP extension of Cortex-M4,
-//! M7, M33 and later, `arm::Helium` that of M52, M55 and M85. All operations are integer and exact: the same bits.
+//! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference; `arm` has the DSP extension of Cortex-M4,
+//! M7, M33 and later, and Helium of M52, M55 and M85. All operations are integer and exact: the same bits.
 
 /// Eight i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
 /// other in the next.
@@ -19,10 +19,10 @@ pub const POINTS: usize = 16;
 
 /// Two tiles' values or two outputs' weights in the Winograd domain: `GROUPS` groups of four channels at 16 points, column by
 /// column, rows in the order 1, 2, 0, 3.
-pub type Tile<const GROUPS: usize> = [[I16x8; GROUPS]; POINTS];
+pub(crate) type Tile<const GROUPS: usize> = [[I16x8; GROUPS]; POINTS];
 
 /// Sums of two tiles and two outputs, `[column][row][output, tile]`, already gathered from four points to two rows.
-pub type Sums = [[[i32; 4]; 2]; 4];
+pub(crate) type Sums = [[[i32; 4]; 2]; 4];
 
 /// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {

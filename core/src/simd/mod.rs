@@ -10,11 +10,8 @@ pub mod dual_mac;
 pub mod mulh;
 
 /// The fastest [`dual_mac::DualMac`] of the target.
-#[cfg(all(target_arch = "arm", arm_dsp, not(arm_mve)))]
-pub use arm::Dsp as NativeDualMac;
-/// The fastest [`dual_mac::DualMac`] of the target.
-#[cfg(all(target_arch = "arm", arm_mve))]
-pub use arm::Helium as NativeDualMac;
+#[cfg(all(target_arch = "arm", arm_dsp))]
+pub use arm::NativeDualMac;
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub type NativeDualMac = dual_mac::Plain;

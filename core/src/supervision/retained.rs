@@ -105,14 +105,13 @@ impl Retained {
             words.get(at).into_iter().for_each(|kept| kept.store(*word, Relaxed));
             at += 1;
         });
+        debug_assert_eq!(at, WORDS, "the state has as many words as memory is kept for");
         checksum.store(made, Relaxed);
     }
 
-    /// Inverts the bits of `mask` in word `at` (modulo [`Retained::LEN`]): what a particle does, for tests of a whole system.
-    pub fn flip(&self, at: usize, mask: u32) {
-        if let Some(word) = self.copies.as_flattened().get(at % Self::LEN) {
-            word.store(word.load(Relaxed) ^ mask, Relaxed);
-        }
+    /// All words, the even copy first: for a debugger, and for tests that change them.
+    pub fn words(&self) -> &[AtomicU32] {
+        self.copies.as_flattened()
     }
 
     /// Words of the memory.
@@ -124,98 +123,4 @@ pub(crate) fn flag(flag: &mut bool, visit: &mut impl FnMut(&mut u32)) {
     let mut word = u32::from(*flag);
     visit(&mut word);
     *flag = word != 0;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(Clone, Copy, PartialEq, Debug)]
-    struct Words([u32; WORDS]);
-
-    impl State for Words {
-        fn words(&mut self, visit: &mut impl FnMut(&mut u32)) {
-            self.0.iter_mut().for_each(visit);
-        }
-    }
-
-    fn state(number: u32) -> Words {
-        Words(core::array::from_fn(|k| number.wrapping_mul(0x9e37_79b1) ^ k as u32))
-    }
-
-    /// Two states saved, the second number being `last`.
-    fn saved(last: u32) -> Retained {
-        let retained = Retained::new();
-        for number in [last.wrapping_sub(1), last] {
-            retained.save(number, &mut state(number));
-        }
-        retained
-    }
-
-    #[test]
-    fn the_newest_whole_copy_is_found_with_and_without_its_number() {
-        for last in [1, 2, 77, 0, u32::MAX] {
-            for known in [None, Some(last)] {
-                let (retained, mut found) = (saved(last), state(9));
-                assert!(matches!(retained.load(known, &mut found), Loaded::Newest(n) if n == last));
-                assert_eq!(found, state(last));
-            }
-        }
-    }
-
-    #[test]
-    fn every_change_within_a_word_is_found_and_leaves_the_other_copy() {
-        for at in 0..Retained::LEN {
-            for mask in (0..32).map(|bit| 1 << bit).chain([0xff, 0xffff_0000, u32::MAX]) {
-                let (retained, mut found) = (saved(8), state(9));
-                retained.flip(at, mask);
-                let newest = at < COPY; // even numbers lie first
-                match retained.load(Some(8), &mut found) {
-                    Loaded::Newest(8) => assert!(!newest && found == state(8), "word {at}, {mask:#x}"),
-                    Loaded::Previous(7) => assert!(newest && found == state(7), "word {at}, {mask:#x}"),
-                    _ => panic!("word {at}, {mask:#x}"),
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_reset_within_a_write_loses_nothing() {
-        // the write of number 9 over number 7 stops after any word
-        for stop in 0..COPY {
-            let (before, after) = (saved(8), saved(8));
-            after.save(9, &mut state(9));
-            for (to, from) in before.copies[1].iter().zip(&after.copies[1]).take(stop) {
-                to.store(from.load(Relaxed), Relaxed);
-            }
-            let mut found = state(0);
-            let loaded = before.load(None, &mut found);
-            let number = match loaded {
-                Loaded::Newest(n) | Loaded::Previous(n) => n,
-                Loaded::Nothing => panic!("stopped after {stop}"),
-            };
-            assert_eq!((number, found), (8, state(8)), "stopped after {stop}");
-        }
-    }
-
-    #[test]
-    fn memory_that_nothing_was_written_to_is_not_a_state() {
-        for word in [0, u32::MAX, 0xAAAA_AAAA, 0x5555_5555, 0xDEAD_BEEF] {
-            let retained = Retained::new();
-            retained.copies.as_flattened().iter().for_each(|kept| kept.store(word, Relaxed));
-            assert!(matches!(retained.load(None, &mut state(0)), Loaded::Nothing), "{word:#x}");
-        }
-    }
-
-    #[test]
-    fn flags_are_words_and_come_back() {
-        for (word, on) in [(0, false), (1, true), (2, true), (u32::MAX, true)] {
-            let mut state = !on;
-            flag(&mut state, &mut |seen| {
-                assert_eq!(*seen, u32::from(!on));
-                *seen = word;
-            });
-            assert_eq!(state, on);
-        }
-    }
 }

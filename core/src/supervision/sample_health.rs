@@ -17,13 +17,15 @@ pub const CLIPPED_ONE_IN: u16 = 100;
 pub const OFFSET_ONE_IN: i32 = 16;
 
 /// What is wrong with a slot's samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SampleFault {
     /// The samples are the same.
+    #[error("the samples are the same")]
     Silent,
     /// Bits that never moved, one bit each, of the significant ones.
+    #[error("bits never move: {i:#06x} in phase, {q:#06x} in quadrature")]
     Stuck {
         /// Of the in-phase (or only) converter.
         i: u16,
@@ -31,11 +33,13 @@ pub enum SampleFault {
         q: u16,
     },
     /// More than one in [`CLIPPED_ONE_IN`] values at an end of the range.
+    #[error("{values} values are at an end of the range")]
     Saturated {
         /// How many of those looked at.
         values: u16,
     },
     /// A mean beyond one [`OFFSET_ONE_IN`]th of the range.
+    #[error("the mean is {i} LSB in phase, {q} in quadrature")]
     Offset {
         /// In phase, LSB.
         i: i16,
@@ -43,21 +47,6 @@ pub enum SampleFault {
         q: i16,
     },
 }
-
-impl core::fmt::Display for SampleFault {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match *self {
-            SampleFault::Silent => write!(f, "the samples are the same"),
-            SampleFault::Stuck { i, q } => {
-                write!(f, "bits never move: {i:#06x} in phase, {q:#06x} in quadrature")
-            }
-            SampleFault::Saturated { values } => write!(f, "{values} values are at an end of the range"),
-            SampleFault::Offset { i, q } => write!(f, "the mean is {i} LSB in phase, {q} in quadrature"),
-        }
-    }
-}
-
-impl core::error::Error for SampleFault {}
 
 /// What is known of a converter's values.
 struct Values {

@@ -43,6 +43,12 @@ fn shares_positions_and_waits_hold_on_random_plans() {
                 SlotUse::Communication(k) => {
                     let k = usize::from(k);
                     counts[k] += 1;
+                    // after every slot each user has its proportion to less than one: |had - played share / total| < 1
+                    let played: u32 = counts.iter().sum();
+                    for (&had, &share) in counts.iter().zip(plan.shares()) {
+                        let lag = i64::from(had) * i64::from(total) - i64::from(played) * i64::from(share);
+                        assert!(lag.abs() < i64::from(total), "{plan:?} {played}");
+                    }
                     if let Some(wait) = waits[k] {
                         let bound = plan.longest_wait(k).unwrap();
                         assert!(wait - 1 <= bound, "{plan:?}: user {k} waited {}", wait - 1);

@@ -14,7 +14,7 @@ fn sums_are_exact() {
             2 => -1,
             _ => random.next_u32() as i16 >> (round % 16),
         };
-        let samples: [Iq; 1000] = core::array::from_fn(|_| [draw(), draw()]);
+        let samples: [[i16; 2]; 1000] = core::array::from_fn(|_| [draw(), draw()]);
         let reference = sdp3_core::signal::dechirp::CHIRP;
         let (mut exact, mut found) = ([[0_i64; 2]; 16], [[0; 2]; 16]);
         for (n, (x, s)) in samples.iter().zip(&reference).enumerate().take(1000 / block * block) {

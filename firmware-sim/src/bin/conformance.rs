@@ -13,15 +13,15 @@ fn main() {
 mod firmware {
     use rand_core::SeedableRng;
     use sdp3_core::digest::{Digest, DigestProbe};
-    use sdp3_core::dims::{Beat, Complex};
+    use sdp3_core::dims::{Beat, Complex, FFT_LEN};
     use sdp3_core::dsn::{Classification, Kernels, Model, WinogradF2, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
     use sdp3_core::scheduler::{Plan, Sequencer, SlotUse, USERS};
     use sdp3_core::selftest;
-    use sdp3_core::signal::clutter::{Gram, Projection};
-    use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
+    use sdp3_core::signal::clutter::Gram;
+    use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
     use sdp3_core::values::{Sink, Stage, Values};
     use sdp3_firmware_sim::rt::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::rt::{instructions, paint_stack, stack_used, start_counter};
@@ -91,10 +91,10 @@ mod firmware {
     both! {
         beat(beat: &Beat);
         gram(gram: &Gram);
-        projection(projection: &Projection);
+        projection(projection: &Beat);
         slow_time(slow_time: &[Complex<i32>]);
-        frame(k: usize, spectrum: &Spectrum);
-        fixed_frame(k: usize, spectrum: &FixedBins);
+        frame(k: usize, spectrum: &[Complex<f32>; FFT_LEN]);
+        fixed_frame(k: usize, spectrum: &[Complex<i32>; FFT_LEN]);
         image(image: &[i8]);
         layer(index: usize, activations: &[i8]);
         logits(logits: &[i8]);

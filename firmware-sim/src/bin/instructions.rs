@@ -15,14 +15,14 @@ mod firmware {
     use sdp3_core::config::RadarConfig;
     use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
-    use sdp3_core::dims::{Beat, Complex};
+    use sdp3_core::dims::{Beat, Complex, FFT_LEN};
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, image_mut, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::signal::clutter::{Gram, Projection};
-    use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, NativeStft, Spectrum, Stft};
+    use sdp3_core::signal::clutter::Gram;
+    use sdp3_core::signal::stft::{FixedStft, FloatStft, NativeStft, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
     use sdp3_testkit::random_model::{Numbers, Size, write};
@@ -98,16 +98,16 @@ mod firmware {
         fn gram(&mut self, _gram: &Gram) {
             self.start();
         }
-        fn projection(&mut self, _projection: &Projection) {
+        fn projection(&mut self, _projection: &Beat) {
             self.add(2);
         }
         fn slow_time(&mut self, _slow_time: &[Complex<i32>]) {
             self.add(3);
         }
-        fn frame(&mut self, _k: usize, _spectrum: &Spectrum) {
+        fn frame(&mut self, _k: usize, _spectrum: &[Complex<f32>; FFT_LEN]) {
             self.frame = self.add(4);
         }
-        fn fixed_frame(&mut self, _k: usize, _spectrum: &FixedBins) {
+        fn fixed_frame(&mut self, _k: usize, _spectrum: &[Complex<i32>; FFT_LEN]) {
             self.frame = self.add(4);
         }
         fn image(&mut self, _image: &[i8]) {

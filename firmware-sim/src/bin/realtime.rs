@@ -36,6 +36,7 @@ mod firmware {
         start_counter, start_ticks, wait,
     };
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
+    use sdp3_testkit::flip;
     use sdp3_testkit::models::{DSN_200, DSN_1000};
     use sdp3_testkit::signals::noise;
 
@@ -270,9 +271,9 @@ mod firmware {
             let newer = self.saves % 2 * half;
             let (word, mask) = (draw as usize % half, 1 << (draw >> 27));
             match injection {
-                Some(FlipOlder) => RETAINED.flip(half - newer + word, mask),
-                Some(FlipNewer) => RETAINED.flip(newer + word, mask),
-                Some(FlipBoth) => [word, half + word].into_iter().for_each(|at| RETAINED.flip(at, mask)),
+                Some(FlipOlder) => flip(&RETAINED, half - newer + word, mask),
+                Some(FlipNewer) => flip(&RETAINED, newer + word, mask),
+                Some(FlipBoth) => [word, half + word].into_iter().for_each(|at| flip(&RETAINED, at, mask)),
                 _ => (),
             }
             self.saves += usize::from(injection != Some(Repeated));

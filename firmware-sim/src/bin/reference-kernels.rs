@@ -10,9 +10,9 @@ fn main() {
 mod firmware {
     use rand_core::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_core::signal::dechirp::{CHIRP, WordAligned};
+    use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, Tile, plain_products, widen};
+    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, plain_products, widen};
     use sdp3_core::simd::{conj_mac, mulh};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -46,7 +46,7 @@ mod firmware {
     /// Products of `GROUPS` groups of four channels.
     fn products<const GROUPS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let mut draw = |tile: &mut Tile<GROUPS>| {
+            let mut draw = |tile: &mut [[I16x8; GROUPS]; POINTS]| {
                 tile.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
                     values.iter_mut().for_each(|value| *value = half(random, round));
                 });
@@ -80,12 +80,17 @@ mod firmware {
         }
     }
 
+    /// At a word's address, where the instructions load from.
+    #[repr(align(4))]
+    struct WordAligned<T>(T);
+
     /// The paper's eight blocks of 125 samples, and blocks of other lengths.
     fn dechirping(random: &mut impl Rng) {
         for round in 0..ROUNDS {
-            let slot =
-                WordAligned::<1000>(core::array::from_fn(|_| [half(random, round), half(random, round)]));
-            let reference = WordAligned::<1000>(CHIRP);
+            let slot = WordAligned(core::array::from_fn::<_, 1000, _>(|_| {
+                [half(random, round), half(random, round)]
+            }));
+            let reference = WordAligned(CHIRP);
             for (block, samples) in [(125, 1000), (128, 1000), (250, 1000), (64, 256), (63, 900)] {
                 let (slot, reference) = (&slot.0[..samples], &reference.0[..samples]);
                 let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);

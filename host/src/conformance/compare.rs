@@ -14,12 +14,12 @@ use super::suite::{Case, Suite, Transform};
 use crate::predictor::memory::OwnedMemory;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
-use sdp3_core::dims::{Beat, Complex};
+use sdp3_core::dims::{Beat, Complex, FFT_LEN};
 use sdp3_core::dsn::Model;
 use sdp3_core::probe::Probe;
 use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
-use sdp3_core::signal::clutter::{Gram, Projection};
-use sdp3_core::signal::stft::{FixedBins, FixedStft, FloatStft, Spectrum, Stft};
+use sdp3_core::signal::clutter::Gram;
+use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 
 /// Bound of the weights' backward error: see the module.
 const WEIGHT_BOUND: f64 = 64.0 / 8_388_608.0;
@@ -91,16 +91,16 @@ impl Probe for Recorder {
     fn gram(&mut self, gram: &Gram) {
         self.gram = gram.upper().iter().map(|z| (z.re, z.im)).collect();
     }
-    fn projection(&mut self, projection: &Projection) {
+    fn projection(&mut self, projection: &Beat) {
         self.projection = ints(projection);
     }
     fn slow_time(&mut self, slow_time: &[Complex<i32>]) {
         self.slow_time = ints(slow_time);
     }
-    fn frame(&mut self, _k: usize, spectrum: &Spectrum) {
+    fn frame(&mut self, _k: usize, spectrum: &[Complex<f32>; FFT_LEN]) {
         self.frames.push(spectrum.iter().map(|z| (z.re, z.im)).collect());
     }
-    fn fixed_frame(&mut self, _k: usize, spectrum: &FixedBins) {
+    fn fixed_frame(&mut self, _k: usize, spectrum: &[Complex<i32>; FFT_LEN]) {
         self.fixed_frames.push(ints(spectrum));
     }
     fn image(&mut self, image: &[i8]) {

@@ -10,7 +10,6 @@ use crate::simulator::dataset::{Set, recording};
 use rayon::prelude::*;
 use sdp3_core::Error;
 use sdp3_core::dsn::{Model, ModelError};
-use sdp3_core::pipeline::Refused;
 use sdp3_core::signal::stft::NativeStft;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -28,9 +27,6 @@ pub enum AccuracyError {
     /// The pipeline cannot run it.
     #[error("pipeline: {0}")]
     Pipeline(#[from] Error),
-    /// The pipeline does not take a slot.
-    #[error("pipeline: {0}")]
-    Slot(#[from] Refused),
 }
 
 /// Counts `[truth][answer]` of every model, in the order given.
@@ -80,7 +76,7 @@ fn classify(bytes: &[u8], slots: &Slots) -> Result<u8, AccuracyError> {
     for slot in slots.iter().take(model.sensing_slots()) {
         pipeline.push(slot, &mut ())?;
     }
-    Ok(pipeline.classify(&mut ()).ok_or(Refused::Length)?.class)
+    Ok(pipeline.classify(&mut ()).ok_or(Error::Length)?.class)
 }
 
 /// Share on the diagonal of a confusion matrix.

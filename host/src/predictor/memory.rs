@@ -8,7 +8,6 @@ use sdp3_core::dsn::winograd::WinogradMemory;
 use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::{Pipeline, PipelineBuffers};
-use sdp3_core::signal::dechirp::Iq;
 use sdp3_core::signal::front_end::FrontEndBuffers;
 use sdp3_core::signal::stft::{FixedSpectrum, NativeStft, Stft};
 
@@ -17,7 +16,7 @@ pub type HostPipeline<'m, 'b, T = NativeStft> = Pipeline<'m, 'b, VectorKernels, 
 
 /// Owned memory for any model.
 pub struct OwnedMemory {
-    reference: Vec<Iq>,
+    reference: Vec<[i16; 2]>,
     beats: Vec<Beat>,
     slow_time: Vec<Complex<i32>>,
     levels: Vec<i16>,

@@ -126,7 +126,10 @@ fuzz_target!(|data: &[u8]| {
             80..104 => {
                 let (at, mask) = (usize::from(bytes.u8()), bytes.u32());
                 // SAFETY: it lives until `drop`.
-                unsafe { &*radio.retained }.flip(at, mask);
+                let retained = unsafe { &*radio.retained };
+                if let Some(word) = retained.words().get(at % Retained::LEN) {
+                    word.fetch_xor(mask, std::sync::atomic::Ordering::Relaxed);
+                }
             }
             count => {
                 let transfer = bytes.u8();

@@ -5,7 +5,8 @@ use libfuzzer_sys::fuzz_target;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Classification, Model, Shape};
 use sdp3_core::early_exit::EarlyExit;
-use sdp3_core::pipeline::{Pipeline, Refused};
+use sdp3_core::pipeline::Pipeline;
+use sdp3_core::Error;
 use sdp3_core::pipeline_memory;
 use sdp3_fuzz::{Bytes, Sizes, model};
 use std::collections::VecDeque;
@@ -81,8 +82,8 @@ fuzz_target!(|data: &[u8]| {
                             due.push_back(alone(parsed, &recording));
                         }
                     }
-                    Err(Refused::Full) => assert_eq!(recording.len(), need),
-                    Err(error) => assert!(error == Refused::Busy && !due.is_empty()),
+                    Err(Error::Full) => assert_eq!(recording.len(), need),
+                    Err(error) => assert!(error == Error::Busy && !due.is_empty()),
                 }
             }
         }

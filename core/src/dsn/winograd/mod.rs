@@ -149,6 +149,16 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
         Some(kernels)
     }
 
+    /// Convolutions that are packed ahead, not at every recognition.
+    pub fn prepacked(&self) -> usize {
+        self.prepacked
+    }
+
+    /// Whether the operator that ran last, or runs, is left to the plain loops.
+    pub fn is_portable(&self) -> bool {
+        self.plain
+    }
+
     /// Packed weights and constants of convolution `number`, and the words of its strip.
     fn place(&mut self, number: usize, channels: usize, width: usize) -> Option<Place<'_>> {
         let place = number.min(self.prepacked);
@@ -256,6 +266,3 @@ const _: () = assert!(
     POINTS == 16 && ROWS.is_multiple_of(4),
     "tiles are 4x4 points and rows come in pairs behind the pooling"
 );
-
-#[cfg(test)]
-mod tests;

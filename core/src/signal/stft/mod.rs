@@ -4,8 +4,7 @@
 
 mod fixed;
 
-use crate::dims::{Complex, FFT_LEN};
-pub use crate::dims::{FixedBins, Spectrum};
+use crate::dims::{Complex, FFT_LEN, Spectrum};
 use crate::math::{bessel_i0f, sqrtf};
 use crate::probe::Probe;
 use crate::signal::logarithm::level;

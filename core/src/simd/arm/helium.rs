@@ -1,12 +1,11 @@
 //! Helium, the vector extension of Armv8.1-M: eight 16-bit products and their sum an instruction.
 
-use super::Dsp;
-use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
+use crate::simd::NativeDualMac;
+use crate::simd::dual_mac::{I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
 
-/// Helium, and with it the DSP extension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Helium;
+/// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does.
+pub const BLOCKS: [usize; 3] = [16, 7, 2];
 
 // As the DSP extension's products, with eight channels a group: two tiles' inputs in q0 and q1, two outputs' weights in q2
 // and q3. Sums live in r4, r6, r8, r10, as the instruction wants even registers. r0: inputs, r1: weights, r2: where sums
@@ -82,35 +81,16 @@ unsafe extern "C" {
     fn sdp3_wide_products_4(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
 }
 
-impl DualMac for Helium {
-    const WIDE: bool = true;
-    const BLOCKS: [usize; 3] = [16, 7, 2];
-
-    #[inline(always)]
-    fn add(self, a: i32, b: i32) -> i32 {
-        Dsp.add(a, b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: i32, b: i32) -> i32 {
-        Dsp.sub(a, b)
-    }
-
-    #[inline(always)]
-    fn unpack(self, pair: i32) -> [i16; 2] {
-        Dsp.unpack(pair)
-    }
-
-    #[inline]
-    fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
-        let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
-        // SAFETY: each reads 16 GROUPS eights of inputs and of weights, which is what both arrays hold, and writes 128
-        // bytes, which is what the sums are; all are aligned to words. It saves the registers it must.
-        match GROUPS {
-            2 => unsafe { sdp3_wide_products_1(x, w, sums) },
-            4 => unsafe { sdp3_wide_products_2(x, w, sums) },
-            8 => unsafe { sdp3_wide_products_4(x, w, sums) },
-            _ => plain_products::<Self, GROUPS>(inputs, weights, sums),
-        }
+/// [`DualMac::products`](crate::simd::dual_mac::DualMac::products).
+#[inline]
+pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
+    let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
+    // SAFETY: each reads 16 GROUPS eights of inputs and of weights, which is what both arrays hold, and writes 128
+    // bytes, which is what the sums are; all are aligned to words. It saves the registers it must.
+    match GROUPS {
+        2 => unsafe { sdp3_wide_products_1(x, w, sums) },
+        4 => unsafe { sdp3_wide_products_2(x, w, sums) },
+        8 => unsafe { sdp3_wide_products_4(x, w, sums) },
+        _ => plain_products::<NativeDualMac, GROUPS>(inputs, weights, sums),
     }
 }

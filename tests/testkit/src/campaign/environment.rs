@@ -5,13 +5,15 @@
 
 use super::Outcome;
 use super::samples::Corruption;
+use crate::flip;
 use crate::signals::noise;
 use core::mem::take;
 use heapless::Vec;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
-use sdp3_core::dsn::{Logits, ModelError};
+use sdp3_core::dsn::ModelError;
+use sdp3_core::dsn::head::MAX_CLASSES;
 use sdp3_core::radar::{Event, ProcessingContext, Progress, SlotAction, SlotContext};
 use sdp3_core::scheduler::{
     Changes, PeriodCounts, PeriodReport, Plan, Planner, SensingLayout, Sequencer, SlotUse, USERS,
@@ -132,7 +134,7 @@ pub(super) struct Environment<const VALUES: usize> {
     /// Seed of the samples; `None`: they do not matter.
     seed: Option<u64>,
     /// Logits that every classification must have.
-    logits: Option<Logits>,
+    logits: Option<Vec<i8, MAX_CLASSES>>,
     pub classifications: u32,
     /// Whether bits of the model have changed.
     pub model_damaged: bool,
@@ -333,10 +335,11 @@ impl<const VALUES: usize> Environment<VALUES> {
             let changes = Changes { lost, sensing_lost, released, ..because };
             let _ = messages.reports.push(PeriodReport { period: kept.period, replanned, changes });
         } else if messages.release == kept.period
-            && let Some(release) = kept.sequencer.release_sensing()
+            && let released @ 1.. = kept.sequencer.release_sensing()
         {
-            kept.counts.released += release.released;
-            messages.totals = Some((kept.period, self.planner.totals(&release)));
+            kept.counts.released += released;
+            let (rest, served) = (kept.sequencer.rest(), kept.sequencer.served());
+            messages.totals = Some((kept.period, self.planner.totals(rest, &served)));
             messages.computed = false;
         } else if take(&mut messages.computed)
             && let Some((period, totals)) = messages.totals.take()
@@ -461,10 +464,10 @@ impl<const VALUES: usize> Environment<VALUES> {
         // the first half is written with even numbers
         let (newest, at) = (words * (self.saves % 2) as usize, at as usize % words);
         if copies != Copies::Older {
-            self.retained.flip(newest + at, mask);
+            flip(self.retained, newest + at, mask);
         }
         if copies != Copies::Newest {
-            self.retained.flip(words - newest + at, mask);
+            flip(self.retained, words - newest + at, mask);
         }
     }
 

@@ -202,6 +202,11 @@ fn padded(signal: &[Complex<i32>], length: usize) -> [Complex<i32>; FFT_LEN] {
 }
 
 impl FixedStft {
+    /// The window in Q1.31, `[slow_time]`, zeros behind its length.
+    pub fn window(&self) -> &[i32; FFT_LEN] {
+        &self.window
+    }
+
     /// The first stage of all parts, for a signal of at least half the transform's length.
     fn first(&self, signal: &[Complex<i32>], parts: &mut [Part; PARTS]) -> Option<()> {
         for (r, part) in parts.iter_mut().enumerate() {
@@ -277,6 +282,3 @@ impl Stft for FixedStft {
         probe.fixed_frame(k, &spectrum.bins);
     }
 }
-
-#[cfg(test)]
-mod tests;

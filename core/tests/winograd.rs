@@ -1,22 +1,20 @@
 //! Whole networks against the plain loops, operator for operator: all widths, odd sizes, extremes.
 
-extern crate std;
-
-use super::*;
-use crate::crc32::crc32;
-use crate::dsn::network::{Network, infer};
-use crate::dsn::per_channel::PerChannelQuant;
-use crate::fixed::Requantizer;
-use crate::probe::Probe;
-use crate::simd::dual_mac::Plain;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_core::crc32::crc32;
+use sdp3_core::dims::ROWS;
+use sdp3_core::dsn::batch_norm::BatchNormRelu;
+use sdp3_core::dsn::per_channel::PerChannelQuant;
+use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
+use sdp3_core::dsn::{Kernels, Model, Network, Operator, Portable, WinogradF2, infer};
+use sdp3_core::fixed::requantize;
+use sdp3_core::probe::Probe;
+use sdp3_core::simd::dual_mac::{DualMac, I16x8, Plain};
 use sdp3_testkit::random_model::{Numbers, Size, write};
-use std::vec;
-use std::vec::Vec as List;
 
 #[derive(Default, PartialEq)]
-struct Layers(List<List<i8>>);
+struct Layers(Vec<Vec<i8>>);
 
 impl Probe for Layers {
     fn layer(&mut self, index: usize, activations: &[i8]) {
@@ -25,7 +23,7 @@ impl Probe for Layers {
     }
 }
 
-fn random_model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> List<u8> {
+fn random_model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> Vec<u8> {
     let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
     let mut bytes = vec![0; 1 << 17];
     let length = write(size, seed, numbers, crc32, &mut bytes);
@@ -34,7 +32,7 @@ fn random_model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Nu
 }
 
 /// Memory of numbers that should not matter.
-struct Memory(List<I16x8>, List<i32>);
+struct Memory(Vec<I16x8>, Vec<i32>);
 
 impl Memory {
     fn new(sizes: WinogradSizes) -> Self {
@@ -57,7 +55,7 @@ impl<P: DualMac> Kernels for Counting<'_, P> {
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
         let average = matches!(operator, Operator::Average { .. });
         let done = self.0.run(index, operator, step);
-        self.1 += usize::from(self.0.plain && !average);
+        self.1 += usize::from(self.0.is_portable() && !average);
         done
     }
 }
@@ -76,7 +74,7 @@ fn compare<P: DualMac + Default>(
     let mut random = Xoshiro128PlusPlus::seed_from_u64(seed);
     let mut plain = 0;
     for (round, counts) in [[1, 3, 0].as_slice(), &[2, 4]].into_iter().enumerate() {
-        let image: List<i8> = (0..ROWS * model.frames())
+        let image: Vec<i8> = (0..ROWS * model.frames())
             .map(|_| match round {
                 0 => random.next_u32() as i8,
                 _ => [-128, 127][random.next_u32() as usize % 2],
@@ -187,9 +185,8 @@ fn memory_is_asked_for_to_the_element() {
     for (packed, ahead) in [(1, 0), (2, 1), (3, 2), (4, 4), (5, 4)] {
         let mut memory = Memory::new(sizes(&model, packed));
         let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
-        assert_eq!((kernels.prepacked, kernels.uncovered), (ahead, 0), "{packed} packed");
+        assert_eq!(kernels.prepacked(), ahead, "{packed} packed");
     }
-    assert_eq!([2, 3, 6, 7, 10, 11].map(convolution_number), [0, 1, 2, 3, 4, 5]);
     // weights and two tiles; constants and the largest of sums and a strip, the stem's weights and two tables
     for (frames, channels, stride, packed, vectors, words, bytes) in [
         (110, 16, 2, 1, 512 + 64, 64 + 32 + 30 * 4 * 8, 13_440),
@@ -202,23 +199,67 @@ fn memory_is_asked_for_to_the_element() {
     }
 }
 
-#[test]
-fn accumulators_have_the_bound_that_is_stated() {
-    let fits = |bias: i64| {
-        let layer = PerChannelQuant {
-            in_zp: -128,
-            out_zp: 0,
-            act_min: -128,
-            act_max: 127,
-            channels: 1,
-            multipliers: &[(1_i32 << 30).to_le_bytes()],
-            biases: &[(bias as i32).to_le_bytes()],
-            shifts: &[255],
-            weights: &[],
-        };
-        packing::channel(&layer, 0, 0, 9).is_some()
+/// The outputs of a normalisation of four channels whose accumulators are its biases; `None` if it is left to the plain loops.
+fn normalised(biases: [i32; 4], scales: [(i32, i8); 4], out_zp: i8) -> Option<[i8; 4]> {
+    let quant = PerChannelQuant {
+        in_zp: -128,
+        out_zp,
+        act_min: -128,
+        act_max: 127,
+        channels: 4,
+        multipliers: &scales.map(|(multiplier, _)| multiplier.to_le_bytes()),
+        biases: &biases.map(i32::to_le_bytes),
+        shifts: &scales.map(|(_, shift)| shift as u8),
+        weights: &[0; 4],
     };
-    let most = Requantizer::MAX_ACCUMULATOR - 9 * 255 * 128;
-    assert!(fits(0) && fits(most - 1) && fits(1 - most));
-    assert!(!fits(most) && !fits(-most));
+    let mut memory = Memory::new(WinogradSizes { vectors: 0, words: 512 });
+    let mut kernels = WinogradF2::shared(memory.view());
+    let (layer, mut output) = (&BatchNormRelu { quant }, [0; 4]);
+    for step in 0..2 {
+        kernels.run(1, Operator::BatchNormRelu { layer, input: &[1, 2, 3, 4], output: &mut output }, step);
+    }
+    (!kernels.is_portable()).then_some(output)
+}
+
+/// Accumulators and biases are smaller than this: 2^29 less the largest sum of a tap.
+const LIMIT: i32 = (1 << 29) - 255 * 128;
+
+#[test]
+fn one_high_product_is_the_rule_with_two_roundings() {
+    let mut random = Xoshiro128PlusPlus::seed_from_u64(17);
+    for round in 0..100_000 {
+        let words: [u32; 4] = core::array::from_fn(|_| random.next_u32());
+        let zero = random.next_u32() as i8;
+        let scales = words.map(|word| {
+            let multiplier = [0, 1 << 30, i32::MAX, (1 << 30) + (word >> 2) as i32][word as usize % 4];
+            (multiplier, -1 - ((word >> 8) % 20) as i8)
+        });
+        let mut k = 0;
+        // at the halves of the output's steps, at both ends, and anywhere
+        let biases = words.map(|word| {
+            let shift = -i32::from(scales[k].1);
+            k += 1;
+            let half = ((word >> 9) as i32 % 300) << shift | 1 << (shift - 1);
+            let near = half + round % 3;
+            [near, word as i32 >> 3, LIMIT - 1, 1 - LIMIT, -near][word as usize / 4 % 5]
+                .clamp(1 - LIMIT, LIMIT - 1)
+        });
+        let rule = |k: usize| {
+            let value = requantize(biases[k], scales[k].0, scales[k].1).saturating_add(i32::from(zero));
+            value.clamp(-128, 127) as i8
+        };
+        let expected = core::array::from_fn(rule);
+        assert_eq!(normalised(biases, scales, zero), Some(expected), "{biases:?} {scales:?} {zero}");
+    }
+}
+
+#[test]
+fn numbers_beyond_the_stated_bounds_are_left_to_the_plain_loops() {
+    let covered = |bias: i32, scale: (i32, i8)| normalised([bias, 0, 0, 0], [scale; 4], 0).is_some();
+    for (bias, legal) in [(0, true), (LIMIT - 1, true), (1 - LIMIT, true), (LIMIT, false), (-LIMIT, false)] {
+        assert_eq!(covered(bias, (1 << 30, -1)), legal, "{bias}");
+    }
+    for (shift, legal) in [(-1, true), (-20, true), (0, false), (-21, false), (7, false)] {
+        assert_eq!(covered(0, (1 << 30, shift)), legal, "{shift}");
+    }
 }

@@ -1,9 +1,19 @@
 //! The transform in integers against the sum itself in f64, and at full scale.
 
-extern crate std;
-use super::*;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
+use sdp3_core::dims::{Complex, FFT_LEN};
+use sdp3_core::probe::Probe;
+use sdp3_core::signal::stft::{FixedSpectrum, FixedStft, Stft};
+
+/// The bins of a spectrum.
+struct Bins([Complex<i32>; FFT_LEN]);
+
+impl Probe for Bins {
+    fn fixed_frame(&mut self, _k: usize, spectrum: &[Complex<i32>; FFT_LEN]) {
+        self.0 = *spectrum;
+    }
+}
 
 /// The largest error of a part of a kept bin against the sum itself in f64, in LSB of the result.
 fn error(signal: &[Complex<i32>], length: u16, bins_per_row: u8) -> f64 {
@@ -11,18 +21,20 @@ fn error(signal: &[Complex<i32>], length: u16, bins_per_row: u8) -> f64 {
     let mut memory = FixedSpectrum::ZERO;
     let mut spectrum = FixedStft::spectrum(&mut memory);
     stft.frame(signal, 0, bins_per_row, &mut spectrum);
+    let mut bins = Bins([Complex::new(0, 0); FFT_LEN]);
+    FixedStft::probe(&spectrum, 0, &mut bins);
     let scale = if length > 128 { 0.5 } else { 1.0 };
     let kept = 32 * i32::from(bins_per_row);
     let mut worst = 0.0_f64;
     for bin in -kept..kept {
         let (mut re, mut im) = (0.0, 0.0);
-        for (n, (y, w)) in signal.iter().zip(stft.window).enumerate() {
-            let angle = -std::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
-            let (w, (s, c)) = (f64::from(w) / 2_147_483_648.0 * scale, angle.sin_cos());
+        for (n, (y, w)) in signal.iter().zip(stft.window()).enumerate() {
+            let angle = -core::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
+            let (w, (s, c)) = (f64::from(*w) / 2_147_483_648.0 * scale, angle.sin_cos());
             re += w * (f64::from(y.re) * c - f64::from(y.im) * s);
             im += w * (f64::from(y.re) * s + f64::from(y.im) * c);
         }
-        let found = spectrum.bins[(bin & 255) as usize];
+        let found = bins.0[(bin & 255) as usize];
         worst = worst.max((f64::from(found.re) - re).abs()).max((f64::from(found.im) - im).abs());
     }
     worst
@@ -53,8 +65,8 @@ fn the_error_is_within_its_bound() {
 fn full_scale_tones_do_not_overflow() {
     for bin in [0, 1, 31, -32, -7] {
         let tone: [Complex<i32>; 256] = core::array::from_fn(|n| {
-            let angle = std::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
-            let part = |x: f64| (x * f64::from(1 << 23) * std::f64::consts::SQRT_2) as i32;
+            let angle = core::f64::consts::TAU * f64::from(bin) * n as f64 / 256.0;
+            let part = |x: f64| (x * f64::from(1 << 23) * core::f64::consts::SQRT_2) as i32;
             let (re, im) = (part(angle.cos()), part(angle.sin()));
             Complex::new(re.clamp(-(1 << 23), 1 << 23), im.clamp(-(1 << 23), 1 << 23))
         });
