@@ -186,7 +186,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// full, the range samples of the one before are still needed where this one's would lie, or the slot has another length
     /// than [`RadarConfig::values_per_slot`].
     pub fn push(&mut self, slot: &[i16], probe: &mut impl Probe) -> bool {
-        self.has_room() && self.fast_time.beat(slot).is_some_and(|beat| self.push_beat(beat, probe))
+        self.fast_time.beat(slot).is_some_and(|beat| self.push_beat(beat, probe))
     }
 
     /// Whether [`FrontEnd::push`] would find room.

@@ -17,10 +17,11 @@ pub fn log_magnitudes<T: Stft>(
     levels: &mut [i16],
 ) -> i16 {
     let g = usize::from(bins_per_row);
-    let mut largest = FLOOR;
-    for (r, cell) in levels.iter_mut().skip(k).step_by(frames.max(1)).enumerate().take(ROWS) {
-        *cell = T::level(spectrum, (r * g).wrapping_sub(ROWS / 2 * g), g);
+    let (mut largest, mut first) = (FLOOR, (ROWS / 2 * g).wrapping_neg());
+    for cell in levels.iter_mut().skip(k).step_by(frames.max(1)).take(ROWS) {
+        *cell = T::level(spectrum, first, g);
         largest = largest.max(*cell);
+        first = first.wrapping_add(g);
     }
     largest
 }

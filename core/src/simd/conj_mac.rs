@@ -19,34 +19,31 @@ pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 /// [`conj_mac`] in portable Rust.
 #[inline]
 pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+    match (samples.first_chunk(), reference.first_chunk(), sums.first_chunk_mut()) {
+        // of known length the compiler unrolls the loop by five
+        (Some(samples), Some(reference), Some(sums)) if block == 125 => paper(samples, reference, sums),
+        _ => blocks(samples, reference, block, sums),
+    }
+}
+
+/// The blocks of the paper's configuration.
+#[inline(never)]
+fn paper(samples: &[Iq; 1000], reference: &[Iq; 1000], sums: &mut [[i64; 2]; 8]) {
+    blocks(samples, reference, 125, sums);
+}
+
+#[inline(always)]
+fn blocks(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
-        *sum = block_sum(samples, reference);
-    }
-}
-
-/// The sum of one block. Not inline: its sums stay in registers.
-#[inline(never)]
-fn block_sum(samples: &[Iq], reference: &[Iq]) -> [i64; 2] {
-    let (mut real, mut imaginary) = (Sum::default(), Sum::default());
-    // five at a time, which 125 is made of: fewer turns of the loop
-    let ((fives, rest), (references, last)) = (samples.as_chunks::<5>(), reference.as_chunks::<5>());
-    for (samples, reference) in fives.iter().zip(references) {
-        for k in 0..5 {
-            add(&samples[k], &reference[k], &mut real, &mut imaginary);
+        let (mut real, mut imaginary) = (Sum::default(), Sum::default());
+        for ([i, q], [c, s]) in samples.iter().zip(reference) {
+            let [i, q, c, s] = [*i, *q, *c, *s].map(i32::from);
+            real.add((i * c).wrapping_add(q * s));
+            imaginary.add((q * c).wrapping_sub(i * s));
         }
+        *sum = [real.value(), imaginary.value()];
     }
-    rest.iter().zip(last).for_each(|(x, s)| add(x, s, &mut real, &mut imaginary));
-    [real.value(), imaginary.value()]
-}
-
-/// One product with the conjugate reference. Each value is a load of 16 bits: one instruction on every processor.
-#[inline(always)]
-fn add(sample: &Iq, reference: &Iq, real: &mut Sum, imaginary: &mut Sum) {
-    let (i, q) = (i32::from(sample[0]), i32::from(sample[1]));
-    let (c, s) = (i32::from(reference[0]), i32::from(reference[1]));
-    real.add((i * c).wrapping_add(q * s));
-    imaginary.add((q * c).wrapping_sub(i * s));
 }
 
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.

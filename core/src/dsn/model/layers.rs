@@ -96,13 +96,15 @@ impl<'m> Model<'m> {
         self.stem_at() + quant_len(self.channels(), 9)
     }
 
+    /// The head is the last layer.
     fn head_at(&self) -> usize {
-        self.blocks_at() + self.blocks() * block_len(self.channels())
+        self.content.len().saturating_sub(quant_len(self.classes(), self.channels()))
     }
 
-    /// Bytes of header, names and layers.
+    /// Bytes that header, names and layers need: the length of a checked model's content.
     pub(super) fn content_len(&self) -> usize {
-        self.head_at() + quant_len(self.classes(), self.channels())
+        let blocks = self.blocks() * block_len(self.channels());
+        self.blocks_at() + blocks + quant_len(self.classes(), self.channels())
     }
 
     /// The input convolution.

@@ -100,6 +100,7 @@ impl Stft for FloatStft {
     }
 
     /// Powers are summed in ascending order of the bins.
+    #[inline(always)]
     fn level(spectrum: &Spectrum, first: usize, count: usize) -> i16 {
         let mut power = 0.0_f32;
         for k in 0..count {
