@@ -7,8 +7,7 @@
 use crate::config::{Dechirp, RadarConfig, RangeGate};
 use crate::dims::BEATS;
 use crate::dsn::conv::MAX_CHANNELS;
-const EXITS: usize = 12;
-const MAX_WEIGHT: i32 = 1 << 19;
+use crate::early_exit::{EXITS, MAX_WEIGHT};
 use crate::scheduler::apportion::WEIGHT_BITS as LEVEL_BITS;
 use crate::scheduler::layout::{LONGEST_PERIOD, USERS};
 use crate::signal::clutter::{GRAM_SLOTS, PROJECTION_BITS, SLOW_TIME_BITS};

@@ -1,6 +1,6 @@
 //! Model files with random weights, in the caller's memory.
 //!
-//! Layout: `sdp3_core::dsn::format`. This module uses no type of the core, so that the core's unit tests can call it.
+//! Layout: `sdp3_core::dsn::format`.
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;

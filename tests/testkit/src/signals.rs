@@ -1,7 +1,7 @@
 //! Raw samples of seeded noise and of point echoes, exact in f64 and the same on every processor.
 //!
 //! Samples are interleaved I, Q or real, in LSB, rounded to nearest and clipped to 16 bits. The target stands still within a
-//! sweep and moves between sweeps. This module uses no type of the core, so that the core's unit tests can call it.
+//! sweep and moves between sweeps.
 
 use core::f64::consts::TAU;
 use rand_core::Rng;
