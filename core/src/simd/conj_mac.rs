@@ -19,31 +19,42 @@ pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 /// [`conj_mac`] in portable Rust.
 #[inline]
 pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
-    match (samples.first_chunk(), reference.first_chunk(), sums.first_chunk_mut()) {
-        // of known length the compiler unrolls the loop by five
-        (Some(samples), Some(reference), Some(sums)) if block == 125 => paper(samples, reference, sums),
-        _ => blocks(samples, reference, block, sums),
-    }
-}
-
-/// The blocks of the paper's configuration.
-#[inline(never)]
-fn paper(samples: &[Iq; 1000], reference: &[Iq; 1000], sums: &mut [[i64; 2]; 8]) {
-    blocks(samples, reference, 125, sums);
-}
-
-#[inline(always)]
-fn blocks(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
-        let (mut real, mut imaginary) = (Sum::default(), Sum::default());
-        for ([i, q], [c, s]) in samples.iter().zip(reference) {
-            let [i, q, c, s] = [*i, *q, *c, *s].map(i32::from);
-            real.add((i * c).wrapping_add(q * s));
-            imaginary.add((q * c).wrapping_sub(i * s));
-        }
-        *sum = [real.value(), imaginary.value()];
+        *sum = match (<&[Iq; 125]>::try_from(samples), <&[Iq; 125]>::try_from(reference)) {
+            (Ok(samples), Ok(reference)) => paper_block(samples, reference),
+            _ => block_sum(samples, reference),
+        };
     }
+}
+
+/// A block of the paper's configuration: a loop of known length is unrolled by the compiler.
+#[inline(never)]
+fn paper_block(samples: &[Iq; 125], reference: &[Iq; 125]) -> [i64; 2] {
+    block_sum(samples, reference)
+}
+
+/// The sum of one block.
+#[inline(always)]
+fn block_sum(samples: &[Iq], reference: &[Iq]) -> [i64; 2] {
+    let (mut real, mut imaginary) = (Sum::default(), Sum::default());
+    let mut add = |x: &Iq, s: &Iq| {
+        let (i, q) = (i32::from(x[0]), i32::from(x[1]));
+        let (c, s) = (i32::from(s[0]), i32::from(s[1]));
+        real.add((i * c).wrapping_add(q * s));
+        imaginary.add((q * c).wrapping_sub(i * s));
+    };
+    // as many registers as RISC-V has hold five products
+    const UNROLLED: usize = if cfg!(target_arch = "riscv32") { 5 } else { 1 };
+    let (samples, rest) = samples.as_chunks::<UNROLLED>();
+    let (references, last) = reference.as_chunks::<UNROLLED>();
+    for (samples, reference) in samples.iter().zip(references) {
+        for k in 0..UNROLLED {
+            add(&samples[k], &reference[k]);
+        }
+    }
+    rest.iter().zip(last).for_each(|(x, s)| add(x, s));
+    [real.value(), imaginary.value()]
 }
 
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.
