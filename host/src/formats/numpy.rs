@@ -4,9 +4,8 @@
 //! that this program writes or reads has brackets two deep and a hundred bytes.
 
 use npyz::NpyFile;
-use npyz::npz::{NpzArchive, file_name_from_array_name};
-use npyz::zip::result::ZipError;
 use std::io::{Chain, Cursor, Error, ErrorKind, Read, Result, Seek};
+use zip::{ZipArchive, result::ZipError};
 
 /// Most bytes of a header: what version 1 of the format can state.
 const LONGEST: u32 = 1 << 16;
@@ -51,16 +50,28 @@ pub fn array<R: Read>(mut reader: R) -> Result<Checked<R>> {
     NpyFile::new(Cursor::new(header).chain(reader))
 }
 
+/// The archive of a `.npz` file.
+///
+/// # Errors
+///
+/// What the reader says; bytes that are no archive.
+pub fn archive<R: Read + Seek>(reader: R) -> Result<ZipArchive<R>> {
+    ZipArchive::new(reader).map_err(|error| match error {
+        ZipError::Io(error) => error,
+        error => invalid(error),
+    })
+}
+
 /// The array of this name in an archive, if there is one.
 ///
 /// # Errors
 ///
 /// As [`array()`]; an archive that is none.
 pub fn by_name<'a, R: Read + Seek>(
-    archive: &'a mut NpzArchive<R>,
+    archive: &'a mut ZipArchive<R>,
     name: &str,
 ) -> Result<Option<Checked<impl Read + use<'a, R>>>> {
-    match archive.zip_archive().by_name(&file_name_from_array_name(name)) {
+    match archive.by_name(&format!("{name}.npy")) {
         Ok(file) => array(file).map(Some),
         Err(ZipError::FileNotFound) => Ok(None),
         Err(ZipError::Io(error)) => Err(error),
@@ -70,6 +81,22 @@ pub fn by_name<'a, R: Read + Seek>(
 
 fn invalid(reason: impl ToString) -> Error {
     Error::new(ErrorKind::InvalidData, reason.to_string())
+}
+
+/// Adds an array to an archive.
+#[cfg(test)]
+pub fn write<T: npyz::AutoSerialize + Copy>(
+    archive: &mut zip::ZipWriter<std::fs::File>,
+    name: &str,
+    shape: &[u64],
+    values: &[T],
+) {
+    use npyz::WriterBuilder;
+    archive.start_file(format!("{name}.npy"), zip::write::FileOptions::default()).unwrap();
+    let mut writer =
+        npyz::WriteOptions::new().default_dtype().shape(shape).writer(archive).begin_nd().unwrap();
+    writer.extend(values.iter().copied()).unwrap();
+    writer.finish().unwrap();
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! It is put together from the sidecars, one at a time, so that its length needs no memory.
 
-use super::record::{FileRecord, hex};
+use super::record::{FileRecord, Hash, hex};
 use super::{Work, part};
 use crate::PROGRAM;
 use crate::output::{Output, OutputError};
@@ -120,10 +120,10 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
 /// A sidecar that cannot be read, or a manifest that cannot be written.
 pub fn write(work: &Work, output: &Output) -> Result<(), OutputError> {
     if output.path(NAME).exists() {
-        let mut hash = Sha256::new();
+        let mut hash = Hash(Sha256::new());
         print(work, output, &mut hash)
             .map_err(|source| OutputError::Write { path: output.path(NAME), source })?;
-        if FileRecord::of(output, NAME)?.sha256 == hex(&hash.finalize()) {
+        if FileRecord::of(output, NAME)?.sha256 == hex(&hash.0.finalize()) {
             return Ok(());
         }
     }

@@ -10,13 +10,13 @@ use crate::output::{Output, OutputError};
 use crate::predictor::spectrograms::images_of_beats;
 use crate::simulator::body::motion::Truth;
 use crate::simulator::dataset::{Set, beats, recording};
-use npyz::zip::{CompressionMethod, DateTime, ZipWriter, write::FileOptions};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
 use sdp3_core::dims::{BEATS, ROWS};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Seek, Write};
 use std::ops::Range;
+use zip::{CompressionMethod, DateTime, ZipWriter, write::FileOptions};
 
 /// Recordings in a part; the last may have fewer.
 pub const RECORDINGS: u32 = 100;

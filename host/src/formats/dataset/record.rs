@@ -6,7 +6,7 @@ use crate::simulator::body::motion::Truth;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::File;
-use std::io;
+use std::io::{self, Write};
 
 /// A file of the dataset.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,9 +33,9 @@ impl FileRecord {
     pub fn of(output: &Output, name: &str) -> Result<Self, OutputError> {
         let path = output.path(name);
         let read = || {
-            let mut hash = Sha256::new();
+            let mut hash = Hash(Sha256::new());
             let bytes = io::copy(&mut File::open(&path)?, &mut hash)?;
-            Ok(FileRecord { name: name.to_owned(), bytes, sha256: hex(&hash.finalize()) })
+            Ok(FileRecord { name: name.to_owned(), bytes, sha256: hex(&hash.0.finalize()) })
         };
         read().map_err(|source| OutputError::Read {
             path: path.clone(),
@@ -48,6 +48,20 @@ impl FileRecord {
     pub fn is_there(&self, output: &Output, read: bool) -> bool {
         std::fs::metadata(output.path(&self.name)).is_ok_and(|found| found.len() == self.bytes)
             && (!read || Self::of(output, &self.name).is_ok_and(|found| found == *self))
+    }
+}
+
+/// A running SHA-256 that is written to.
+pub(super) struct Hash(pub Sha256);
+
+impl Write for Hash {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

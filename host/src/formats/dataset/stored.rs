@@ -8,7 +8,6 @@ use crate::formats::numpy;
 use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
-use npyz::npz::NpzArchive;
 use sdp3_core::dims::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -163,7 +162,7 @@ impl Stored {
     fn part(&self, name: &str) -> Result<Vec<Labelled>, StoredError> {
         let bytes = self.files.read(name)?;
         let broken = |source| StoredError::Read { file: self.files.folder.join(name), source };
-        let mut archive = NpzArchive::new(Cursor::new(&bytes)).map_err(broken)?;
+        let mut archive = numpy::archive(Cursor::new(&bytes)).map_err(broken)?;
         let labels: Vec<u8> = self.array(name, &mut archive, "label", "|u1", &[])?;
         let (slots, wide) = (self.slots() as usize, 2 * BEATS);
         let shape = [slots as u64, BEATS as u64, 2];
@@ -188,7 +187,7 @@ impl Stored {
     fn array<T: npyz::Deserialize>(
         &self,
         name: &str,
-        archive: &mut NpzArchive<Cursor<&Vec<u8>>>,
+        archive: &mut zip::ZipArchive<Cursor<&Vec<u8>>>,
         array: &str,
         dtype: &str,
         shape: &[u64],

@@ -1,6 +1,6 @@
 use super::*;
+use crate::formats::numpy;
 use crate::simulator::dataset::Set;
-use npyz::npz::NpzArchive;
 use serde_json::Value;
 use sha2::{Digest, Sha512};
 use std::collections::{BTreeMap, BTreeSet};
@@ -191,18 +191,19 @@ fn the_manifest_names_every_file_and_every_truth() {
 fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     let case = Case::new(true, true);
     case.make(3, 21, "1/1").unwrap();
-    let mut archive = NpzArchive::open(case.path().join("part-00001.npz")).unwrap();
+    let mut archive =
+        numpy::archive(std::fs::File::open(case.path().join("part-00001.npz")).unwrap()).unwrap();
     let frames = scenario().spectrogram.preprocessing().frames(40) as u64;
     let shape =
-        |archive: &mut NpzArchive<_>, name: &str| archive.by_name(name).unwrap().unwrap().shape().to_vec();
+        |archive: &mut _, name: &str| numpy::by_name(archive, name).unwrap().unwrap().shape().to_vec();
     assert_eq!(shape(&mut archive, "image"), [5, 64, frames]);
     assert_eq!(shape(&mut archive, "beat"), [5, 40, 8, 2]);
     assert_eq!(shape(&mut archive, "raw"), [5, 40, 1000, 2]);
-    let labels: Vec<u8> = archive.by_name("label").unwrap().unwrap().into_vec().unwrap();
+    let labels: Vec<u8> = numpy::by_name(&mut archive, "label").unwrap().unwrap().into_vec().unwrap();
     assert_eq!(labels, [0, 1, 2, 3, 4]);
-    let images: Vec<i8> = archive.by_name("image").unwrap().unwrap().into_vec().unwrap();
+    let images: Vec<i8> = numpy::by_name(&mut archive, "image").unwrap().unwrap().into_vec().unwrap();
     assert!(images.iter().any(|&pixel| pixel != images[0]));
-    let raw: Vec<i16> = archive.by_name("raw").unwrap().unwrap().into_vec().unwrap();
+    let raw: Vec<i16> = numpy::by_name(&mut archive, "raw").unwrap().unwrap().into_vec().unwrap();
     // recording 100, made alone
     let direct =
         crate::simulator::dataset::recording(&case.scenario, 0.997, 3, Set::Train, Class::ALL[0], 20, 40);
@@ -228,21 +229,13 @@ fn shards_are_counted_from_one() {
 
 /// A dataset of 2 recordings per class whose labels and beats are others, digests and all.
 fn foreign<T: npyz::AutoSerialize + Copy>(labels: &[u8], beats: &[T], name: &str) -> String {
-    use npyz::WriterBuilder;
     let case = Case::new(false, false);
     case.make(7, 2, "1/1").unwrap();
     let path = case.path().join("part-00000.npz");
-    let mut archive = npyz::npz::NpzWriter::create(&path).unwrap();
-    let options = npyz::zip::write::FileOptions::default();
-    let n = labels.len() as u64;
-    let mut label = archive.array("label", options).unwrap().default_dtype().shape(&[n]).begin_nd().unwrap();
-    label.extend(labels.iter().copied()).unwrap();
-    label.finish().unwrap();
-    let shape = [beats.len() as u64 / 640, 40, 8, 2];
-    let mut beat = archive.array(name, options).unwrap().default_dtype().shape(&shape).begin_nd().unwrap();
-    beat.extend(beats.iter().copied()).unwrap();
-    beat.finish().unwrap();
-    drop(archive);
+    let mut archive = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+    numpy::write(&mut archive, "label", &[labels.len() as u64], labels);
+    numpy::write(&mut archive, name, &[beats.len() as u64 / 640, 40, 8, 2], beats);
+    archive.finish().unwrap();
     let output = Output::create(case.path()).unwrap();
     let record = FileRecord::of(&output, "part-00000.npz").unwrap();
     let mut manifest = case.manifest();
@@ -276,8 +269,9 @@ fn raw_slots_of_a_real_sensor_are_stored_and_measured_again() {
     case.scenario.radar = crate::scenario::builtin::named(Path::new("bgt60")).unwrap().scenario().radar;
     case.scenario.check("test").unwrap();
     case.make(3, 2, "1/1").unwrap();
-    let mut archive = NpzArchive::open(case.path().join("part-00000.npz")).unwrap();
-    let raw = archive.by_name("raw").unwrap().unwrap();
+    let mut archive =
+        numpy::archive(std::fs::File::open(case.path().join("part-00000.npz")).unwrap()).unwrap();
+    let raw = numpy::by_name(&mut archive, "raw").unwrap().unwrap();
     assert_eq!(raw.shape(), [10, 40, 128]);
     let raw: Vec<i16> = raw.into_vec().unwrap();
     assert!(raw.iter().all(|value| (-2048..2048).contains(value)) && raw.iter().any(|value| *value != 0));

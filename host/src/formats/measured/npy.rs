@@ -6,7 +6,7 @@ use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
 use crate::bounded;
 use crate::formats::numpy;
-use npyz::{DType, NpyFile, Order, TypeChar, npz::NpzArchive};
+use npyz::{DType, NpyFile, Order, TypeChar};
 use rustfft::num_complex::{Complex32, Complex64};
 use std::io::{BufReader, Read};
 
@@ -21,8 +21,9 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
 pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("NPZ", error);
     let file = bounded::open(source.0, bounded::WHOLE).map_err(broken)?;
-    let mut archive = NpzArchive::new(BufReader::new(file)).map_err(broken)?;
-    let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    let mut archive = numpy::archive(BufReader::new(file)).map_err(broken)?;
+    let mut names: Vec<String> =
+        archive.file_names().filter_map(|name| name.strip_suffix(".npy")).map(str::to_owned).collect();
     names.sort();
     let name = match (name, names.as_slice()) {
         (Some(name), _) => name,
