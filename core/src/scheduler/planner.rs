@@ -122,11 +122,6 @@ impl Planner {
         self.rates
     }
 
-    /// Rates the running plan was made by.
-    pub fn planned_rates(&self) -> [u32; USERS] {
-        self.planned
-    }
-
     /// Whether something was set that no plan has yet.
     pub fn has_changes(&self) -> bool {
         self.changes != Changes::default()
