@@ -3,13 +3,13 @@
 //! [`portable`] is the reference of `arm`'s dual multiply-accumulates.
 
 /// Complex samples: in-phase and quadrature.
-pub(crate) type Iq = [i16; 2];
+pub(crate) type ComplexI16 = [i16; 2];
 
 /// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, by the fastest way of the target.
 ///
 /// |samples| |reference| below 2^31, blocks of at most 2^15 samples. Cost: four multiply-accumulates a sample.
 #[inline]
-pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     #[cfg(all(target_arch = "arm", arm_dsp))]
     super::arm::conj_mac(samples, reference, block, sums);
     #[cfg(not(all(target_arch = "arm", arm_dsp)))]
@@ -18,7 +18,7 @@ pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 
 /// [`conj_mac`] in portable Rust.
 #[inline]
-pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+pub fn portable(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     match (samples.first_chunk(), reference.first_chunk(), sums.first_chunk_mut()) {
         // of known length the compiler unrolls the loop by five
         (Some(samples), Some(reference), Some(sums)) if block == 125 => paper(samples, reference, sums),
@@ -28,12 +28,12 @@ pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 
 /// The blocks of the paper's configuration.
 #[inline(never)]
-fn paper(samples: &[Iq; 1000], reference: &[Iq; 1000], sums: &mut [[i64; 2]; 8]) {
+fn paper(samples: &[ComplexI16; 1000], reference: &[ComplexI16; 1000], sums: &mut [[i64; 2]; 8]) {
     blocks(samples, reference, 125, sums);
 }
 
 #[inline(always)]
-fn blocks(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+fn blocks(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
         let (mut real, mut imaginary) = (Sum::default(), Sum::default());
