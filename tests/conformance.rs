@@ -7,9 +7,9 @@
 
 use sdp3::conformance::compare::verify_host;
 use sdp3::conformance::digests::digests;
-use sdp3::conformance::proof::Proof;
 use sdp3::conformance::qemu::{Firmware, machines};
 use sdp3::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
+use sdp3::conformance::verification::Verification;
 use sdp3::predictor::parameters::Architecture;
 use sdp3::results::TargetVerdict;
 use sdp3::scenario::{Class, Scenario, builtin::named};
@@ -45,7 +45,7 @@ fn recordings(file: &str, slots: u32, carrier_hz: f64, count: u32) -> Result<Vec
     Ok((0..count).flat_map(|index| Class::ALL.map(|class| take(class, index))).collect())
 }
 
-/// Networks of random weights and shapes; each hears silence, full scale, saturation, noise and an echo.
+/// Networks of random weights and shapes; each gets silence, full scale, saturation, noise and an echo.
 fn random_networks(count: u64) -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for seed in 0..count {
@@ -132,7 +132,7 @@ fn digest_lines(count: u32) -> Result<Vec<String>> {
     Ok(lines)
 }
 
-/// Holds this machine's digests to those in a file, whose lines before the first case say where they are from.
+/// Holds this machine's digests to those in a file; its lines before the first case say where they are from.
 fn known(file: &str) -> Result<bool> {
     let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
     let found = digest_lines(30)?;
@@ -177,8 +177,8 @@ fn compare(firmware: &str, count: u32, wanted: &[String]) -> Result<bool> {
     let reference = verify_host(&suite)?;
     print(&reference);
     let folder = tempfile::tempdir()?;
-    let proof = Proof::new(&suite, folder.path(), LIMIT)?;
-    let verdicts = proof.firmware(&programs, &print)?;
+    let verification = Verification::new(&suite, folder.path(), LIMIT)?;
+    let verdicts = verification.firmware(&programs, &print)?;
     let mismatches: u64 = verdicts.iter().chain([&reference]).map(|verdict| verdict.mismatches).sum();
     println!("{} targets, {mismatches} mismatches", verdicts.len() + 1);
     Ok(mismatches == 0)
@@ -189,7 +189,7 @@ fn changed(firmware: &str, machine: &str) -> Result<bool> {
     let folder = tempfile::tempdir()?;
     let programs: Vec<Firmware> =
         machines(Path::new(firmware), "conformance").into_iter().filter(|m| m.name == machine).collect();
-    let verdicts = Proof::new(&suite, folder.path(), LIMIT)?.firmware(&programs, &|_| ())?;
+    let verdicts = Verification::new(&suite, folder.path(), LIMIT)?.firmware(&programs, &|_| ())?;
     for verdict in &verdicts {
         let detail = verdict.detail.as_deref().unwrap_or("nothing found");
         println!(

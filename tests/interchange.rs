@@ -3,7 +3,7 @@
 //! The vectors and the Python program that made them lie in `tests/oracles`; `tests/oracle tflite` compares far more.
 
 use sdp3::formats::model_file::{Preprocessing, QuantizedNetwork};
-use sdp3::formats::tflite::{Surroundings, export, import};
+use sdp3::formats::tflite::{ImportDefaults, export, import};
 use sdp3::predictor::interchange::header;
 use sdp3::predictor::parameters::Architecture;
 use sdp3::predictor::safetensors;
@@ -16,10 +16,10 @@ use serde_json::Value;
 use std::path::Path;
 
 /// The preprocessing of the networks that say nothing of their own.
-fn surroundings() -> Surroundings {
+fn import_defaults() -> ImportDefaults {
     let preprocessing =
         Preprocessing { window_len: 32, hop: 4, kaiser_beta: 10.0, ..header(&Scenario::default(), 0) };
-    Surroundings { preprocessing, sensing_slots: vec![200], classes: Vec::new() }
+    ImportDefaults { preprocessing, sensing_slots: vec![200], classes: Vec::new() }
 }
 
 fn golden() -> Vec<Value> {
@@ -32,7 +32,7 @@ fn every_layer_of_an_imported_file_has_litert_s_bits() {
     let mut compared = 0;
     for network in golden() {
         let file = bytes(&network["file"]);
-        let imported = import(&file, &surroundings()).expect("a network");
+        let imported = import(&file, &import_defaults()).expect("a network");
         let found = layers(&imported.to_bytes().expect("a model file"), &signed(&network["image"]));
         let expected = list(&network["tensors"]);
         assert_eq!(found.len(), expected.len());
@@ -53,15 +53,15 @@ fn a_file_of_flatbuffers_own_library_is_the_same_network() {
     let made: Value = serde_json::from_str(include_str!("oracles/network.json")).expect("JSON");
     let mut found = 0;
     for network in golden() {
-        let Some(twin) = list(&made["networks"]).iter().find(|n| n["name"] == network["name"]) else {
+        let Some(reference) = list(&made["networks"]).iter().find(|n| n["name"] == network["name"]) else {
             continue;
         };
-        let imported = import(&bytes(&network["file"]), &surroundings()).expect("a network");
-        let twin = QuantizedNetwork::from_bytes(&bytes(&twin["model"])).expect("a model file");
-        assert_eq!(imported, twin);
+        let imported = import(&bytes(&network["file"]), &import_defaults()).expect("a network");
+        let reference = QuantizedNetwork::from_bytes(&bytes(&reference["model"])).expect("a model file");
+        assert_eq!(imported, reference);
         // and back: another file, the same network
         let exported = export(&imported).expect("a file");
-        assert_eq!(import(&exported, &surroundings()).expect("a network"), imported);
+        assert_eq!(import(&exported, &import_defaults()).expect("a network"), imported);
         found += 1;
     }
     assert_eq!(found, 2);
@@ -75,19 +75,19 @@ fn networks_of_every_size_come_back() {
             let architecture = Architecture { channels, blocks, stem_stride, classes };
             let network = quantized(architecture, frames, seed);
             let file = export(&network).expect("a file");
-            assert_eq!(import(&file, &surroundings()).expect("a network"), network);
+            assert_eq!(import(&file, &import_defaults()).expect("a network"), network);
             seed += 1;
         }
     }
 }
 
-/// Changes some bytes: any value anywhere, a telling word at an aligned place, a piece moved, the end cut.
+/// Changes some bytes: any value anywhere, a special word at an aligned place, a piece moved, the end cut.
 fn mutate(file: &[u8], random: &mut Random) -> Vec<u8> {
     let mut file = file.to_vec();
     for _ in 0..1 + random.below(4) {
         let at = random.below(file.len().max(4) - 3);
         let aligned = at / 4 * 4;
-        let telling = [
+        let special = [
             0,
             1,
             u32::MAX,
@@ -100,7 +100,7 @@ fn mutate(file: &[u8], random: &mut Random) -> Vec<u8> {
         match random.below(6) {
             0 | 1 => file[at] = random.bits() as u8,
             2 => file[at] ^= 1 << random.below(8),
-            3 => file[aligned..aligned + 4].copy_from_slice(&telling[random.below(8)].to_le_bytes()),
+            3 => file[aligned..aligned + 4].copy_from_slice(&special[random.below(8)].to_le_bytes()),
             4 => {
                 let from = random.below(file.len() - 3) / 4 * 4;
                 file.copy_within(from..from + 4, aligned);
@@ -119,7 +119,7 @@ fn no_mutation_of_a_file_breaks_the_importer() {
     for network in golden() {
         let file = bytes(&network["file"]);
         for _ in 0..20_000 {
-            match import(&mutate(&file, &mut random), &surroundings()) {
+            match import(&mutate(&file, &mut random), &import_defaults()) {
                 Err(error) => {
                     assert!(!error.to_string().is_empty());
                     refused += 1;
@@ -226,9 +226,9 @@ fn the_commands_quantise_a_float_network() {
     let model = Model::parse(&model).expect("a model");
     assert_eq!((model.frames(), model.class_name(3)), (10, "adult-walking"));
 
-    let mut spoiled = network.clone();
-    spoiled.blocks[1].conv1[7] = f32::NAN;
-    std::fs::write(here.join("nan.safetensors"), safetensors::write(&spoiled).expect("a file"))
+    let mut corrupted = network.clone();
+    corrupted.blocks[1].conv1[7] = f32::NAN;
+    std::fs::write(here.join("nan.safetensors"), safetensors::write(&corrupted).expect("a file"))
         .expect("a file");
     let three = parameters(Architecture { classes: 3, ..architecture }, 7);
     std::fs::write(here.join("three.safetensors"), safetensors::write(&three).expect("a file"))

@@ -1,7 +1,7 @@
-//! The walk and its cross sections against scipy's: a program of its own, written from the published model.
+//! The gait and its cross sections against scipy's: a program of its own, written from the published model.
 //!
 //! The vectors and the Python program that made them lie in `tests/oracles`. The last test compares with NIST's reference gait,
-//! whose folder `tests/measured` names.
+//! from the folder that `tests/measured` names.
 
 use sdp3::simulator::body::gait::{Gait, JOINTS};
 use sdp3::simulator::body::primitives::{PRIMITIVES, primitives};

@@ -1,4 +1,4 @@
-//! The main job's promises: one JSON object, no mismatch on any target, the same bytes for any thread count, and a flipped
+//! The main job's properties: one JSON object, no mismatch on any target, the same bytes for any thread count, and a flipped
 //! bit of a core constant that is found.
 
 use sdp3::results::{Run, Verify};

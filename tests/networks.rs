@@ -1,6 +1,6 @@
 //! Networks and images from a seed, and every layer of the core's answer: for oracles and exchange tests.
 //!
-//! Nothing of the simulator or the training floor: weights are He's, normalisations are shaken, images are chirped
+//! Nothing of the simulator or of training: weights are He's, normalisations are shaken, images are chirped
 //! stripes, noise and extremes.
 
 use sdp3::formats::model_file::QuantizedNetwork;

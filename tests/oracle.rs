@@ -79,7 +79,7 @@ fn slow_time_is_numpys_truncated_svd() {
         for (beat, expected) in beats.iter().zip(list(&cut["y"])) {
             let (found, expected) = (project(&w, beat), pair(expected));
             let error = (found.0 - expected.0).hypot(found.1 - expected.1) / strongest;
-            assert!(error < 3e-3, "cut {}..={}: {error}", cut["first"], cut["last"]);
+            assert!(error < 3e-3, "cut {} to {}: {error}", cut["first"], cut["last"]);
         }
     }
 }

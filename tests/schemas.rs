@@ -1,4 +1,4 @@
-//! The published JSON Schemas are those of the types. With `SDP3_WRITE_SCHEMAS` set they are written anew.
+//! The published JSON Schemas are those of the types. With `SDP3_WRITE_SCHEMAS` set they are written again.
 
 use sdp3::output::to_json;
 use sdp3::schemas::{PUBLISHED, of_types};

@@ -106,10 +106,10 @@ fn bad_input_is_refused_by_name_and_nothing_is_written() {
     };
     let sweep = |more: &[&'static str]| [&["sweep", "p.toml", "--out", "out"], more].concat();
     for shard in ["0/3", "4/3", "1/0", "2"] {
-        refused(&sweep(&["--shard", shard]), &[], &["--shard", shard, "1/N..=N/N"]);
+        refused(&sweep(&["--shard", shard]), &[], &["--shard", shard, "1/N to N/N"]);
     }
     refused(&sweep(&["--slurm", "--shards", "0"]), &[], &["--shards", "0"]);
-    refused(&sweep(&["--slurm", "--shards", "5"]), &[], &["--shards = 5", "1..=4"]);
+    refused(&sweep(&["--slurm", "--shards", "5"]), &[], &["--shards = 5", "1 to 4"]);
     refused(&sweep(&["--shards", "2"]), &[], &["--shards", "--shard I/N"]);
     refused(&sweep(&["--kubernetes"]), &[], &["--image"]);
     refused(&sweep(&["--slurm", "--shard", "1/2"]), &[], &["--shard"]);
@@ -121,7 +121,7 @@ fn bad_input_is_refused_by_name_and_nothing_is_written() {
     for (text, words) in [
         ("seed = [1]\n", vec!["q.toml", "`seed`", "seeds"]),
         ("rho = []\n", vec!["q.toml: rho = []", "at least one value"]),
-        ("rho = [2.0]\n", vec!["q.toml", "channel.rho = 2", "0..=1"]),
+        ("rho = [2.0]\n", vec!["q.toml", "channel.rho = 2", "0 to 1"]),
     ] {
         std::fs::write(folder.path().join("q.toml"), text).expect("a plan");
         refused(&["sweep", "q.toml", "--out", "out"], &[], &words);

@@ -38,7 +38,7 @@ pub enum Dechirp {
 pub struct RangeGate {
     /// First bin of the profile.
     pub first_bin: u16,
-    /// Bins of one range sample, 1..=32.
+    /// Bins of one range sample, 1 to 32.
     pub bins_per_sample: u8,
 }
 
@@ -46,17 +46,17 @@ pub struct RangeGate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RadarConfig {
-    /// Samples of a sweep, 64..=2048.
+    /// Samples of a sweep, 64 to 2048.
     pub samples: u16,
     /// Complex or real.
     pub format: SampleFormat,
-    /// Significant bits of a value, 8..=16.
+    /// Significant bits of a value, 8 to 16.
     pub converter_bits: u8,
     /// Whether they are the upper bits of the 16, the lower ones zero; else the value is sign-extended.
     pub left_justified: bool,
     /// Where the sweep is dechirped.
     pub dechirp: Dechirp,
-    /// Range samples kept of a slot, 1..=8; without a gate they divide `samples`.
+    /// Range samples kept of a slot, 1 to 8; without a gate they divide `samples`.
     pub range_samples: u8,
     /// Which bins of the range profile they are; needs a sensor that dechirps.
     pub gate: Option<RangeGate>,

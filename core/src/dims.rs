@@ -21,7 +21,7 @@ pub type Beat = [Complex<i32>; BEATS];
 /// A beat of zeros.
 pub const ZERO_BEAT: Beat = [Complex::new(0, 0); BEATS];
 
-/// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128..=255 are the negative frequencies.
+/// Spectrum of one frame, `[doppler]`, bin k at k PRF / 256; bins 128 to 255 are the negative frequencies.
 pub(crate) type Spectrum = [Complex<f32>; FFT_LEN];
 
 /// The same in integers, in LSB of the slow-time signal (half of it for a window beyond 128 samples). Bins that become no row

@@ -16,7 +16,7 @@ const fn doubling_high_mul(a: i32, b: i32) -> i32 {
     ((product + nudge) / (1 << 31)) as i32
 }
 
-/// `round(x / 2^exponent)`, halves away from zero; exponent 0..=31, a larger one counts as 31.
+/// `round(x / 2^exponent)`, halves away from zero; exponent 0 to 31, a larger one counts as 31.
 const fn rounding_divide(x: i32, exponent: u32) -> i32 {
     let exponent = if exponent > 31 { 31 } else { exponent };
     let mask = ((1_i64 << exponent) - 1) as i32;
@@ -27,14 +27,14 @@ const fn rounding_divide(x: i32, exponent: u32) -> i32 {
 
 /// Scales an accumulator by `multiplier / 2^31 * 2^shift`, rounding twice as TFLite's reference kernels do.
 ///
-/// `multiplier` is 0 or Q0.31 in 2^30..2^31; `shift` is -31..=7. A left shift wraps, as in the reference.
+/// `multiplier` is 0 or Q0.31 in 2^30..2^31; `shift` is -31 to 7. A left shift wraps, as in the reference.
 pub const fn requantize(accumulator: i32, multiplier: i32, shift: i8) -> i32 {
     let left = if shift > 0 { shift as u32 } else { 0 };
     let right = if shift < 0 { shift.unsigned_abs() as u32 } else { 0 };
     rounding_divide(doubling_high_mul(accumulator.wrapping_shl(left), multiplier), right)
 }
 
-/// Clamps to an int8 activation range; `low <= high`, both within -128..=127.
+/// Clamps to an int8 activation range; `low <= high`, both within -128 to 127.
 pub const fn clamp_i8(value: i32, low: i8, high: i8) -> i8 {
     if value < low as i32 {
         low
@@ -64,7 +64,7 @@ impl Requantizer {
     /// Words of a packed one.
     pub const WORDS: usize = 3;
 
-    /// For `requantize(acc, multiplier, shift) + zero`; `None` unless the shift is in -20..=-1.
+    /// For `requantize(acc, multiplier, shift) + zero`; `None` unless the shift is in -20 to -1.
     pub const fn new(multiplier: i32, shift: i8, zero: i8) -> Option<Self> {
         if shift < -20 || shift > -1 || multiplier < 0 {
             return None;

@@ -15,7 +15,7 @@ pub fn roundf(x: f32) -> f32 {
     libm::roundf(x)
 }
 
-/// e^x by micromath's approximation, relative error below 0.3 % on -16..=0: enough for a confidence, at a tenth
+/// e^x by micromath's approximation, relative error below 0.3 % on -16 to 0: enough for a confidence, at a tenth
 /// of the cost of `libm::expf`.
 pub fn fast_expf(x: f32) -> f32 {
     F32Ext::exp(x)

@@ -199,7 +199,7 @@ fn memory_is_asked_for_to_the_element() {
     }
 }
 
-/// The outputs of a normalisation of four channels whose accumulators are its biases; `None` if it is left to the plain loops.
+/// The outputs of a normalisation of four channels with its biases as accumulators; `None` if it is left to the plain loops.
 fn normalised(biases: [i32; 4], scales: [(i32, i8); 4], out_zp: i8) -> Option<[i8; 4]> {
     let quant = PerChannelQuant {
         in_zp: -128,

@@ -9,10 +9,10 @@
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
-pub mod bounded;
 pub mod conformance;
 pub mod formats;
 pub mod inference;
+pub mod limited;
 pub mod optimizer;
 pub mod output;
 pub mod pipeline;

@@ -2,7 +2,7 @@
 //!
 //! Every file is written beside its name and renamed over it.
 
-use crate::bounded;
+use crate::limited;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
@@ -219,7 +219,7 @@ impl Output {
     /// [`OutputError::Read`] naming the file and, by `hint`, what makes it.
     pub fn read(&self, name: &str, hint: &'static str) -> Result<Vec<u8>, OutputError> {
         let path = self.path(name);
-        bounded::read(&path, bounded::WHOLE).map_err(|source| OutputError::Read { path, source, hint })
+        limited::read(&path, limited::WHOLE).map_err(|source| OutputError::Read { path, source, hint })
     }
 
     /// Reads a JSON file.

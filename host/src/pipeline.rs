@@ -1,13 +1,13 @@
-//! The main job: the floors of the house in their order.
+//! The stages of the main job in their order.
 //!
-//! simulate, calibrate, learn, run, prove, trade, schedule, report. Every stage is also a command of its own and uses the
+//! Simulate, calibrate, train, run, verify, optimize, schedule, report. Every stage is also a command of its own and uses the
 //! functions here.
 
 use crate::conformance::compare::verify_host;
 use crate::conformance::digests::not_run;
-use crate::conformance::proof::Proof;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
+use crate::conformance::verification::Verification;
 use crate::formats::measured;
 use crate::formats::slots::Slots;
 use crate::optimizer::anytime;
@@ -185,24 +185,24 @@ impl Job {
     /// # Errors
     ///
     /// See [`crate::optimizer::OptimizerError`].
-    pub fn trade(
+    pub fn optimize(
         &self,
         curve: &Curve,
         points: &[CurvePoint],
         rule: Rule,
     ) -> Result<crate::optimizer::Outcome, Failure> {
-        let stage = self.progress.stage("trade", "accuracy against throughput");
+        let stage = self.progress.stage("optimize", "accuracy against throughput");
         let replicates = replicates(curve, points, self.seed);
         let outcome = optimise(curve, &replicates, &self.scenario, rule, self.seed)?;
         let p = &outcome.operating_point;
         stage.finish(&format!(
-            "N_s = {}: accuracy {:.3}, {:.0} bit per period to the worst receiver",
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period to the worst user",
             p.sensing_slots, p.accuracy, p.throughput_bit
         ));
         Ok(outcome)
     }
 
-    /// Fits anytime sensing on recordings behind those trained on and states what it reaches on the test recordings.
+    /// Fits early exits on recordings that follow those trained on, and states what they reach on the test recordings.
     ///
     /// # Errors
     ///
@@ -217,10 +217,10 @@ impl Job {
         let s = &self.scenario;
         if models.len() > sdp3_core::early_exit::EXITS {
             let most = sdp3_core::early_exit::EXITS;
-            return Err(format!("frame.sensing_slots: {} exits; legal are 1..={most}", models.len()).into());
+            return Err(format!("frame.sensing_slots: {} exits; legal are 1 to {most}", models.len()).into());
         }
         let gather = |part: Part, per_class: u32, what: &str| {
-            let stage = self.progress.stage("anytime", what);
+            let stage = self.progress.stage("early exits", what);
             let found =
                 collect(s, rho, self.seed, models, (part, per_class), &|done, all| stage.at(done, all))?;
             stage.finish(&format!("{what}: {per_class} of each class"));
@@ -303,12 +303,12 @@ impl Job {
         Ok(Suite { cases, schedule })
     }
 
-    /// Holds the core to the reference and the firmware to the core.
+    /// Compares the core with the reference and the firmware with the core.
     ///
     /// # Errors
     ///
     /// A suite that cannot be run at all; a target that cannot run counts as a mismatch instead.
-    pub fn prove(
+    pub fn verify(
         &self,
         suite: &Suite,
         targets: &[String],
@@ -317,7 +317,7 @@ impl Job {
         let mut verdicts = Vec::new();
         let wanted = |name: &str| targets.iter().any(|t| t == name);
         if wanted(REFERENCE) {
-            let stage = self.progress.stage("prove", "the core against the reference");
+            let stage = self.progress.stage("verify", "the core against the reference");
             let verdict = verify_host(suite)?;
             stage.finish(&format!("{} values, {} mismatches", verdict.compared, verdict.mismatches));
             verdicts.push(verdict);
@@ -327,18 +327,19 @@ impl Job {
             let folder = qemu::folder(firmware);
             let built = match firmware {
                 Some(_) => Ok(()),
-                None => {
-                    qemu::build(&folder, "conformance", &names, &mut |line| self.progress.note("prove", line))
-                }
+                None => qemu::build(&folder, "conformance", &names, &mut |line| {
+                    self.progress.note("verify", line)
+                }),
             };
-            let stage = self.progress.stage("prove", "firmware under QEMU");
+            let stage = self.progress.stage("verify", "firmware under QEMU");
             let found = match built {
                 Err(error) => names.iter().map(|name| not_run(name, error.to_string())).collect(),
                 Ok(()) => {
                     let machines = qemu::machines(&folder, "conformance");
                     let machines: Vec<_> = machines.into_iter().filter(|m| wanted(m.name)).collect();
-                    let proof = Proof::new(suite, self.output.folder(), Duration::from_secs(240))?;
-                    proof.firmware(&machines, &|_| ())?
+                    let verification =
+                        Verification::new(suite, self.output.folder(), Duration::from_secs(240))?;
+                    verification.firmware(&machines, &|_| ())?
                 }
             };
             let words: Vec<String> =

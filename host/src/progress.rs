@@ -75,14 +75,14 @@ impl Stage {
     pub fn at(&self, done: u64, total: u64) {
         self.set_length(total);
         self.bar.set_position(self.bar.position().max(done));
-        self.tell();
+        self.report();
     }
 
     /// One more of `total` steps is done.
     pub fn step(&self, total: u64) {
         self.set_length(total);
         self.bar.inc(1);
-        self.tell();
+        self.report();
     }
 
     /// What is being done right now.
@@ -107,7 +107,7 @@ impl Stage {
     }
 
     /// A plain line, if the last one is long ago.
-    fn tell(&self) {
+    fn report(&self) {
         let Some(last) = &self.plain else { return };
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         if last.elapsed() >= PLAIN {

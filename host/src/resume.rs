@@ -11,7 +11,7 @@ const CURE: &str = "use another --out, or remove this folder";
 /// # Errors
 ///
 /// [`OutputError::Read`] and [`OutputError::Content`], which names the first field that differs, with both values.
-pub fn refuse_another(
+pub fn ensure_same_config(
     output: &Output,
     name: &str,
     asked: &Value,

@@ -54,7 +54,7 @@ pub const PUBLISHED: [(&str, &str); 29] = published![
     "verify",
 ];
 
-/// A measured signal's memory of the room, or with `--table` the table.
+/// A measured signal's channel correlation, or with `--table` the table.
 #[derive(JsonSchema)]
 #[serde(untagged)]
 #[allow(dead_code)]

@@ -1,7 +1,7 @@
 //! What lies in the firmware's programs: what `tests/footprint` and `tests/no-panic` run.
 //!
 //! `elf footprint FIRMWARE` prints flash, RAM and stack of every configuration on every machine and holds the limits;
-//! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs that tell their frames;
+//! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs with reported frames;
 //! `elf no-panic FIRMWARE` looks for panics and an allocator in them.
 
 mod stack;

@@ -16,7 +16,7 @@ pub struct WorstCase {
     pub bytes: u64,
     /// Bytes of the timer's interrupt handler and what it calls, without what the processor pushes.
     pub interrupt: u64,
-    /// Functions whose frame is not known.
+    /// Functions with unknown frames.
     pub unknown: usize,
 }
 

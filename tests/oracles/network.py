@@ -2,8 +2,8 @@
 
 Each network is written twice, as a .tflite flatbuffer run by ai-edge-litert with the BUILTIN_REF resolver (the
 portable reference kernels, no delegate), and as a model file of this project. `network.json` holds the model file,
-one input image and every tensor LiteRT computed. Two networks: one with random scales; one whose scales are powers
-of two, so that ties of the rounding are everywhere, with a channel whose multiplier exceeds one and one that
+one input image and every tensor LiteRT computed. Two networks: one with random scales; one with scales that are powers
+of two, so that ties of the rounding are everywhere, with a channel that has a multiplier above one and one that
 saturates.
 
 A second opinion inside: every tensor is computed again by a few lines of numpy (double rounding), and the values

@@ -25,7 +25,7 @@ EXPORTED = ["07-width4-blocks1-stride1-frames17", "05-width8-blocks2-stride2-fra
 
 
 class Kept(network.Graph):
-    """A graph whose last file is remembered."""
+    """A graph that keeps its last file."""
 
     last = b""
 

@@ -31,7 +31,7 @@ class Visit:
         return lambda x, y: (box["x"] + map_to(x, *across) * wide, box["y"] + map_to(y, *up) * tall)
 
     def set_range(self, selector, value):
-        """Moves a slider as its user would: the browser snaps it and tells the page."""
+        """Moves a slider as its user would: the browser snaps it and notifies the page."""
         move = "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input', { bubbles: true })); }"
         self.page.locator(selector).evaluate(move, value)
 

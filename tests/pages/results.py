@@ -13,7 +13,7 @@ class Results:
         self.figures = json.loads((folder / "figures.json").read_text())
 
     def boundary(self, case):
-        """Points of a receiver placement, N_s ascending."""
+        """Points of a user placement, N_s ascending."""
         return [point for point in self.run["region"] if point["case"] == case]
 
     def cases(self):
@@ -42,7 +42,7 @@ def grouped(n):
 
 
 def use_name(code):
-    return {-2: "nobody", -1: "sensing"}.get(code, f"receiver {code + 1}")
+    return {-2: "idle", -1: "sensing"}.get(code, f"user {code + 1}")
 
 
 def use_colour(code):

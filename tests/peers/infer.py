@@ -6,7 +6,7 @@ its QLinear kernels. Per instruction set of sdp3 and per peer: least and median 
 the logits are from sdp3's, in steps of the output.
 
 Where the processor has AMX, XNNPACK takes it, and its tiles do not suit 16 channels. So LiteRT also runs as on a processor
-without: in a process whose requests to use AMX the kernel refuses (seccomp), XNNPACK has AVX-512 VNNI at most.
+without: in a process in which the kernel refuses requests to use AMX (seccomp), XNNPACK has AVX-512 VNNI at most.
 
     pip install numpy==2.4.6 onnx==1.23.2 onnxruntime==1.31.1 ai-edge-litert==2.3.0
     python infer.py FOLDER CLOCK --rounds 20

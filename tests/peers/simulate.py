@@ -211,7 +211,7 @@ def room(rng, times):
 
 
 def spectrogram(beat):
-    """Grey levels `[64, frame]`, -128 is black."""
+    """Intensities `[64, frame]`, -128 is black."""
     u, s, vh = np.linalg.svd(beat, full_matrices=False)
     slow_time = (u.sum(axis=0) * s)[1:] @ vh[1:]
     frames = np.lib.stride_tricks.sliding_window_view(slow_time, 128)[::8] * WINDOW

@@ -1,34 +1,34 @@
 Help: the tool and every command, with examples.
 
   $ sdp3 --help
-  Simulate a sensed room, train a deep spectrogram network, prove the radar module's bits, and trade recognition accuracy against throughput
+  Simulate radar sensing of a person, train a deep spectrogram network, verify the radar module's bits, and optimize recognition accuracy against throughput
   
   Usage: sdp3 [OPTIONS] [COMMAND]
   
   Commands:
-    run          The main job: simulate, calibrate, learn, run, prove, trade, schedule, report
-    simulate     Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest
-    calibrate    Find the room's memory rho that a measured signal shows
+    run          Run the main job: simulate, calibrate, train, run, verify, optimize, schedule, report
+    simulate     Simulate recordings and write them as a dataset
+    calibrate    Find the channel correlation rho that a measured signal shows
     channels     Run every channel model through the property tests of the paper's Table I
     gallery      Draw a page of spectrograms: class by carrier by channel model
-    train        Train the networks and save their float parameters and the history of their losses
-    study        Answer a question that takes many trainings; the same command goes on where it was interrupted
-    sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines
-    merge        Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan
-    quantize     Turn trained networks into int8 model files
-    export       Write a network for other programs: a model file as .tflite, float parameters as .safetensors
-    import       Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
-    model        Tell what a model file holds, make keys, sign it, and ask whether a radio would take it
-    verify       Compare the core with its reference and its firmware, bit for bit, on the models of --out
+    train        Train the networks and save their float parameters
+    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines
+    sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster
+    merge        Join the cells of a sweep
+    quantize     Convert trained networks into int8 model files
+    export       Write a network for other programs (.tflite, .safetensors)
+    import       Read a network of another program
+    model        Show, sign and verify model files, make keys
+    verify       Compare the core with its reference and its firmware, bit for bit
     predict      Fit the seven learning curves to accuracies
     optimize     Draw the accuracy-throughput region and choose a point on it
-    anytime      Fit anytime sensing to the models of --out and draw its region beside the static one
-    schedule     Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes
-    report       Write the report page of --out's run again, and its figures as SVG and PNG
+    anytime      Fit early exits and draw their region beside the static one
+    schedule     Play the operating point through the core's scheduler
+    report       Write the report page and its figures again
     scenario     List, print, write and check scenarios
     schema       Print the JSON Schema of what a command prints with --json
-    completions  Print a script that completes commands and options in a shell
-    man          Write man pages: one for the tool and one for every command
+    completions  Print a script that completes commands in a shell
+    man          Write manual pages
     help         Print this message or the help of the given subcommand(s)
   
   Options:
@@ -38,8 +38,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
     -V, --version                    Print version
   
@@ -58,7 +58,7 @@ Help: the tool and every command, with examples.
   Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupted.
 
   $ sdp3 run --help
-  The main job: simulate, calibrate, learn, run, prove, trade, schedule, report
+  Run the main job: simulate, calibrate, train, run, verify, optimize, schedule, report
   
   Usage: sdp3 run [OPTIONS]
   
@@ -68,7 +68,7 @@ Help: the tool and every command, with examples.
   
             Possible values:
             - quick: Minutes: fewer recordings, a strided network
-            - paper: The paper's sizes: 200 recordings per class to train, 100 to test
+            - paper: The paper's sizes: 200 recordings per class to train, 500 to test
             
             [default: quick]
   
@@ -85,7 +85,7 @@ Help: the tool and every command, with examples.
             Its sampling or slow-time rate in Hz, if the file does not say
   
         --gain <DB>
-            Gain of the sensor in dB, taken off
+            Gain of the sensor in dB, which is subtracted
   
         --dataset <NAME>
             Which array of an NPZ or which dataset of an HDF5 file
@@ -126,10 +126,10 @@ Help: the tool and every command, with examples.
             Print results as JSON, and nothing else, on stdout
   
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
   
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
   
     -h, --help
             Print help (see a summary with '-h')
@@ -141,9 +141,9 @@ Help: the tool and every command, with examples.
     sdp3 run --scenario small-radar --set radar.carrier_hz=5.8e9 --out small --json
 
   $ sdp3 simulate --help
-  Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest.
+  Simulate recordings and write them as a dataset.
   
-  Interrupted, the same command resumes; complete, it changes nothing.
+  The dataset is parts of 100 recordings in NPZ, and a manifest. After an interruption the same command resumes. A complete dataset is not changed.
   
   Usage: sdp3 simulate [OPTIONS]
   
@@ -193,10 +193,10 @@ Help: the tool and every command, with examples.
             Print results as JSON, and nothing else, on stdout
   
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
   
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
   
     -h, --help
             Print help (see a summary with '-h')
@@ -207,7 +207,7 @@ Help: the tool and every command, with examples.
     sdp3 simulate --per-class 1000 --raw --sigmf --shard 2/8 --out data
 
   $ sdp3 calibrate --help
-  Find the room's memory rho that a measured signal shows
+  Find the channel correlation rho that a measured signal shows
   
   Usage: sdp3 calibrate [OPTIONS]
   
@@ -215,7 +215,7 @@ Help: the tool and every command, with examples.
         --measured <FILE>            A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5
         --carrier <HZ>               Its carrier in Hz, if the file does not say
         --rate <HZ>                  Its sampling or slow-time rate in Hz, if the file does not say
-        --gain <DB>                  Gain of the sensor in dB, taken off
+        --gain <DB>                  Gain of the sensor in dB, which is subtracted
         --dataset <NAME>             Which array of an NPZ or which dataset of an HDF5 file
         --motion <CLASS>             How the person in it moves: a class, such as adult-walking or standing [default: adult-walking]
         --table <FILE.toml>          Write the look-up table of rho again, to this file
@@ -225,8 +225,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -246,8 +246,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -266,8 +266,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -275,7 +275,9 @@ Help: the tool and every command, with examples.
     sdp3 gallery --scenario child-safe-room
 
   $ sdp3 train --help
-  Train the networks and save their float parameters and the history of their losses
+  Train the networks and save their float parameters.
+  
+  The history of the losses is saved beside them.
   
   Usage: sdp3 train [OPTIONS]
   
@@ -285,7 +287,7 @@ Help: the tool and every command, with examples.
   
             Possible values:
             - quick: Minutes: fewer recordings, a strided network
-            - paper: The paper's sizes: 200 recordings per class to train, 100 to test
+            - paper: The paper's sizes: 200 recordings per class to train, 500 to test
             
             [default: quick]
   
@@ -336,10 +338,10 @@ Help: the tool and every command, with examples.
             Print results as JSON, and nothing else, on stdout
   
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
   
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
   
     -h, --help
             Print help (see a summary with '-h')
@@ -350,7 +352,9 @@ Help: the tool and every command, with examples.
     sdp3 train --data data --set learning.epochs=40 --out trained
 
   $ sdp3 study --help
-  Answer a question that takes many trainings; the same command goes on where it was interrupted
+  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines.
+  
+  After an interruption the same command resumes.
   
   Usage: sdp3 study [OPTIONS] <NAME>
   
@@ -371,7 +375,7 @@ Help: the tool and every command, with examples.
             [default: 5]
   
         --measured <FOLDER>
-            Of `fidelity`: a folder of measured recordings, in any depth, whose names tell the motion (walk, run, still, stand, sit)
+            Of `fidelity`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit)
   
         --carrier <HZ>
             Carrier in Hz of recordings that do not say theirs
@@ -402,10 +406,10 @@ Help: the tool and every command, with examples.
             Print results as JSON, and nothing else, on stdout
   
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
   
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
   
     -h, --help
             Print help (see a summary with '-h')
@@ -416,9 +420,9 @@ Help: the tool and every command, with examples.
     sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
 
   $ sdp3 sweep --help
-  Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines.
+  Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster.
   
-  Every cell simulates, trains, quantises and tests; the same command goes on where it was interrupted. The shard is --shard's, else that of SLURM_ARRAY_TASK_ID (with SLURM_ARRAY_TASK_MIN and _COUNT), else that of JOB_COMPLETION_INDEX (with JOB_COMPLETIONS), else the whole.
+  Every cell simulates, trains, quantises and tests. After an interruption the same command resumes. The shard is --shard's, else that of SLURM_ARRAY_TASK_ID (with SLURM_ARRAY_TASK_MIN and _COUNT), else that of JOB_COMPLETION_INDEX (with JOB_COMPLETIONS), else the whole.
   
   Usage: sdp3 sweep [OPTIONS] <PLAN.toml>
   
@@ -428,7 +432,7 @@ Help: the tool and every command, with examples.
   
   Options:
         --shard <I/N>
-            Make only the I-th of N shards of the cells; wins over the environment
+            Make only the I-th of N shards of the cells; overrides the environment
   
         --slurm
             Write a Slurm array job and the merge that depends on it, and submit both
@@ -476,10 +480,10 @@ Help: the tool and every command, with examples.
             Print results as JSON, and nothing else, on stdout
   
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
   
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
   
     -h, --help
             Print help (see a summary with '-h')
@@ -491,30 +495,54 @@ Help: the tool and every command, with examples.
     sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep
 
   $ sdp3 merge --help
-  Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan
+  Join the cells of a sweep.
+  
+  Writes merged.csv and merged.json if every cell is there, complete and of the same plan.
   
   Usage: sdp3 merge [OPTIONS] <DIR>
   
   Arguments:
-    <DIR>  The folder that `sdp3 sweep` was given as --out
+    <DIR>
+            The folder that `sdp3 sweep` was given as --out
   
   Options:
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 merge quick
     sdp3 merge quick --json
 
   $ sdp3 quantize --help
-  Turn trained networks into int8 model files
+  Convert trained networks into int8 model files
   
   Usage: sdp3 quantize [OPTIONS]
   
@@ -526,8 +554,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -535,64 +563,118 @@ Help: the tool and every command, with examples.
     sdp3 quantize --data data --out trained
 
   $ sdp3 export --help
-  Write a network for other programs: a model file as .tflite, float parameters as .safetensors
+  Write a network for other programs (.tflite, .safetensors).
+  
+  A model file is written as .tflite, float parameters as .safetensors.
   
   Usage: sdp3 export [OPTIONS] --to <FILE> <FILE>
   
   Arguments:
-    <FILE>  MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it
+    <FILE>
+            MODEL.sdp3, or NETWORK.json as `sdp3 train` writes it
   
   Options:
-        --to <FILE>                  FILE.tflite of a model file, FILE.safetensors of float parameters
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --to <FILE>
+            FILE.tflite of a model file, FILE.safetensors of float parameters
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
     sdp3 export out/models/dsn-1000.json --to dsn.safetensors
 
   $ sdp3 import --help
-  Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised
+  Read a network of another program.
+  
+  The file is int8 .tflite of this topology, or float .safetensors, which is quantised.
   
   Usage: sdp3 import [OPTIONS] --to <FILE> <FILE>
   
   Arguments:
-    <FILE>  FILE.tflite or FILE.safetensors
+    <FILE>
+            FILE.tflite or FILE.safetensors
   
   Options:
-        --to <FILE>                  MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them
-        --slots <N>                  Sensing slots it was trained with, where the file does not say
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --to <FILE>
+            MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them
+  
+        --slots <N>
+            Sensing slots it was trained with, where the file does not say
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 import dsn.tflite --to dsn.sdp3
     sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000
 
   $ sdp3 model --help
-  Tell what a model file holds, make keys, sign it, and ask whether a radio would take it
+  Show, sign and verify model files, make keys
   
   Usage: sdp3 model [OPTIONS] <COMMAND>
   
   Commands:
-    show    Tell what a model file holds: envelope, network, memory it needs
+    show    Show what a model file holds: envelope, network, memory it needs
     keygen  Make a key pair: NAME.key, to be kept secret, signs; NAME.pub is what firmware is built with. Existing files are kept
-    sign    Sign a model file, for firmware that takes signed models only
-    verify  Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model
+    sign    Sign a model file, for firmware that accepts only signed models
+    verify  Check whether firmware built with a public key accepts the model: exit code 1 and the reason if it does not
     help    Print this message or the help of the given subcommand(s)
   
   Options:
@@ -602,8 +684,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -613,7 +695,7 @@ Help: the tool and every command, with examples.
     sdp3 model verify signed.sdp3 --key radio.pub --oldest 7
 
   $ sdp3 model show --help
-  Tell what a model file holds: envelope, network, memory it needs
+  Show what a model file holds: envelope, network, memory it needs
   
   Usage: sdp3 model show [OPTIONS] <FILE>
   
@@ -627,8 +709,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -650,8 +732,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -659,7 +741,7 @@ Help: the tool and every command, with examples.
     sdp3 model keygen keys/release --json
 
   $ sdp3 model sign --help
-  Sign a model file, for firmware that takes signed models only
+  Sign a model file, for firmware that accepts only signed models
   
   Usage: sdp3 model sign [OPTIONS] --key <NAME.key> --to <FILE> <FILE>
   
@@ -676,15 +758,15 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
     sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
 
   $ sdp3 model verify --help
-  Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model
+  Check whether firmware built with a public key accepts the model: exit code 1 and the reason if it does not
   
   Usage: sdp3 model verify [OPTIONS] --key <NAME.pub> <FILE>
   
@@ -700,8 +782,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -709,22 +791,51 @@ Help: the tool and every command, with examples.
     sdp3 model verify signed.sdp3 --key radio.pub --oldest 7 --json
 
   $ sdp3 verify --help
-  Compare the core with its reference and its firmware, bit for bit, on the models of --out
+  Compare the core with its reference and its firmware, bit for bit.
+  
+  The models are those of --out.
   
   Usage: sdp3 verify [OPTIONS]
   
   Options:
-        --targets <TARGETS>          Targets to compare [default: host-reference cortex-m4f riscv32imac]
-        --firmware <DIR>             Folder of ready-built firmware; absent: firmware-sim/build makes it
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --targets <TARGETS>
+            Targets to compare
+            
+            [default: host-reference cortex-m4f riscv32imac]
+  
+        --firmware <DIR>
+            Folder of ready-built firmware; absent: firmware-sim/build makes it
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 verify
@@ -743,8 +854,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -759,19 +870,19 @@ Help: the tool and every command, with examples.
   Options:
         --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run
         --curve <NAME>               Learning curve; absent: the best one
-        --accuracy <ACCURACY>        Accuracy of at least this, 0..=1
+        --accuracy <ACCURACY>        Accuracy of at least this, 0 to 1
         --throughput <THROUGHPUT>    Throughput of at least this, in bits per period
-        --weight <WEIGHT>            Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary
+        --weight <WEIGHT>            Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary
         --weights <WA,WR>            w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period
-        --sweep <AXIS=VALUES>        Vary carrier_hz, power_w, receivers (K) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times
+        --sweep <AXIS=VALUES>        Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -780,69 +891,145 @@ Help: the tool and every command, with examples.
     sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3
 
   $ sdp3 anytime --help
-  Fit anytime sensing to the models of --out and draw its region beside the static one
+  Fit early exits and draw their region beside the static one.
+  
+  The models are those of --out.
   
   Usage: sdp3 anytime [OPTIONS]
   
   Options:
         --calibrate-per-class <CALIBRATE_PER_CLASS>
-            Recordings of each class to fit and choose on, behind those trained on [default: 200]
+            Recordings of each class to fit and choose on. They follow those trained on
+            
+            [default: 200]
+  
         --accuracy <ACCURACY>
-            Accuracy of at least this, 0..=1
+            Accuracy of at least this, 0 to 1
+  
         --throughput <THROUGHPUT>
             Throughput of at least this, in bits per period
+  
         --weight <WEIGHT>
-            Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary
+            Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary
+  
         --weights <WA,WR>
             w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period
+  
         --scenario <FILE.toml|NAME>
             Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
         --set <FIELD=VALUE>
             Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
         --seed <SEED>
             Seed of everything random [default: 1]
+  
         --out <DIR>
-            Folder for results [default: out]
+            Folder for results
+            
+            [default: out]
+  
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it [default: 0]
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
         --json
             Print results as JSON, and nothing else, on stdout
+  
     -v, --verbose
-            Say more on stderr
+            Print more on stderr
+  
     -q, --quiet
-            Say nothing on stderr but errors
+            Print only errors on stderr
+  
     -h, --help
-            Print help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 anytime
     sdp3 anytime --calibrate-per-class 500 --accuracy 0.9
 
   $ sdp3 schedule --help
-  Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes
+  Play the operating point through the core's scheduler.
+  
+  Plays one period of the operating point of --out's run, or with --periods many, with traffic, churn, fading and loss.
   
   Usage: sdp3 schedule [OPTIONS]
   
   Options:
-        --periods <PERIODS>          Periods; absent: one, in a world that does not change
-        --sensing-slots <N>          N_s; absent: that of the run's operating point
-        --coherence <S>              Mean time in s that a channel stays as it is [default: 5]
-        --load <SHARE>               Mean arrivals of a receiver over its fair share; absent: always something to send
-        --churn <P>                  Probability that a receiver joins or leaves in a period [default: 0.02]
-        --loss <P>                   Probability that a slot is lost [default: 0.0005]
-        --retarget <P>               Probability that N_s becomes another of the scenario's in a period [default: 0.02]
-        --recognise-every <PERIODS>  Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never [default: 0]
-        --threshold <CONFIDENCE>     Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out
-        --traced <PERIODS>           Periods drawn slot by slot in trace.json, which Perfetto opens [default: 3]
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --periods <PERIODS>
+            Periods; absent: one, in which nothing changes
+  
+        --sensing-slots <N>
+            N_s; absent: that of the run's operating point
+  
+        --coherence <S>
+            Mean time in s between changes of a channel (fading)
+            
+            [default: 5]
+  
+        --load <SHARE>
+            Mean arrivals of a user over its fair share; absent: always something to send
+  
+        --churn <P>
+            Probability that a user joins or leaves in a period
+            
+            [default: 0.02]
+  
+        --loss <P>
+            Probability that a slot is lost
+            
+            [default: 0.0005]
+  
+        --retarget <P>
+            Probability that N_s becomes another of the scenario's in a period
+            
+            [default: 0.02]
+  
+        --recognise-every <N>
+            Run a recognition every N periods (0 disables it): raw I/Q through the core with the models of --out
+            
+            [default: 0]
+  
+        --threshold <CONFIDENCE>
+            Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out
+  
+        --traced <PERIODS>
+            Periods written slot by slot to trace.json, for Perfetto
+            
+            [default: 3]
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 schedule
@@ -850,20 +1037,43 @@ Help: the tool and every command, with examples.
     sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9
 
   $ sdp3 report --help
-  Write the report page of --out's run again, and its figures as SVG and PNG
+  Write the report page and its figures again.
+  
+  They are those of --out's run. The figures are SVG and PNG.
   
   Usage: sdp3 report [OPTIONS]
   
   Options:
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 report
@@ -888,8 +1098,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -913,8 +1123,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -923,7 +1133,7 @@ Help: the tool and every command, with examples.
     sdp3 schema scenario-check
 
   $ sdp3 completions --help
-  Print a script that completes commands and options in a shell
+  Print a script that completes commands in a shell
   
   Usage: sdp3 completions [OPTIONS] <SHELL>
   
@@ -937,8 +1147,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -947,23 +1157,47 @@ Help: the tool and every command, with examples.
     sdp3 completions fish > ~/.config/fish/completions/sdp3.fish
 
   $ sdp3 man --help
-  Write man pages: one for the tool and one for every command
+  Write manual pages.
+  
+  There is one page for the tool and one for every command.
   
   Usage: sdp3 man [OPTIONS] <DIR>
   
   Arguments:
-    <DIR>  The folder, which is made if need be
+    <DIR>
+            The folder, which is created if it does not exist
   
   Options:
-        --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
-        --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
-        --seed <SEED>                Seed of everything random [default: 1]
-        --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
-        --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
-    -h, --help                       Print help
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
   
   Examples:
     sdp3 man /usr/local/share/man/man1
@@ -981,8 +1215,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -1003,8 +1237,8 @@ Help: the tool and every command, with examples.
         --out <DIR>          Folder for results [default: out]
         --threads <THREADS>  Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json               Print results as JSON, and nothing else, on stdout
-    -v, --verbose            Say more on stderr
-    -q, --quiet              Say nothing on stderr but errors
+    -v, --verbose            Print more on stderr
+    -q, --quiet              Print only errors on stderr
     -h, --help               Print help
   
   Examples:
@@ -1028,8 +1262,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:
@@ -1051,8 +1285,8 @@ Help: the tool and every command, with examples.
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
         --json                       Print results as JSON, and nothing else, on stdout
-    -v, --verbose                    Say more on stderr
-    -q, --quiet                      Say nothing on stderr but errors
+    -v, --verbose                    Print more on stderr
+    -q, --quiet                      Print only errors on stderr
     -h, --help                       Print help
   
   Examples:

@@ -12,15 +12,15 @@ Scenarios: listed, shown, written, checked, set field by field.
   > END
 
   $ sdp3 scenario list
-  conference-room  The paper's conference room: one person, 3.5 GHz, three receivers in two placements.
+  conference-room  The paper's conference room: one person, 3.5 GHz, three users in two placements.
   as-printed       The conference room with the paper's own settings where the defaults learn better: Kaiser beta 10, Adam with a batch of 500, one window a recording, no mask.
-  second-person    The paper's scenario 2: somebody else walks in the conference room and disturbs its channel.
+  second-person    The paper's scenario 2: a second person walks in the conference room and disturbs its channel.
   small-radar      A battery's budget: 200 sensing slots in a quarter of a second, one small network that fits a microcontroller.
   child-safe-room  Is it a child that moves? A playroom in which people walk in any direction, an adult walks behind them, and accuracy counts more than throughput.
-  busy-office      An office of 3GPP's TR 38.901 with eight receivers: throughput counts more, and sensing has to be short.
+  busy-office      An office of 3GPP's TR 38.901 with eight users: throughput counts more, and sensing has to be short.
   radar-24ghz      The conference room sensed at 24 GHz, the carrier of cheap Doppler modules: every other slot may sense, so that limbs do not alias.
   radar-60ghz      The conference room at 60 GHz with IEEE 802.11ay's clusters: sensing slots follow one another, or limbs would alias.
-  bgt60            The conference room sensed by a 60 GHz module of the Infineon BGT60TR13C class: 1 GHz in 64 us, 128 real samples of 12 bits, range gate 0.9 to 5.7 m. 5 dBm, 5 dB antennas in the package, noise figure 12 dB: typical values of its data sheet, rounded; sampling at 2 MHz: Infineon's example configurations, whose chirps are 0.3 ms apart. Every slot of 0.25 ms senses, or limbs would alias.
+  bgt60            The conference room sensed by a 60 GHz module of the Infineon BGT60TR13C class: 1 GHz in 64 us, 128 real samples of 12 bits, range gate 0.9 to 5.7 m. 5 dBm, 5 dB antennas in the package, noise figure 12 dB: typical values of its data sheet, rounded; sampling at 2 MHz: Infineon's example configurations, with chirps 0.3 ms apart. Every slot of 0.25 ms senses, or limbs would alias.
   iwr              The conference room sensed by a 77 GHz sensor of the TI IWR1443 and IWR1843 class: 4 GHz in 51.2 us, 256 complex samples of 16 bits at 5 MHz, range gate 0.9 to 5.7 m. 12 dBm, noise figure 15 dB and slopes up to 100 MHz/us: the data sheet (TI SWRS211); 10 dB antennas: the evaluation board. Every slot of 0.2 ms senses, or limbs would alias.
 
   $ sdp3 scenario show small-radar
@@ -29,33 +29,33 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The room's walls.
   [room]
-  # Length (x), width (y), height (z) in m. Legal: x: 1..=100; y: 1..=100; z: 1..=100.
+  # Length (x), width (y), height (z) in m. Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
   size_m = [3.0, 4.5, 3.0]
   
   # The monostatic radar.
   [radar]
-  # Position in m. Legal: inside the room [0, 0, 0]..=[3.0, 4.5, 3.0].
+  # Position in m. Legal: inside the room [0, 0, 0] to [3.0, 4.5, 3.0].
   position_m = [1.5, 1.0, 1.0]
-  # Carrier frequency in Hz, at which the sweep begins. Legal: 500000000..=100000000000.
+  # Carrier frequency in Hz, at which the sweep begins. Legal: 500000000 to 100000000000.
   carrier_hz = 3500000000.0
-  # Swept bandwidth in Hz. Legal: 1000000..=10000000000.
+  # Swept bandwidth in Hz. Legal: 1000000 to 10000000000.
   bandwidth_hz = 10000000.0
-  # Duration of the sampled part of a sweep in s. Legal: 0.000001..=0.00025, at most a slot.
+  # Duration of the sampled part of a sweep in s. Legal: 0.000001 to 0.00025, at most a slot.
   sweep_s = 0.0001
-  # Sampling rate in Hz, which is the bandwidth of the receiver's noise. Legal: 100000..=100000000; 10000000
+  # Sampling rate in Hz, which is the bandwidth of the receiver's noise. Legal: 100000 to 100000000; 10000000
   # (fixed): digital dechirp samples at radar.bandwidth_hz.
   sample_rate_hz = 10000000.0
-  # Samples of a sweep. Legal: 64..=2048; 1000 (fixed): radar.sweep_s times radar.sample_rate_hz.
+  # Samples of a sweep. Legal: 64 to 2048; 1000 (fixed): radar.sweep_s times radar.sample_rate_hz.
   samples = 1000
   # What a sample is. Legal: one of complex, real.
   format = "complex"
-  # Significant bits of a value. Legal: 8..=16.
+  # Significant bits of a value. Legal: 8 to 16.
   converter_bits = 16
   # Whether they are the upper bits of 16, the lower ones zero; else the value is sign-extended.
   left_justified = false
   # Where the received sweep is mixed with the sent one. Legal: one of digital, analog.
   dechirp = "digital"
-  # Range samples kept of a slot: blocks of the sweep, or cells of the range gate. Legal: 1..=8; a divisor of
+  # Range samples kept of a slot: blocks of the sweep, or cells of the range gate. Legal: 1 to 8; a divisor of
   # radar.samples = 1000: blocks are equally long.
   range_samples = 8
   # First bin of the range gate, in bins of c / (2 B); 0 without a gate. Legal: 0 (fixed), radar.bins_per_sample
@@ -64,34 +64,35 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Bins of each range sample of the gate; 0: no gate, the sweep's blocks are summed. Legal: 0 (fixed), a gate
   # needs analog dechirp.
   bins_per_sample = 0
-  # Transmit power in W. Legal: 0.000000000001..=1000.
+  # Transmit power in W. Legal: 0.000000000001 to 1000.
   power_w = 0.1
-  # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10..=60.
+  # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10 to 60.
   antenna_gain_db = 25.0
   # Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
-  # Legal: 0..=60.
+  # Legal: 0 to 60.
   sidelobe_db = 10.0
-  # Receiver noise figure in dB (290 K), both sidebands of the mixer counted. Legal: 0..=40.
+  # Receiver noise figure in dB (290 K), both sidebands of the mixer counted. Legal: 0 to 40.
   noise_figure_db = 10.0
-  # Head room between the strongest expected echo and the converter's full scale in dB. Legal: 0..=60.
+  # Head room between the strongest expected echo and the converter's full scale in dB. Legal: 0 to 60.
   headroom_db = 12.0
-  # Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees. Legal: 0..=90.
+  # Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees. Legal: 0 to
+  # 90.
   phase_noise_deg = 0.0
-  # Gain mismatch of Q against I in dB. Legal: -6..=6.
+  # Gain mismatch of Q against I in dB. Legal: -6 to 6.
   iq_gain_db = 0.0
-  # Deviation of I and Q from quadrature in degrees. Legal: -30..=30.
+  # Deviation of I and Q from quadrature in degrees. Legal: -30 to 30.
   iq_phase_deg = 0.0
   
   # The time frame shared by sensing and communication.
   [frame]
-  # Slot duration T_s in s. Legal: 0.0001..=0.1.
+  # Slot duration T_s in s. Legal: 0.0001 to 0.1.
   slot_s = 0.00025
-  # Slots in a scheduling period, N. Legal: 1..=1000000; at least 512: one STFT window of 128 sensing slots, N_m
-  # = 3 slots apart.
+  # Slots in a scheduling period, N. Legal: 1 to 1000000; at least 512: one STFT window of 128 sensing slots,
+  # N_m = 3 slots apart.
   period_slots = 1000
-  # Communication slots between two sensing slots, N_m. Legal: 0..=1000.
+  # Communication slots between two sensing slots, N_m. Legal: 0 to 1000.
   spacing_slots = 3
-  # The numbers of sensing slots N_s that are studied, ascending. Legal: a non-empty ascending list; 152..=250:
+  # The numbers of sensing slots N_s that are studied, ascending. Legal: a non-empty ascending list; 152 to 250:
   # N_s must fill four windows and N_s (N_m + 1) <= N = 1000 with N_m = 3.
   sensing_slots = [200]
   
@@ -119,113 +120,114 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The person sensed.
   [target]
-  # Ground position at the start in m. Legal: inside the room [0, 0]..=[3.0, 4.5].
+  # Ground position at the start in m. Legal: inside the room [0, 0] to [3.0, 4.5].
   start_m = [2.7, 4.2]
   # Way points on the ground in m; with two or more the walk leads through them and the heading is theirs.
   waypoints_m = []
   # Whether who comes near a wall turns; else the walk goes straight on.
   turns = true
-  # Headings are uniform within plus or minus this many degrees around the direction to the radar. Legal:
-  # 0..=180.
+  # Headings are uniform within plus or minus this many degrees around the direction to the radar. Legal: 0 to
+  # 180.
   heading_spread_deg = 15.0
-  # Standard deviation of the walking speed relative to its mean. Legal: 0..=0.5.
+  # Standard deviation of the walking speed relative to its mean. Legal: 0 to 0.5.
   speed_jitter = 0.05
   # Range of an adult's height in m. Legal: [a, b] with 0.5 <= a <= b <= 2.5.
   adult_height_m = [1.6, 1.9]
   # Range of a child's height in m. Legal: [a, b] with 0.5 <= a <= b <= 2.5.
   child_height_m = [0.9, 1.2]
-  # Further people in the room. Legal: how many: 0..=8.
+  # Further people in the room. Legal: how many: 0 to 8.
   others = []
   
   # From slow time to the network's image.
   [spectrogram]
-  # First singular component kept, the paper's d; 1 keeps the clutter. Legal: 1..=8.
+  # First singular component kept, the paper's d; 1 keeps the clutter. Legal: 1 to 8.
   first_kept = 2
-  # Last singular component kept (of 8). Legal: 2..=8, at least the first.
+  # Last singular component kept (of 8). Legal: 2 to 8, at least the first.
   last_kept = 8
-  # Kaiser window length N_w in sensing slots. Legal: 2..=256.
+  # Kaiser window length N_w in sensing slots. Legal: 2 to 256.
   window = 128
   # Kaiser window's beta. The paper has 10; 4 resolves slow bodies better and gains 4 points of accuracy at N_s
-  # = 200. Legal: 0..=40.
+  # = 200. Legal: 0 to 40.
   beta = 4.0
-  # Sensing slots between two frames. Legal: 1..=128, at most the window.
+  # Sensing slots between two frames. Legal: 1 to 128, at most the window.
   hop = 8
   # FFT bins averaged into one of the 64 rows: 1, 2 or 4. Legal: 1, 2 or 4.
   bins_per_row = 1
-  # Dynamic range in dB; weaker is black. Legal: 1..=190.
+  # Dynamic range in dB; weaker is black. Legal: 1 to 190.
   range_db = 50.0
   
   # How networks are trained and tested.
   [learning]
-  # Training recordings per class. Legal: 2..=100000.
+  # Training recordings per class. Legal: 2 to 100000.
   train_per_class = 200
   # Windows of every training recording, the first at its beginning, the last N_s slots later: with more than
-  # one, training recordings last twice the largest N_s, and every window is an image of its own. Legal:
-  # 1..=100.
+  # one, training recordings last twice the largest N_s, and every window is an image of its own. Legal: 1 to
+  # 100.
   windows = 8
-  # Test recordings per class, never trained on. Legal: 2..=100000.
+  # Test recordings per class, never trained on. Legal: 2 to 100000.
   test_per_class = 500
-  # Passes over the training set. Legal: 1..=10000.
+  # Passes over the training set. Legal: 1 to 10000.
   epochs = 20
-  # Recordings per step. Legal: 2..=10000.
+  # Recordings per step. Legal: 2 to 10000.
   batch = 50
   # How steps are taken. Legal: one of adamw, adam, momentum.
   optimizer = "adamw"
   # How the learning rate goes. Legal: one of one-cycle, constant.
   schedule = "one-cycle"
-  # Learning rate: the peak of the one-cycle schedule, or the constant. Legal: 0.0000001..=1.
+  # Learning rate: the peak of the one-cycle schedule, or the constant. Legal: 0.0000001 to 1.
   learning_rate = 0.005
-  # AdamW's weight decay. Legal: 0..=1.
+  # AdamW's weight decay. Legal: 0 to 1.
   weight_decay = 0.01
-  # Images of a batch are mixed in pairs by a share drawn from Beta(mixup, mixup), 0..=1; 0: never. Legal:
-  # 0..=1.
+  # Images of a batch are mixed in pairs by a share drawn from Beta(mixup, mixup), 0 to 1; 0: never. Legal: 0 to
+  # 1.
   mixup = 0.0
-  # Widest band of rows that goes dark in an image learned from; 0: none. Legal: 0..=32.
+  # Widest band of rows that goes dark in an image learned from; 0: none. Legal: 0 to 32.
   mask_rows = 12
-  # Share of the training recordings kept for validation, 0..=0.5; the best epoch on them is kept. Legal:
-  # 0..=0.5.
+  # Share of the training recordings kept for validation, 0 to 0.5; the best epoch on them is kept. Legal: 0 to
+  # 0.5.
   validation = 0.0
   # Epochs without a better loss on the validation recordings before training stops; 0: never. Legal: 0 unless
   # learning.validation is above 0.
   patience = 0
   # Cross entropy in nats that int8 may add on training images; above it the network is tuned with int8's
-  # rounding. Legal: 0..=10.
+  # rounding. Legal: 0 to 10.
   tune_above = 0.01
-  # Images, counted as often as they are shown, of such a tuning. Legal: 1..=1000000.
+  # Images, counted as often as they are shown, of such a tuning. Legal: 1 to 1000000.
   tuning_images = 2000
-  # Channels of every convolution: a multiple of 4, 4..=32. Legal: a multiple of 4 in 4..=32.
+  # Channels of every convolution: a multiple of 4, 4 to 32. Legal: a multiple of 4 in 4 to 32.
   channels = 8
-  # Residual blocks. Legal: 1..=8.
+  # Residual blocks. Legal: 1 to 8.
   blocks = 3
-  # Stride of the input convolution: 1 or 2. Legal: 1..=2.
+  # Stride of the input convolution: 1 or 2. Legal: 1 to 2.
   stem_stride = 2
   
   # The communication side.
   [communication]
-  # OFDM sub-carriers M. Legal: 1..=65536.
+  # OFDM sub-carriers M. Legal: 1 to 65536.
   subcarriers = 64
-  # Bandwidth that they share in Hz. Legal: 10000..=10000000000.
+  # Bandwidth that they share in Hz. Legal: 10000 to 10000000000.
   bandwidth_hz = 10000000.0
-  # Duration of an OFDM symbol with its prefix T_o in s. Legal: 0.0000001..=0.00025, at most a slot.
+  # Duration of an OFDM symbol with its prefix T_o in s. Legal: 0.0000001 to 0.00025, at most a slot.
   symbol_s = 0.00005
-  # Transmit power in W, shared by the sub-carriers. Legal: 0.000000001..=1000.
+  # Transmit power in W, shared by the sub-carriers. Legal: 0.000000001 to 1000.
   power_w = 1.0
-  # Noise figure of the receivers in dB. Legal: 0..=40.
+  # Noise figure of the users' receivers in dB. Legal: 0 to 40.
   noise_figure_db = 10.0
-  # Receiver positions in m, one list per case. Legal: how many: 1..=16; receivers: 1..=8; each: inside the room
-  # [0, 0, 0]..=[3.0, 4.5, 3.0]; each: at least 0.1 m from the base station.
+  # User positions in m, one list per case. Legal: how many: 1 to 16; users: 1 to 8; each: inside the room [0,
+  # 0, 0] to [3.0, 4.5, 3.0]; each: at least 0.1 m from the base station.
   cases = [[[1.5, 3.0, 1.0], [2.5, 1.0, 1.0], [0.5, 1.0, 1.0]], [[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]]]
-  # Channel draws averaged for the expected gain of a sub-carrier. Legal: 1..=1000000.
+  # Channel draws averaged for the expected gain of a sub-carrier. Legal: 1 to 1000000.
   draws = 200
   
-  # The trade between the two.
+  # The operating point of the two.
   [trade]
-  # Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest). Legal: 0..=1.
+  # Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest). Legal: 0 to
+  # 1.
   accuracy_weight = 0.5
-  # Case (1-based) whose operating point the scheduler plays. Legal: 1..=2, one of communication.cases.
+  # Case (1-based) of the operating point that the scheduler plays. Legal: 1 to 2, one of communication.cases.
   case = 1
   # A point is saturated where the smaller normalised marginal rate is below this share of the larger. Legal:
-  # 0.000001..=1.
+  # 0.000001 to 1.
   zone_ratio = 0.2
 
   $ sdp3 scenario new room.toml --set radar.carrier_hz=5.8e9
@@ -256,10 +258,10 @@ Scenarios: listed, shown, written, checked, set field by field.
     4 | power_w = "much"
       |           ^^^^^^
     invalid type: string "much", expected f64
-  sdp3: bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000..=100000000000
-  sdp3: bad.toml: channel.rho = 1.5 is outside its legal range: 0..=1
+  sdp3: bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000 to 100000000000
+  sdp3: bad.toml: channel.rho = 1.5 is outside its legal range: 0 to 1
   sdp3: bad.toml: frame.sensing_slots = [400, 300, 5000] is outside its legal range: a non-empty ascending list
-  sdp3: bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152..=1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3
+  sdp3: bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152 to 1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3
   [2]
 
   $ sdp3 scenario check bad.toml --json
@@ -268,10 +270,10 @@ Scenarios: listed, shown, written, checked, set field by field.
     "errors": [
       "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`",
       "bad.toml: TOML parse error at line 4, column 11\n    |\n  4 | power_w = \"much\"\n    |           ^^^^^^\n  invalid type: string \"much\", expected f64",
-      "bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000..=100000000000",
-      "bad.toml: channel.rho = 1.5 is outside its legal range: 0..=1",
+      "bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000 to 100000000000",
+      "bad.toml: channel.rho = 1.5 is outside its legal range: 0 to 1",
       "bad.toml: frame.sensing_slots = [400, 300, 5000] is outside its legal range: a non-empty ascending list",
-      "bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152..=1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3"
+      "bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152 to 1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3"
     ]
   }
   sdp3: bad.toml: TOML parse error at line 3, column 1
@@ -284,10 +286,10 @@ Scenarios: listed, shown, written, checked, set field by field.
     4 | power_w = "much"
       |           ^^^^^^
     invalid type: string "much", expected f64
-  sdp3: bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000..=100000000000
-  sdp3: bad.toml: channel.rho = 1.5 is outside its legal range: 0..=1
+  sdp3: bad.toml: radar.carrier_hz = 1 is outside its legal range: 500000000 to 100000000000
+  sdp3: bad.toml: channel.rho = 1.5 is outside its legal range: 0 to 1
   sdp3: bad.toml: frame.sensing_slots = [400, 300, 5000] is outside its legal range: a non-empty ascending list
-  sdp3: bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152..=1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3
+  sdp3: bad.toml: frame.sensing_slots = 5000 is outside its legal range: 152 to 1000: N_s must fill four windows and N_s (N_m + 1) <= N = 4000 with N_m = 3
   [2]
 
   $ sdp3 scenario check missing.toml
@@ -313,5 +315,5 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set channel.rho=1.5
-  sdp3: command line: --set: channel.rho = 1.5 is outside its legal range: 0..=1
+  sdp3: command line: --set: channel.rho = 1.5 is outside its legal range: 0 to 1
   [2]

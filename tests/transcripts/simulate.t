@@ -33,13 +33,13 @@ Datasets: made, complete, refused.
   [2]
 
   $ sdp3 simulate --per-class 0
-  error: invalid value '0' for '--per-class <PER_CLASS>': 0 is not in 1..=2000000
+  error: invalid value '0' for '--per-class <PER_CLASS>': 0 is not in 1 to 2000000
   
   For more information, try '--help'.
   [2]
 
   $ sdp3 simulate --shard 4/3
-  error: invalid value '4/3' for '--shard <I/N>': 4/3 is not in 1/N..=N/N: the I-th of N shards, for example 2/3
+  error: invalid value '4/3' for '--shard <I/N>': 4/3 is not in 1/N to N/N: the I-th of N shards, for example 2/3
   
   For more information, try '--help'.
   [2]

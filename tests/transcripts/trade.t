@@ -31,10 +31,10 @@ Learning curves, regions and schedules from a table of accuracies.
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.9
   most throughput with accuracy at least 0.9 by pow3, rmse 0.0066
-  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884..=0.921), 10573046 bit per period, adversarial
+  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884 to 0.921), 10573046 bit per period, adversarial
     adversarial from N_s = 182
     sensing-saturation from N_s = 464
-  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884..=0.921), 10762309 bit per period, adversarial
+  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884 to 0.921), 10762309 bit per period, adversarial
     adversarial from N_s = 182
     sensing-saturation from N_s = 464
   zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
@@ -47,7 +47,7 @@ Learning curves, regions and schedules from a table of accuracies.
   3500000000\t0.1\t2\t1\t2\t288\t0.8859853527989875\t14086009.936798658 (esc)
 
   $ sdp3 optimize --points points.csv --accuracy 1.5
-  sdp3: command line: --accuracy = 1.5 is outside its legal range: 0..=1
+  sdp3: command line: --accuracy = 1.5 is outside its legal range: 0 to 1
   [2]
 
   $ sdp3 optimize --points points.csv --curve spline
@@ -55,21 +55,21 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
-  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.4690..=0.9498 and at most 11118041 bit
+  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.4690 to 0.9498 and at most 11118041 bit
   [2]
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 300
   5 periods, 20000 decisions: 1500 sensing, 0 idle
   5 new plans: 1 joined, 0 left, 2 rates, 0 targets, 7 slots lost and 2 of sensing, 0 given back
-  receiver   periods        slots  bit a period       offered      wait   bound
+  user       periods        slots  bit a period       offered      wait   bound
   1                5         5821       9320458       9320458         7      22
   2                5         4929       9323838       9323838         9      27
   3                5         5597       9323322       9323322         9      22
   6                2         2153       7511454       7511454         6      20
-  every promise held
+  every property held
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 5000
-  sdp3: command line: --sensing-slots = 5000 is outside its legal range: 0..=1000
+  sdp3: command line: --sensing-slots = 5000 is outside its legal range: 0 to 1000
   [2]
 
   $ sdp3 schedule

@@ -22,7 +22,7 @@ pub struct Add {
     pub multiplier: [i32; 2],
     /// Multiplier of the sum.
     pub out_multiplier: i32,
-    /// Shifts of the inputs, -31..=7.
+    /// Shifts of the inputs, -31 to 7.
     pub shift: [i8; 2],
     /// Shift of the sum.
     pub out_shift: i8,

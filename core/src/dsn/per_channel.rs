@@ -22,7 +22,7 @@ pub struct PerChannelQuant<'m> {
     pub multipliers: &'m [[u8; 4]],
     /// Biases in accumulator steps: little-endian i32, `[channels]`; see [`PerChannelQuant::bias`].
     pub biases: &'m [[u8; 4]],
-    /// Shifts, -31..=7: i8, `[channels]`.
+    /// Shifts, -31 to 7: i8, `[channels]`.
     pub shifts: &'m [u8],
     /// Weights: i8, output channel first.
     pub weights: &'m [u8],

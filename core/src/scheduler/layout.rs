@@ -14,13 +14,13 @@ pub const LONGEST_PERIOD: u32 = 1 << 24;
 #[non_exhaustive]
 pub enum PlanError {
     /// The period is 0 or longer than [`LONGEST_PERIOD`].
-    #[error("period {period} is not in 1..={LONGEST_PERIOD}")]
+    #[error("period {period} is not in 1 to {LONGEST_PERIOD}")]
     Period {
         /// N.
         period: u32,
     },
     /// No user, or more than [`USERS`].
-    #[error("{users} users; legal are 1..={USERS}")]
+    #[error("{users} users; legal are 1 to {USERS}")]
     Users {
         /// K.
         users: usize,

@@ -72,7 +72,7 @@ impl Plan {
         self.shares.get(..self.users as usize).unwrap_or(&self.shares)
     }
 
-    /// Whether slot `j`, 1..=N, senses.
+    /// Whether slot `j`, 1 to N, senses.
     pub fn senses(&self, j: u32) -> bool {
         let step = u64::from(self.spacing()) + 1;
         let (j, last) = (u64::from(j), u64::from(self.sensing()) * step);

@@ -258,7 +258,7 @@ fn inner(projection: &Projection, beat: &Beat) -> Complex<i64> {
     sum
 }
 
-/// `round(x / 2^shift)`, halves up; shift 0..=40.
+/// `round(x / 2^shift)`, halves up; shift 0 to 40.
 const fn round_shift(x: i64, shift: u32) -> i32 {
     if shift == 0 { x as i32 } else { (x.wrapping_add(1 << (shift - 1)) >> shift) as i32 }
 }

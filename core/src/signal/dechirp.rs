@@ -4,19 +4,19 @@
 
 use crate::config::RadarConfig;
 use crate::math::sin_cos_turn;
-pub(crate) use crate::simd::conj_mac::Iq;
+pub(crate) use crate::simd::conj_mac::ComplexI16;
 
 /// Complex samples that begin at a word: what the multiply-accumulate instructions of Arm load in fours.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(4))]
-pub(crate) struct WordAligned<const N: usize>(pub [Iq; N]);
+pub(crate) struct WordAligned<const N: usize>(pub [ComplexI16; N]);
 
 const L: usize = RadarConfig::PAPER.samples as usize;
 
-/// The paper's chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1..=1000, in Q1.15 (scaled by 32767), `[fast_time]`.
+/// The paper's chirp `s[n] = exp(j pi n^2 / 1000)`, n = 1 to 1000, in Q1.15 (scaled by 32767), `[fast_time]`.
 ///
 /// B t^2 / T_sw with t = n / f_s gives pi n^2 / 1000 = 2 pi n^2 / 2000, in whole parts of a turn: the phase is exact.
-pub static CHIRP: [Iq; L] = CHIRP_WORDS.0;
+pub static CHIRP: [ComplexI16; L] = CHIRP_WORDS.0;
 
 pub(crate) static CHIRP_WORDS: WordAligned<L> = {
     let mut table = WordAligned([[0; 2]; L]);
@@ -29,13 +29,13 @@ pub(crate) static CHIRP_WORDS: WordAligned<L> = {
 };
 
 /// Sample n = 0..L - 1 of a chirp of L samples. Its bandwidth is the sampling rate.
-const fn chirp_sample(n: usize, length: usize) -> Iq {
+const fn chirp_sample(n: usize, length: usize) -> ComplexI16 {
     let (sine, cosine) = sin_cos_turn((n as u64 + 1) * (n as u64 + 1), 2 * length as u64);
     [to_q15(cosine), to_q15(sine)]
 }
 
 /// Writes the chirp of `table.len()` samples.
-pub(crate) fn write_chirp(table: &mut [Iq]) {
+pub(crate) fn write_chirp(table: &mut [ComplexI16]) {
     let length = table.len();
     table.iter_mut().enumerate().for_each(|(n, sample)| *sample = chirp_sample(n, length));
 }

@@ -1,6 +1,6 @@
 //! Fast time: the samples of one slot to its range samples, as the radar configuration says.
 
-use super::dechirp::{CHIRP_WORDS, Iq, write_chirp};
+use super::dechirp::{CHIRP_WORDS, ComplexI16, write_chirp};
 use super::range_gate::write_references;
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 use crate::dims::{BEATS, Beat, Complex, ZERO_BEAT};
@@ -11,14 +11,14 @@ use crate::simd::conj_mac::{Sum, conj_mac};
 pub struct FastTime<'b> {
     config: RadarConfig,
     /// Empty: summed as they are.
-    reference: &'b [Iq],
+    reference: &'b [ComplexI16],
 }
 
 impl<'b> FastTime<'b> {
     /// Fills `memory` with [`RadarConfig::reference_len`] reference samples; `None` if it has fewer or the configuration is not valid.
-    pub fn new(config: RadarConfig, memory: &'b mut [Iq]) -> Option<Self> {
+    pub fn new(config: RadarConfig, memory: &'b mut [ComplexI16]) -> Option<Self> {
         let table = memory.get_mut(..config.reference_len()).filter(|_| config.is_valid())?;
-        let reference: &[Iq] = match (config.gate, config.dechirp) {
+        let reference: &[ComplexI16] = match (config.gate, config.dechirp) {
             (Some(gate), _) => {
                 write_references(&config, gate, table);
                 table
@@ -78,14 +78,14 @@ impl<'b> FastTime<'b> {
 }
 
 /// Sums of blocks of samples.
-fn block_sums(samples: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+fn block_sums(samples: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(block.max(1))) {
         *sum = samples.iter().fold([0; 2], |[re, im], [i, q]| [re + i64::from(*i), im + i64::from(*q)]);
     }
 }
 
 /// `sum conj(reference) samples` of real samples.
-fn real_conj_mac(samples: &[i16], reference: &[Iq]) -> [i64; 2] {
+fn real_conj_mac(samples: &[i16], reference: &[ComplexI16]) -> [i64; 2] {
     let (mut re, mut im) = (Sum::default(), Sum::default());
     for (&x, [c, s]) in samples.iter().zip(reference) {
         re.add(i32::from(x) * i32::from(*c));

@@ -7,7 +7,7 @@ use super::clutter::{
     ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, SvdRange, UNIT_PROJECTION, largest_part,
     project, slow_time_shift,
 };
-use super::dechirp::Iq;
+use super::dechirp::ComplexI16;
 use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
 use super::spectrogram::{log_magnitudes, quantize_db};
@@ -23,15 +23,15 @@ use crate::probe::Probe;
 pub struct Preprocessing {
     /// Singular components kept.
     pub kept: SvdRange,
-    /// Kaiser window length N_w, 2..=256.
+    /// Kaiser window length N_w, 2 to 256.
     pub window: u16,
-    /// Kaiser window's beta, 0..=40.
+    /// Kaiser window's beta, 0 to 40.
     pub beta: f32,
-    /// Sensing slots between two frames, 1..=window.
+    /// Sensing slots between two frames, 1 to window.
     pub hop: u16,
     /// FFT bins summed into one row: 1, 2 or 4.
     pub bins_per_row: u8,
-    /// Dynamic range in 1/64 octave of power (50 dB is 1063), 1..=4095.
+    /// Dynamic range in 1/64 octave of power (50 dB is 1063), 1 to 4095.
     pub range: u16,
 }
 
@@ -75,7 +75,7 @@ impl Default for Preprocessing {
 #[derive(Debug)]
 pub struct FrontEndBuffers<'b> {
     /// [`RadarConfig::reference_len`] reference samples.
-    pub reference: &'b mut [Iq],
+    pub reference: &'b mut [ComplexI16],
     /// Range samples, `[slow_time]`: as many as a recording has slots.
     pub beats: &'b mut [Beat],
     /// The slow-time signal, as long as a recording. Before it is made the next recording's first slots, one in eight, wait here.

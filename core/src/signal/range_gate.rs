@@ -8,14 +8,14 @@
 //! `exp(2 pi j q u) (1 + cos 2 pi u) / 2 sin(pi g u) / (g sin(pi u))` in Q1.15. M. Richards, Fundamentals of Radar Signal Processing,
 //! section 2.7 (stretch processing) and 4.6.
 
-use super::dechirp::{Iq, to_q15};
+use super::dechirp::{ComplexI16, to_q15};
 use crate::config::{RadarConfig, RangeGate};
 use crate::math::sin_cos_turn;
 
 /// Writes the references of all range samples, `[range][fast_time]`.
 ///
 /// Cost: four sines of f64 a sample, once; error below one LSB of Q1.15.
-pub(crate) fn write_references(config: &RadarConfig, gate: RangeGate, table: &mut [Iq]) {
+pub(crate) fn write_references(config: &RadarConfig, gate: RangeGate, table: &mut [ComplexI16]) {
     let length = usize::from(config.samples).max(1);
     let (l, g) = (length as u64, u64::from(gate.bins_per_sample));
     for (range, reference) in table.chunks_exact_mut(length).enumerate() {

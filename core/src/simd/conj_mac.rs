@@ -3,13 +3,13 @@
 //! [`portable`] is the reference of `arm`'s dual multiply-accumulates.
 
 /// Complex samples: in-phase and quadrature.
-pub(crate) type Iq = [i16; 2];
+pub(crate) type ComplexI16 = [i16; 2];
 
 /// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, by the fastest way of the target.
 ///
 /// |samples| |reference| below 2^31, blocks of at most 2^15 samples. Cost: four multiply-accumulates a sample.
 #[inline]
-pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     #[cfg(all(target_arch = "arm", arm_dsp))]
     super::arm::conj_mac(samples, reference, block, sums);
     #[cfg(not(all(target_arch = "arm", arm_dsp)))]
@@ -18,10 +18,10 @@ pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 
 /// [`conj_mac`] in portable Rust.
 #[inline]
-pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+pub fn portable(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
-        *sum = match (<&[Iq; 125]>::try_from(samples), <&[Iq; 125]>::try_from(reference)) {
+        *sum = match (<&[ComplexI16; 125]>::try_from(samples), <&[ComplexI16; 125]>::try_from(reference)) {
             (Ok(samples), Ok(reference)) => paper_block(samples, reference),
             _ => block_sum(samples, reference),
         };
@@ -30,15 +30,15 @@ pub fn portable(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64
 
 /// A block of the paper's configuration: a loop of known length is unrolled by the compiler.
 #[inline(never)]
-fn paper_block(samples: &[Iq; 125], reference: &[Iq; 125]) -> [i64; 2] {
+fn paper_block(samples: &[ComplexI16; 125], reference: &[ComplexI16; 125]) -> [i64; 2] {
     block_sum(samples, reference)
 }
 
 /// The sum of one block.
 #[inline(always)]
-fn block_sum(samples: &[Iq], reference: &[Iq]) -> [i64; 2] {
+fn block_sum(samples: &[ComplexI16], reference: &[ComplexI16]) -> [i64; 2] {
     let (mut real, mut imaginary) = (Sum::default(), Sum::default());
-    let mut add = |x: &Iq, s: &Iq| {
+    let mut add = |x: &ComplexI16, s: &ComplexI16| {
         let (i, q) = (i32::from(x[0]), i32::from(x[1]));
         let (c, s) = (i32::from(s[0]), i32::from(s[1]));
         real.add((i * c).wrapping_add(q * s));

@@ -130,7 +130,7 @@ mod firmware {
         let found = selftest::run(&mut rng);
         println(format_args!("selftest {:016x}", found[1]));
         if found != selftest::KNOWN_ANSWERS {
-            defmt::warn!("the self test of the signal chain failed"); // which stage, the suite tells
+            defmt::warn!("the self test of the signal chain failed"); // the suite reports the stage
         }
         let mut magic = [0; 4];
         if !file.read(&mut magic) || magic != *b"SDPS" || file.word() != Some(3) {

@@ -27,7 +27,7 @@ def simulate(
 ) -> Recordings:
     """What ``sdp3 simulate`` stores, recordings of each class in turn.
 
-    ``beat`` [recording, slow time, range, 2] int32; ``image`` [recording, 64, frame] int8, grey levels - 128;
+    ``beat`` [recording, slow time, range, 2] int32; ``image`` [recording, 64, frame] int8, intensities - 128;
     ``label`` [recording] uint8; with ``raw`` also ``raw`` [recording, slow time, samples, 2] int16, LSB, without the
     last axis for a radar of real samples.
     """
@@ -62,7 +62,7 @@ def dechirp(slots: NDArray[np.int16], scenario: str = "") -> NDArray[np.int32]:
     radar module's code."""
 
 class Scheduler:
-    """The radar module's scheduler. Slots are -1 for sensing, -2 for nobody's, else the receiver's number."""
+    """The radar module's scheduler. Slots are -1 for sensing, -2 for idle, else the user's number."""
 
     def __init__(self, period: int, spacing: int, sensing: int, rates: Sequence[int]) -> None: ...
     def next(self) -> int: ...

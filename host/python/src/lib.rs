@@ -5,7 +5,7 @@
 
 mod radar;
 mod simulator;
-mod trader;
+mod optimizer;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -39,8 +39,8 @@ fn _sdp3(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulator::scenario, module)?)?;
     module.add_function(wrap_pyfunction!(simulator::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(simulator::calibrate, module)?)?;
-    module.add_function(wrap_pyfunction!(trader::fit, module)?)?;
-    module.add_function(wrap_pyfunction!(trader::optimize, module)?)?;
+    module.add_function(wrap_pyfunction!(optimizer::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(optimizer::optimize, module)?)?;
     module.add_function(wrap_pyfunction!(radar::dechirp, module)?)?;
     module.add_class::<radar::Scheduler>()?;
     module.add_class::<radar::Model>()

@@ -60,7 +60,7 @@ impl Scheduler {
         let sensing = SensingLayout::new(period, spacing, sensing).map_err(refused)?;
         if rates.is_empty() || rates.len() > USERS {
             let n = rates.len();
-            return Err(refused(format!("rates: {n} receivers are outside the legal range: 1..={USERS}")));
+            return Err(refused(format!("rates: {n} users are outside the legal range: 1 to {USERS}")));
         }
         let mut all = [0; USERS];
         all.iter_mut().zip(rates).for_each(|(to, rate)| *to = rate);
@@ -85,7 +85,7 @@ impl Scheduler {
 
     fn set_rate(&mut self, receiver: usize, rate: u32) -> PyResult<()> {
         if receiver >= USERS {
-            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0..{USERS}")));
+            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0 to {}", USERS - 1)));
         }
         self.0.planner_mut().set_rate(receiver, rate);
         Ok(())

@@ -114,7 +114,7 @@ def test_the_schedule_is_the_paper_s():
         (lambda: sdp3.calibrate(np.zeros(5000), 1000.0, 3.5e9), "mean power"),
         (lambda: sdp3.calibrate(np.full(5000, np.nan), 1000.0, 3.5e9), "sample 0"),
         (lambda: sdp3.Scheduler(10, 3, 5, [1]), "10"),
-        (lambda: sdp3.Scheduler(10, 3, 1, [1] * 9), "9 receivers"),
+        (lambda: sdp3.Scheduler(10, 3, 1, [1] * 9), "9 users"),
         (lambda: sdp3.Model(b"SDP3"), "truncated"),
         (lambda: sdp3.dechirp(np.zeros((2, 999, 2), np.int16)), "999"),
     ],

@@ -1,6 +1,6 @@
 //! Commands of experiments that may leave one machine: `sweep`, `merge`.
 
-use super::context::Context;
+use super::context::{Context, count};
 use super::trainer;
 use clap::Args;
 use sdp3::formats::dataset::Shard;
@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 /// Shards of a job where `--shards` does not say, unless there are fewer cells.
 const SHARDS: u32 = 100;
 
-/// A plan, and where it is worked on.
+/// A plan, and where it runs.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
     /// The plan: name, scenarios, carrier_hz, rho, sensing_slots, seeds.
     #[arg(value_name = "PLAN.toml")]
     plan: PathBuf,
-    /// Make only the I-th of N shards of the cells; wins over the environment.
+    /// Make only the I-th of N shards of the cells; overrides the environment.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["slurm", "kubernetes"])]
     shard: Option<Shard>,
     /// Write a Slurm array job and the merge that depends on it, and submit both.
@@ -42,7 +42,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "NAME", default_value = "sdp3", requires = "kubernetes")]
     claim: String,
     /// Shards of the job, at most one a cell; absent: one a cell, at most 100.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = count(1..=u32::MAX))]
     shards: Option<u32>,
 }
 
@@ -83,7 +83,7 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Fa
     let shards = args.shards.unwrap_or(cells.min(SHARDS));
     if shards > cells {
         let text = format!(
-            "command line: --shards = {shards} is outside its legal range: 1..={cells}, the plan's cells"
+            "command line: --shards = {shards} is outside its legal range: 1 to {cells}, the plan's cells"
         );
         return Err(text.into());
     }
@@ -106,7 +106,7 @@ pub fn merge(context: &Context, args: &MergeArgs) -> Result<bool, Failure> {
 fn swept(done: &Swept, out: &Path) -> String {
     let Swept { shard, cells, made, kept, missing, .. } = done;
     let next = match missing {
-        0 => format!("`sdp3 merge {}` puts them together", out.display()),
+        0 => format!("`sdp3 merge {}` joins them", out.display()),
         _ => format!("{missing} are missing"),
     };
     format!("shard {shard}: {made} cells made, {kept} kept; of {cells} cells in all {next}")

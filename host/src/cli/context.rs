@@ -9,6 +9,7 @@ use sdp3::results::Files;
 use sdp3::resume::difference;
 use sdp3::scenario::{Override, Scenario};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// Size of the main job.
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub enum Preset {
     /// Minutes: fewer recordings, a strided network.
     Quick,
-    /// The paper's sizes: 200 recordings per class to train, 100 to test.
+    /// The paper's sizes: 200 recordings per class to train, 500 to test.
     Paper,
 }
 
@@ -42,10 +43,10 @@ pub struct Common {
     /// Print results as JSON, and nothing else, on stdout.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Say more on stderr.
+    /// Print more on stderr.
     #[arg(short, long, global = true)]
     pub verbose: bool,
-    /// Say nothing on stderr but errors.
+    /// Print only errors on stderr.
     #[arg(short, long, global = true)]
     pub quiet: bool,
 }
@@ -57,7 +58,7 @@ impl Common {
     }
 }
 
-/// A command's surroundings.
+/// Options, scenario and progress of a command.
 #[derive(Debug)]
 pub struct Context {
     /// The common options.
@@ -121,7 +122,7 @@ impl Context {
             learning.windows = 4;
             learning.epochs = 12;
             learning.channels = 8;
-            // so few passes have nothing to forget
+            // so few passes do not overfit
             learning.mask_rows = 0;
             job.scenario = small.with(&self.common.set, "--preset quick")?;
         }
@@ -175,6 +176,17 @@ impl Context {
     pub fn print_files(&self, files: &[PathBuf]) -> Result<(), Failure> {
         let names = Files(files.iter().map(|file| file.display().to_string()).collect());
         self.print(&names, || names.0.join("\n"))
+    }
+}
+
+/// A parser of a whole number within `range`.
+pub fn count(
+    range: RangeInclusive<u32>,
+) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number: i64 = text.parse().map_err(|error: std::num::ParseIntError| error.to_string())?;
+        let legal = u32::try_from(number).ok().filter(|number| range.contains(number));
+        legal.ok_or_else(|| format!("{number} is not in {} to {}", range.start(), range.end()))
     }
 }
 

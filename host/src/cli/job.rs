@@ -23,12 +23,12 @@ pub struct RunArgs {
     #[command(flatten)]
     pub measured: MeasuredArgs,
     #[command(flatten)]
-    pub proof: ProofArgs,
+    pub verify: VerifyArgs,
 }
 
-/// Targets of the proof.
+/// Targets of the comparison.
 #[derive(Debug, Clone, Args)]
-pub struct ProofArgs {
+pub struct VerifyArgs {
     /// Targets to compare.
     #[arg(long, value_delimiter = ',', default_values = TARGETS)]
     pub targets: Vec<String>,
@@ -38,11 +38,11 @@ pub struct ProofArgs {
 }
 
 /// Compares the core with reference and firmware on the models of a run.
-pub fn verify(context: &Context, proof: &ProofArgs) -> Result<bool, Failure> {
+pub fn verify(context: &Context, args: &VerifyArgs) -> Result<bool, Failure> {
     let job = context.job()?;
     let run = stored(&job)?;
     let job = Job { scenario: context.resolved(&job)?, seed: context.seed_of(run.seed, "run.json")?, ..job };
-    let verify = prove(&job, &run, proof)?;
+    let verify = compare(&job, &run, args)?;
     context.print(&verify, || table(&verify))?;
     Ok(verify.mismatches == 0)
 }
@@ -66,16 +66,16 @@ pub fn stored(job: &Job) -> Result<Run, OutputError> {
     job.output.read_json("run.json", RUN_FIRST)
 }
 
-fn prove(job: &Job, run: &Run, proof: &ProofArgs) -> Result<Verify, Failure> {
-    check_targets(proof)?;
+fn compare(job: &Job, run: &Run, args: &VerifyArgs) -> Result<Verify, Failure> {
+    check_targets(args)?;
     let models = stored_models(job, RUN_FIRST)?;
     let suite = job.suite(run.rho, &models, schedule_case(run))?;
-    job.prove(&suite, &proof.targets, proof.firmware.as_deref())
+    job.verify(&suite, &args.targets, args.firmware.as_deref())
 }
 
-pub fn check_targets(proof: &ProofArgs) -> Result<(), Failure> {
+pub fn check_targets(args: &VerifyArgs) -> Result<(), Failure> {
     let legal = || [REFERENCE].into_iter().chain(MACHINES);
-    match proof.targets.iter().find(|target| legal().all(|name| name != *target)) {
+    match args.targets.iter().find(|target| legal().all(|name| name != *target)) {
         Some(unknown) => {
             let names: Vec<&str> = legal().collect();
             Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
@@ -103,7 +103,7 @@ pub fn page(job: &Job, run: &Run, figures: &Figures) -> Result<PathBuf, Failure>
     Ok(job.output.write("report.html", page.as_bytes())?)
 }
 
-/// A proof in words.
+/// The comparison in words.
 pub fn table(verify: &Verify) -> String {
     let mut text = format!("{:<16}{:>12}{:>12}{:>16}", "target", "compared", "mismatches", "instructions");
     for t in &verify.targets {

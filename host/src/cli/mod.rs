@@ -4,10 +4,10 @@ mod cluster;
 mod context;
 mod job;
 mod models;
+mod optimizer;
 mod reference;
 mod scenarios;
 mod simulator;
-mod trader;
 #[cfg(feature = "train")]
 mod trainer;
 #[cfg(not(feature = "train"))]
@@ -48,22 +48,23 @@ Exit code: 0 done, 1 a check failed, 2 usage, input or I/O error, 130 interrupte
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// The main job: simulate, calibrate, learn, run, prove, trade, schedule, report.
+    /// Run the main job: simulate, calibrate, train, run, verify, optimize, schedule, report.
     #[command(after_help = "Examples:
   sdp3 run
   sdp3 run --preset paper --threads 8 --resume
   sdp3 run --measured walk.wav --carrier 24.125e9 --targets host-reference
   sdp3 run --scenario small-radar --set radar.carrier_hz=5.8e9 --out small --json")]
     Run(job::RunArgs),
-    /// Simulate recordings and write them as a dataset: parts of 100 recordings in NPZ, and a manifest.
+    /// Simulate recordings and write them as a dataset.
     ///
-    /// Interrupted, the same command resumes; complete, it changes nothing.
+    /// The dataset is parts of 100 recordings in NPZ, and a manifest. After an interruption the same command resumes. A complete
+    /// dataset is not changed.
     #[command(after_help = "Examples:
   sdp3 simulate --out data
   sdp3 simulate --channel ray-tracing --classes adult-walking,adult-running --per-class 200 --out data
   sdp3 simulate --per-class 1000 --raw --sigmf --shard 2/8 --out data")]
     Simulate(simulator::SimulateArgs),
-    /// Find the room's memory rho that a measured signal shows.
+    /// Find the channel correlation rho that a measured signal shows.
     #[command(after_help = "Examples:
   sdp3 calibrate --measured walk.wav --carrier 24.125e9
   sdp3 calibrate --measured sitting.npy --rate 20 --carrier 60e9 --motion standing --json
@@ -79,21 +80,25 @@ pub enum Command {
   sdp3 gallery --out pictures
   sdp3 gallery --scenario child-safe-room")]
     Gallery,
-    /// Train the networks and save their float parameters and the history of their losses.
+    /// Train the networks and save their float parameters.
+    ///
+    /// The history of the losses is saved beside them.
     #[command(after_help = "Examples:
   sdp3 train
   sdp3 train --preset paper --recipe paper-adam --resume
   sdp3 train --data data --set learning.epochs=40 --out trained")]
     Train(training::TrainArgs),
-    /// Answer a question that takes many trainings; the same command goes on where it was interrupted.
+    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines.
+    ///
+    /// After an interruption the same command resumes.
     #[command(after_help = "Examples:
   sdp3 study learning-curve --out curve
   sdp3 study robustness --seeds 3 --out robustness
   sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
     Study(training::StudyArgs),
-    /// Measure a plan of scenarios x carriers x rho x N_s x seeds, cell by cell: here, a shard of it, or as a job of many machines.
+    /// Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster.
     ///
-    /// Every cell simulates, trains, quantises and tests; the same command goes on where it was interrupted. The shard is --shard's,
+    /// Every cell simulates, trains, quantises and tests. After an interruption the same command resumes. The shard is --shard's,
     /// else that of SLURM_ARRAY_TASK_ID (with SLURM_ARRAY_TASK_MIN and _COUNT), else that of JOB_COMPLETION_INDEX (with
     /// JOB_COMPLETIONS), else the whole.
     #[command(after_help = "Examples:
@@ -102,61 +107,75 @@ pub enum Command {
   sdp3 sweep plan.toml --slurm --shards 60 --sbatch=--partition=long --out sweep
   sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep")]
     Sweep(cluster::SweepArgs),
-    /// Put the cells of a sweep together: merged.csv and merged.json, if every cell is there, whole and of the same plan.
+    /// Join the cells of a sweep.
+    ///
+    /// Writes merged.csv and merged.json if every cell is there, complete and of the same plan.
     #[command(after_help = "Examples:
   sdp3 merge quick
   sdp3 merge quick --json")]
     Merge(cluster::MergeArgs),
-    /// Turn trained networks into int8 model files.
+    /// Convert trained networks into int8 model files.
     #[command(after_help = "Examples:
   sdp3 quantize
   sdp3 quantize --data data --out trained")]
     Quantize(training::QuantizeArgs),
-    /// Write a network for other programs: a model file as .tflite, float parameters as .safetensors.
+    /// Write a network for other programs (.tflite, .safetensors).
+    ///
+    /// A model file is written as .tflite, float parameters as .safetensors.
     #[command(after_help = "Examples:
   sdp3 export out/models/dsn-1000.sdp3 --to dsn.tflite
   sdp3 export out/models/dsn-1000.json --to dsn.safetensors")]
     Export(models::ExportArgs),
-    /// Read another program's network: int8 .tflite of this topology, or float .safetensors, which is quantised.
+    /// Read a network of another program.
+    ///
+    /// The file is int8 .tflite of this topology, or float .safetensors, which is quantised.
     #[command(after_help = "Examples:
   sdp3 import dsn.tflite --to dsn.sdp3
   sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000")]
     Import(models::ImportArgs),
-    /// Tell what a model file holds, make keys, sign it, and ask whether a radio would take it.
+    /// Show, sign and verify model files, make keys.
     #[command(after_help = "Examples:
   sdp3 model show out/models/dsn-1000.sdp3
   sdp3 model keygen radio
   sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3
   sdp3 model verify signed.sdp3 --key radio.pub --oldest 7")]
     Model(models::ModelArgs),
-    /// Compare the core with its reference and its firmware, bit for bit, on the models of --out.
+    /// Compare the core with its reference and its firmware, bit for bit.
+    ///
+    /// The models are those of --out.
     #[command(after_help = "Examples:
   sdp3 verify
   sdp3 verify --targets host-reference,cortex-m4f --json")]
-    Verify(job::ProofArgs),
+    Verify(job::VerifyArgs),
     /// Fit the seven learning curves to accuracies.
     #[command(after_help = "Examples:
   sdp3 predict
   sdp3 predict --points points.csv --json")]
-    Predict(trader::PredictArgs),
+    Predict(optimizer::PredictArgs),
     /// Draw the accuracy-throughput region and choose a point on it.
     #[command(after_help = "Examples:
   sdp3 optimize --accuracy 0.9
   sdp3 optimize --points points.csv --weights 1,1e-5 --json
   sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3")]
-    Optimize(trader::OptimizeArgs),
-    /// Fit anytime sensing to the models of --out and draw its region beside the static one.
+    Optimize(optimizer::OptimizeArgs),
+    /// Fit early exits and draw their region beside the static one.
+    ///
+    /// The models are those of --out.
     #[command(after_help = "Examples:
   sdp3 anytime
   sdp3 anytime --calibrate-per-class 500 --accuracy 0.9")]
-    Anytime(trader::AnytimeArgs),
-    /// Play the operating point of --out's run through the core's scheduler: one period, or many in a world that changes.
+    Anytime(optimizer::AnytimeArgs),
+    /// Play the operating point through the core's scheduler.
+    ///
+    /// Plays one period of the operating point of --out's run, or with --periods many, with traffic, churn, fading and loss.
     #[command(after_help = "Examples:
   sdp3 schedule
   sdp3 schedule --periods 1000 --sensing-slots 300 --load 0.8
   sdp3 schedule --periods 200 --recognise-every 10 --threshold 0.9")]
-    Schedule(trader::WorldArgs),
-    /// Write the report page of --out's run again, and its figures as SVG and PNG.
+    Schedule(optimizer::ScheduleArgs),
+    /// Write the report page and its figures again.
+    ///
+    /// They are those of --out's run. The figures are SVG and PNG.
     #[command(after_help = "Examples:
   sdp3 report
   sdp3 report --out small")]
@@ -174,13 +193,15 @@ pub enum Command {
   sdp3 schema run
   sdp3 schema scenario-check")]
     Schema(reference::SchemaArgs),
-    /// Print a script that completes commands and options in a shell.
+    /// Print a script that completes commands in a shell.
     #[command(after_help = "Examples:
   sdp3 completions bash > /etc/bash_completion.d/sdp3
   sdp3 completions zsh > ~/.zfunc/_sdp3
   sdp3 completions fish > ~/.config/fish/completions/sdp3.fish")]
     Completions(reference::CompletionsArgs),
-    /// Write man pages: one for the tool and one for every command.
+    /// Write manual pages.
+    ///
+    /// There is one page for the tool and one for every command.
     #[command(after_help = "Examples:
   sdp3 man /usr/local/share/man/man1
   sdp3 man pages --json")]
@@ -220,10 +241,10 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Import(args) => models::import(context, &args),
         Command::Model(args) => models::model(context, &args),
         Command::Verify(args) => job::verify(context, &args),
-        Command::Predict(args) => trader::predict(context, &args),
-        Command::Optimize(args) => trader::optimize(context, args),
-        Command::Anytime(args) => trader::anytime(context, &args),
-        Command::Schedule(args) => trader::schedule(context, &args),
+        Command::Predict(args) => optimizer::predict(context, &args),
+        Command::Optimize(args) => optimizer::optimize(context, args),
+        Command::Anytime(args) => optimizer::anytime(context, &args),
+        Command::Schedule(args) => optimizer::schedule(context, &args),
         Command::Report => job::report(context),
         Command::Scenario(args) => scenarios::scenario(context, &args),
         Command::Schema(args) => reference::schema(context, &args),

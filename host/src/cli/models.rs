@@ -2,12 +2,12 @@
 
 use super::context::{Context, folder_of, name_of};
 use clap::{Args, Subcommand};
-use sdp3::bounded;
 use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use sdp3::formats::model_file::{Summary, Verdict};
+use sdp3::limited;
 use sdp3::output::Output;
 use sdp3::pipeline::Failure;
-use sdp3::predictor::interchange::{self, Exchange};
+use sdp3::predictor::interchange::{self, Conversion};
 use std::path::{Path, PathBuf};
 
 /// A network to write for other programs.
@@ -46,7 +46,7 @@ pub struct ModelArgs {
 /// The commands about model files.
 #[derive(Debug, Clone, Subcommand)]
 pub enum ModelCommand {
-    /// Tell what a model file holds: envelope, network, memory it needs.
+    /// Show what a model file holds: envelope, network, memory it needs.
     #[command(after_help = "Examples:
   sdp3 model show out/models/dsn-1000.sdp3
   sdp3 model show signed.sdp3 --json")]
@@ -56,18 +56,18 @@ pub enum ModelCommand {
   sdp3 model keygen radio
   sdp3 model keygen keys/release --json")]
     Keygen(KeygenArgs),
-    /// Sign a model file, for firmware that takes signed models only.
+    /// Sign a model file, for firmware that accepts only signed models.
     #[command(after_help = "Examples:
   sdp3 model sign out/models/dsn-1000.sdp3 --key radio.key --revision 7 --to signed.sdp3")]
     Sign(SignArgs),
-    /// Ask what firmware built with a public key would: exit code 1 and the reason if it would refuse the model.
+    /// Check whether firmware built with a public key accepts the model: exit code 1 and the reason if it does not.
     #[command(after_help = "Examples:
   sdp3 model verify signed.sdp3 --key radio.pub
   sdp3 model verify signed.sdp3 --key radio.pub --oldest 7 --json")]
     Verify(VerifyArgs),
 }
 
-/// A model file to tell about.
+/// A model file to show.
 #[derive(Debug, Clone, Args)]
 pub struct ShowArgs {
     /// MODEL.sdp3.
@@ -75,7 +75,7 @@ pub struct ShowArgs {
     pub file: PathBuf,
 }
 
-/// A model file to hold to a key.
+/// A model file and the key to verify it with.
 #[derive(Debug, Clone, Args)]
 pub struct VerifyArgs {
     /// MODEL.sdp3.
@@ -121,13 +121,13 @@ pub fn export(context: &Context, args: &ExportArgs) -> Result<bool, Failure> {
 }
 
 pub fn import(context: &Context, args: &ImportArgs) -> Result<bool, Failure> {
-    let exchange = Exchange {
+    let conversion = Conversion {
         scenario: &context.scenario,
         seed: context.common.seed(),
         sensing_slots: args.slots,
         progress: context.progress,
     };
-    let done = exchange.import(&args.from, &args.to)?;
+    let done = conversion.import(&args.from, &args.to)?;
     context.print(&done, || done.describe())?;
     Ok(true)
 }
@@ -142,7 +142,7 @@ pub fn model(context: &Context, args: &ModelArgs) -> Result<bool, Failure> {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Failure> {
-    Ok(bounded::read(file, bounded::NETWORK).map_err(|error| format!("{}: {error}", file.display()))?)
+    Ok(limited::read(file, limited::NETWORK).map_err(|error| format!("{}: {error}", file.display()))?)
 }
 
 fn show(context: &Context, args: &ShowArgs) -> Result<bool, Failure> {

@@ -16,10 +16,10 @@ pub struct CompletionsArgs {
     pub shell: Shell,
 }
 
-/// Where man pages go.
+/// Where manual pages go.
 #[derive(Debug, Clone, Args)]
 pub struct ManArgs {
-    /// The folder, which is made if need be.
+    /// The folder, which is created if it does not exist.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
 }

@@ -117,7 +117,7 @@ fn check(context: &Context, file: &Path) -> Result<bool, Failure> {
     let mut errors: Vec<String> =
         Scenario::errors_of(file, &context.common.set).iter().map(ToString::to_string).collect();
     if errors.is_empty() {
-        // what only a look at other files or a simulation tells, such as a motion capture
+        // what only other files or a simulation show, such as a motion capture
         let scenario = Scenario::resolve(Some(file), &context.common.set)?;
         errors.extend(sdp3::simulator::dataset::check(&scenario).err().map(|error| error.to_string()));
     }

@@ -1,6 +1,6 @@
-//! What simulates and compares with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
+//! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
 
-use super::context::{Context, folder_of, name_of};
+use super::context::{Context, count, folder_of, name_of};
 use clap::Args;
 use sdp3::formats::dataset::{self, PER_CLASS, Shard};
 use sdp3::formats::measured::Stated;
@@ -24,7 +24,7 @@ pub struct MeasuredArgs {
     /// Its sampling or slow-time rate in Hz, if the file does not say.
     #[arg(long, value_name = "HZ", requires = "measured")]
     pub rate: Option<f64>,
-    /// Gain of the sensor in dB, taken off.
+    /// Gain of the sensor in dB, which is subtracted.
     #[arg(long, value_name = "DB", requires = "measured", allow_negative_numbers = true)]
     pub gain: Option<f64>,
     /// Which array of an NPZ or which dataset of an HDF5 file.
@@ -39,7 +39,7 @@ pub struct MeasuredArgs {
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArgs {
     /// Recordings of each class.
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(PER_CLASS))]
+    #[arg(long, default_value_t = 20, value_parser = count(PER_CLASS))]
     pub per_class: u32,
     /// Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent:
     /// the scenario's.
@@ -141,7 +141,7 @@ pub fn gallery(context: &Context) -> Result<bool, Failure> {
     Ok(true)
 }
 
-/// The scenario's memory of the room, or the stored one.
+/// The scenario's rho, or the stored one.
 pub fn rho(scenario: &Scenario) -> f64 {
     scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(scenario).0)
 }

@@ -17,14 +17,14 @@ use sdp3::predictor::spectrograms::Collected;
 use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
 use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
-use sdp3::studies::Workshop;
+use sdp3::studies::RunContext;
 use sdp3::sweep::plan::Sweep;
 use sdp3_core::early_exit::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
-    let RunArgs { preset, resume, measured, proof } = args;
+    let RunArgs { preset, resume, measured, verify } = args;
     let job = &context.job_of(preset)?;
-    check_targets(&proof)?;
+    check_targets(&verify)?;
     job.warn_of_aliasing();
     job.warn_of_few_tests();
     job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
@@ -50,11 +50,11 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     }
     let (prediction, curve) = job.predict(&learned.accuracy)?;
     let rule = Rule::Weighted(job.scenario.trade.accuracy_weight);
-    let outcome = job.trade(&curve, &prediction.points, rule)?;
+    let outcome = job.optimize(&curve, &prediction.points, rule)?;
     let point: &OperatingPoint = &outcome.operating_point;
     let schedule = job.play(point, rho, &learned.models)?;
     let plans = outcome.region.iter().map(|p| playback::plan(p, point)).collect::<Result<_, _>>()?;
-    let anytime = hear(job, rho, &learned.models, point)?;
+    let anytime = classify_gallery(job, rho, &learned.models, point)?;
     let mut result = Run {
         scenario: job.scenario.name.clone(),
         seed: job.seed,
@@ -68,7 +68,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
         report: "report.html".into(),
     };
     let suite = job.suite(rho, &learned.models, schedule_case(&result))?;
-    result.verify = job.prove(&suite, &proof.targets, proof.firmware.as_deref())?;
+    result.verify = job.verify(&suite, &verify.targets, verify.firmware.as_deref())?;
     let figures = Figures {
         classes: sdp3::scenario::Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
         spectrograms,
@@ -88,14 +88,14 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     Ok(result.verify.mismatches == 0)
 }
 
-/// The gallery through anytime sensing at the operating point's accuracy, fitted on as many recordings as are tested.
-fn hear(
+/// The gallery with early exits at the operating point's accuracy, fitted on as many recordings as are tested.
+fn classify_gallery(
     job: &Job,
     rho: f64,
     models: &[Vec<u8>],
     point: &OperatingPoint,
 ) -> Result<Option<AnytimeGallery>, Failure> {
-    let stage = job.progress.stage("anytime", "the gallery's recordings");
+    let stage = job.progress.stage("early exits", "the gallery's recordings");
     let (s, asked) = (&job.scenario, (job.scenario.learning.test_per_class, point.accuracy));
     let found = gallery(s, rho, job.seed, models, asked, &|done, all| stage.at(done, all))?;
     stage.finish(&match &found {
@@ -103,7 +103,7 @@ fn hear(
             let slots: Vec<u32> = found.recordings.iter().map(|r| r.stops_after).collect();
             format!("the gallery's recordings stop after {slots:?} slots")
         }
-        None => format!("no anytime sensing: at most {EXITS} exits, {} networks", models.len()),
+        None => format!("no early exits: at most {EXITS} exits, {} networks", models.len()),
     });
     Ok(found)
 }
@@ -210,16 +210,16 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
     let cells = Cells::open(&job.output, &request)?;
     job.warn_of_few_tests();
-    let workshop = Workshop { progress: job.progress, workers: context.workers() };
+    let run_context = RunContext { progress: job.progress, workers: context.workers() };
     let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
     match name {
         Study::LearningCurve => {
-            let found = learning_curve::study(&request, &cells, workshop)?;
+            let found = learning_curve::study(&request, &cells, run_context)?;
             draw("learning-curve.svg", sdp3::report::studies::learning_curve(&found))?;
             context.print(&found, || learning_curve::table(&request, &found))?;
         }
         Study::Robustness => {
-            let found = robustness::study(&request, &cells, workshop)?;
+            let found = robustness::study(&request, &cells, run_context)?;
             draw("robustness.svg", sdp3::report::studies::robustness(&found))?;
             context.print(&found, || robustness::table(&request, &found))?;
         }
@@ -229,12 +229,12 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
                 Some(folder) => recordings::read(&folder, &stated)?,
                 None => Default::default(),
             };
-            let found = fidelity::study(&request, &cells, recordings, workshop)?;
+            let found = fidelity::study(&request, &cells, recordings, run_context)?;
             draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
             context.print(&found, || fidelity::table(&request, &found))?;
         }
         Study::Baselines => {
-            let found = baselines::study(&request, &cells, workshop)?;
+            let found = baselines::study(&request, &cells, run_context)?;
             draw("baselines.svg", sdp3::report::studies::baselines(&found))?;
             context.print(&found, || baselines::table(&request, &found))?;
         }
@@ -243,6 +243,6 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
 }
 
 pub fn shard(context: &Context, sweep: &Sweep, shard: Shard) -> Result<Swept, Failure> {
-    let workshop = Workshop { progress: context.progress, workers: context.workers() };
-    sdp3::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, workshop)
+    let run_context = RunContext { progress: context.progress, workers: context.workers() };
+    sdp3::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, run_context)
 }

@@ -1,6 +1,6 @@
-//! What can be asked of training: the words of `train`, `quantize`, `study`, the same in a build that cannot train.
+//! The options of `train`, `quantize` and `study`, the same in a build that cannot train.
 
-use super::context::Preset;
+use super::context::{Preset, count};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -61,9 +61,9 @@ pub struct StudyArgs {
     #[arg(value_enum)]
     pub name: Study,
     /// Seeds, from --seed upwards.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, default_value_t = 5, value_parser = count(1..=1000))]
     pub seeds: u32,
-    /// Of `fidelity`: a folder of measured recordings, in any depth, whose names tell the motion (walk, run, still, stand, sit).
+    /// Of `fidelity`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit).
     #[arg(long, value_name = "FOLDER")]
     pub measured: Option<PathBuf>,
     /// Carrier in Hz of recordings that do not say theirs.

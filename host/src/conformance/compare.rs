@@ -199,19 +199,19 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     };
     image.exact(&core.image, &signal::image(&levels, header.range));
 
-    let answer = network::infer(&case.model, &core.image);
+    let reference = network::infer(&case.model, &core.image);
     let mut layer = Tally::bits("layer");
-    layer.exact(&core.layers.concat(), &answer.layers.concat());
+    layer.exact(&core.layers.concat(), &reference.layers.concat());
     let mut logits = Tally::bits("logits");
-    logits.exact(&core.logits, &answer.logits);
+    logits.exact(&core.logits, &reference.logits);
     let mut class = Tally::bits("class");
     let first_of_largest = |logits: &[i64]| {
         let most = logits.iter().max()?;
         logits.iter().position(|logit| logit == most)
     };
-    class.exact(&[core.class], &[first_of_largest(&answer.logits)]);
+    class.exact(&[core.class], &[first_of_largest(&reference.logits)]);
     let mut confidence = Tally { rule: "relative error <= 0.6 %".into(), ..Tally::bits("confidence") };
-    confidence.bounded(0, (core.confidence / answer.confidence - 1.0).abs(), CONFIDENCE_BOUND);
+    confidence.bounded(0, (core.confidence / reference.confidence - 1.0).abs(), CONFIDENCE_BOUND);
     Ok(vec![beat, gram, weights, slow_time, frame, image, layer, logits, class, confidence])
 }
 
@@ -250,7 +250,7 @@ fn compare_fixed_frames(core: &Recorder, header: &network::Header) -> Tally {
     frame
 }
 
-/// One period of the core's scheduler: 255 sensing, else the receiver; empty if the plan is refused.
+/// One period of the core's scheduler: 255 sensing, else the user; empty if the plan is refused.
 pub fn play_schedule(suite: &Suite) -> Vec<u8> {
     let s = &suite.schedule;
     let Ok(plan) = Plan::new(s.period, s.spacing, s.sensing, &s.shares) else { return Vec::new() };

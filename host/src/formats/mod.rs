@@ -1,4 +1,4 @@
-//! File formats: what the outside world writes and reads.
+//! File formats: what other programs write and read.
 
 pub mod dataset;
 pub mod measured;

@@ -36,19 +36,19 @@ pub struct Preprocessing {
     pub radar: RadarConfig,
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u16,
-    /// First singular component kept, 1..=8.
+    /// First singular component kept, 1 to 8.
     pub first_kept: u8,
     /// Last singular component kept, `first_kept..=8`.
     pub last_kept: u8,
-    /// Kaiser window's length in sensing slots, 2..=256.
+    /// Kaiser window's length in sensing slots, 2 to 256.
     pub window_len: u16,
     /// Sensing slots between two frames, `1..=window_len`.
     pub hop: u16,
     /// FFT bins added into one row: 1, 2 or 4.
     pub bins_per_row: u8,
-    /// Dynamic range in 1/64 octave of power, 1..=4095 (1063 is 50 dB).
+    /// Dynamic range in 1/64 octave of power, 1 to 4095 (1063 is 50 dB).
     pub range: u16,
-    /// Kaiser window's beta, 0..=40.
+    /// Kaiser window's beta, 0 to 40.
     pub kaiser_beta: f32,
     /// Carrier frequency in kHz (for people; no arithmetic depends on it).
     pub carrier_khz: u32,
@@ -70,7 +70,7 @@ impl Preprocessing {
 ///
 /// `O` output channels; weights `[O][3][3][I]` of a convolution, `[O][I]` of the head, `[O]` of an affine layer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weighted {
+pub struct QuantizedLayer {
     /// Real size of one step of the input.
     pub in_scale: f32,
     /// Real size of one step of the output.
@@ -87,7 +87,7 @@ pub struct Weighted {
     pub multipliers: Vec<i32>,
     /// Biases `[O]` in steps of the accumulator.
     pub biases: Vec<i32>,
-    /// Shifts `[O]`, -31..=7; positive is to the left.
+    /// Shifts `[O]`, -31 to 7; positive is to the left.
     pub shifts: Vec<i8>,
     /// Weights.
     pub weights: Vec<i8>,
@@ -122,11 +122,11 @@ pub struct Add {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// First batch normalisation and ReLU, per channel.
-    pub affine: Weighted,
+    pub affine: QuantizedLayer,
     /// First convolution, with the second batch normalisation and ReLU folded in.
-    pub conv1: Weighted,
+    pub conv1: QuantizedLayer,
     /// Second convolution.
-    pub conv2: Weighted,
+    pub conv2: QuantizedLayer,
     /// Addition of the skip.
     pub add: Add,
 }
@@ -141,11 +141,11 @@ pub struct QuantizedNetwork {
     /// Stride of the input convolution, 1 or 2.
     pub stem_stride: u8,
     /// Input convolution, 1 -> C.
-    pub stem: Weighted,
+    pub stem: QuantizedLayer,
     /// Residual blocks.
     pub blocks: Vec<Block>,
     /// Classifier, C -> classes.
-    pub head: Weighted,
+    pub head: QuantizedLayer,
 }
 
 const KIND_CONV: u8 = 1;
@@ -193,7 +193,7 @@ impl QuantizedNetwork {
     }
 
     /// The layers that have weights, in order: name, kind, inputs per output, layer.
-    fn weighted(&self) -> Vec<(String, u8, usize, &Weighted)> {
+    fn weighted(&self) -> Vec<(String, u8, usize, &QuantizedLayer)> {
         let c = self.channels();
         let mut all = vec![("stem".to_string(), KIND_CONV, 9, &self.stem)];
         for (b, block) in self.blocks.iter().enumerate() {
@@ -330,7 +330,7 @@ fn sweep_words(radar: &RadarConfig) -> String {
     format!("{} {format} samples of {} bits{justified} {dechirp}", radar.samples, radar.converter_bits)
 }
 
-impl Weighted {
+impl QuantizedLayer {
     fn append(&self, kind: u8, out: &mut Vec<u8>) {
         prefix(kind, [self.in_zero, self.out_zero, self.act_min, self.act_max, 0], out);
         out.extend_from_slice(&self.in_scale.to_le_bytes());
@@ -375,9 +375,9 @@ pub(crate) mod tests {
     use crate::predictor::interchange::header;
     use crate::scenario::Scenario;
 
-    fn weighted(outputs: usize, inputs: usize, seed: i32) -> Weighted {
+    fn weighted(outputs: usize, inputs: usize, seed: i32) -> QuantizedLayer {
         let o = outputs as i32;
-        Weighted {
+        QuantizedLayer {
             in_scale: 0.5,
             out_scale: 0.25 + seed as f32,
             in_zero: -128,
@@ -449,11 +449,11 @@ pub(crate) mod tests {
             }
             values
         }
-        fn weighted(&mut self, kind: i8, outputs: usize, inputs: usize) -> Weighted {
+        fn weighted(&mut self, kind: i8, outputs: usize, inputs: usize) -> QuantizedLayer {
             assert_eq!(self.i8(), kind);
             let [in_zero, out_zero, act_min, act_max] = [self.i8(), self.i8(), self.i8(), self.i8()];
             assert_eq!(self.take::<3>(), [0; 3]);
-            Weighted {
+            QuantizedLayer {
                 in_zero,
                 out_zero,
                 act_min,

@@ -14,7 +14,7 @@ const DEEPEST: usize = 4;
 /// Magic and version.
 const PREFIX: usize = 8;
 
-/// An array whose header has been looked at.
+/// An array with its header read.
 pub type Checked<R> = NpyFile<Chain<Cursor<Vec<u8>>, R>>;
 
 /// An array.

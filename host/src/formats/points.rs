@@ -1,7 +1,7 @@
 //! Accuracy points: CSV `sensing_slots,accuracy[,tested]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
-use crate::bounded;
+use crate::limited;
 use crate::results::CurvePoint;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ pub enum PointsError {
 }
 
 const SLOTS: &str = "a number of slots above 1";
-const ACCURACY: &str = "0..=1";
+const ACCURACY: &str = "0 to 1";
 const TESTED: &str = "a number of recordings, at least 2";
 const LEAST_TESTED: f64 = 2.0;
 
@@ -44,7 +44,7 @@ const LEAST_TESTED: f64 = 2.0;
 ///
 /// [`PointsError`] names file, line or point, field, value and legal range.
 pub fn read(file: &Path) -> Result<Vec<CurvePoint>, PointsError> {
-    let text = bounded::read_text(file, bounded::TEXT)
+    let text = limited::read_text(file, limited::TEXT)
         .map_err(|source| PointsError::Read { file: file.to_owned(), source })?;
     let refuse = |place: String, field, value: &str, legal| PointsError::Value {
         file: file.to_owned(),
@@ -153,11 +153,11 @@ mod tests {
     #[test]
     fn refusals_name_place_field_value_and_range() {
         for (text, words) in [
-            ("[{\"sensing_slots\":200,\"accuracy\":1.5}]", ["point 1", "accuracy = 1.5", "0..=1"]),
+            ("[{\"sensing_slots\":200,\"accuracy\":1.5}]", ["point 1", "accuracy = 1.5", "0 to 1"]),
             ("[{\"sensing_slots\":null,\"accuracy\":0.5}]", ["point 1", "sensing_slots = null", "above 1"]),
             ("[{\"sensing_slots\":200,\"accuracy\":NaN}]", ["the whole", "JSON", "line 1 column 34"]),
             ("{\"a\": 3}", ["the whole", "points = (absent)", "sensing_slots, accuracy"]),
-            ("sensing_slots,accuracy\n200,NaN\n", ["line 2", "accuracy = \"NaN\"", "0..=1"]),
+            ("sensing_slots,accuracy\n200,NaN\n", ["line 2", "accuracy = \"NaN\"", "0 to 1"]),
             ("", ["line 1", "header = \"\"", "sensing_slots,accuracy"]),
         ] {
             let error = of(text).unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! A model's numbers in the order in which the vector kernels read them.
 //!
 //! The zero point of a layer's input is taken off the biases, so that kernels multiply the inputs as they are. Layers that
-//! no vector form covers are not packed: a shift outside -20..=-1, or a sum that could leave +-2^30. Training and
+//! no vector form covers are not packed: a shift outside -20 to -1, or a sum that could leave +-2^30. Training and
 //! TFLite's converter make none.
 
 use super::simd::{I32x16, LANES, MAX_ACCUMULATOR, Requantizer};

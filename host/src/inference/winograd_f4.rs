@@ -95,7 +95,7 @@ fn transform_columns<S: SimdI32>(simd: S, map: &[i32], row: usize, out: &mut [i3
 /// The words of [`TILES`] tiles at one point.
 type Point<const STEP: usize> = [[i32; STEP]; TILES];
 
-/// B^T along the rows of [`TILES`] tiles whose first row begins at `columns`.
+/// B^T along the rows of [`TILES`] tiles with the first row at `columns`.
 #[inline(always)]
 fn transform_rows<S: SimdI32, const STEP: usize>(
     simd: S,

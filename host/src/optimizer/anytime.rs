@@ -1,37 +1,38 @@
 //! The anytime region: threshold and last exit as variables beside N_s.
 //!
-//! What a recording does not sense goes to the receivers in the same period, so the expected throughput of a policy is Theorem 1's
+//! What a recording does not sense goes to the users in the same period, so the expected throughput of a policy is Theorem 1's
 //! at its expected number of sensing slots: R is linear in N_s.
 
 use super::operating_point::{Rule, choose};
 use super::region::Point;
 use super::theorem::Theorem;
-use super::{OptimizerError, prices};
-use crate::predictor::anytime::Answers;
+use super::{OptimizerError, bits_per_slot};
+use crate::predictor::anytime::ExitLogits;
 use crate::predictor::anytime::policy::{Course, Policy};
 use crate::results::{AnytimeGain, AnytimeRegionPoint, AnytimeResult, StaticPoint};
 use crate::scenario::Scenario;
 
-/// Recordings judged by a policy, with what each exit's network alone would have said.
+/// Recordings evaluated by a policy, with the classification of each exit's network alone.
 #[derive(Debug, Clone, Copy)]
-pub struct Judged<'a> {
-    /// Answers.
-    pub answers: &'a Answers,
-    /// Verdicts.
+pub struct Evaluated<'a> {
+    /// Logits of every exit.
+    pub exit_logits: &'a ExitLogits,
+    /// Classifications.
     pub courses: &'a [Course],
 }
 
 /// For every static N_s: threshold and last exit that reach its accuracy on the calibration recordings with the fewest slots, and
 /// what they reach on the test recordings beside it.
-pub fn gains(policy: &Policy, calibration: Judged, test: Judged) -> Vec<AnytimeGain> {
+pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<AnytimeGain> {
     let rows = (0..policy.exits.len()).filter_map(|exit| {
-        let wanted = calibration.answers.alone(exit);
-        let (threshold, last) = policy.cheapest(calibration.courses, &calibration.answers.truth, wanted)?;
-        let anytime = policy.play(test.courses, &test.answers.truth, threshold, last);
+        let wanted = calibration.exit_logits.alone(exit);
+        let (threshold, last) =
+            policy.cheapest(calibration.courses, &calibration.exit_logits.truth, wanted)?;
+        let anytime = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
         let static_slots = policy.exits[exit].sensing_slots;
         Some(AnytimeGain {
             static_slots,
-            static_accuracy: test.answers.alone(exit),
+            static_accuracy: test.exit_logits.alone(exit),
             saved: 1.0 - anytime.sensing_slots / f64::from(static_slots),
             anytime,
         })
@@ -39,19 +40,19 @@ pub fn gains(policy: &Policy, calibration: Judged, test: Judged) -> Vec<AnytimeG
     rows.collect()
 }
 
-/// The upper envelope of all thresholds and last exits: accuracy against expected throughput of one receiver placement. Chosen
+/// The upper envelope of all thresholds and last exits: accuracy against expected throughput of one user placement. Chosen
 /// on the calibration recordings, stated on the test recordings.
 pub fn region(
     policy: &Policy,
-    calibration: Judged,
-    test: Judged,
+    calibration: Evaluated,
+    test: Evaluated,
     theorem: &Theorem,
     case: u32,
 ) -> Vec<AnytimeRegionPoint> {
     let mut all = Vec::new();
     for last in 0..policy.exits.len() {
         for threshold in Policy::thresholds() {
-            let found = policy.play(calibration.courses, &calibration.answers.truth, threshold, last);
+            let found = policy.play(calibration.courses, &calibration.exit_logits.truth, threshold, last);
             all.push((found.sensing_slots, found.accuracy, threshold, last));
         }
     }
@@ -64,7 +65,7 @@ pub fn region(
     });
     front
         .map(|(_, _, threshold, last)| {
-            let point = policy.play(test.courses, &test.answers.truth, threshold, last);
+            let point = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
             let throughput_bit = theorem.throughput_bit(point.sensing_slots);
             AnytimeRegionPoint { case, throughput_bit, point }
         })
@@ -80,17 +81,17 @@ pub fn outcome(
     scenario: &Scenario,
     seed: u64,
     policy: &Policy,
-    calibration: &Answers,
-    test: &Answers,
+    calibration: &ExitLogits,
+    test: &ExitLogits,
     rule: Rule,
 ) -> Result<AnytimeResult, OptimizerError> {
     let (fitted, courses) = (policy.courses(calibration), policy.courses(test));
-    let fitted = Judged { answers: calibration, courses: &fitted };
-    let judged = Judged { answers: test, courses: &courses };
+    let fitted = Evaluated { exit_logits: calibration, courses: &fitted };
+    let evaluated = Evaluated { exit_logits: test, courses: &courses };
     let (mut all, mut still) = (Vec::new(), Vec::new());
-    for (case, slot_bit) in prices(scenario, seed)? {
+    for (case, slot_bit) in bits_per_slot(scenario, seed)? {
         let theorem = Theorem::new(scenario.frame.period_slots, &slot_bit);
-        all.extend(region(policy, fitted, judged, &theorem, case));
+        all.extend(region(policy, fitted, evaluated, &theorem, case));
         still.extend(policy.exits.iter().enumerate().map(|(exit, e)| StaticPoint {
             case,
             sensing_slots: e.sensing_slots,
@@ -108,11 +109,11 @@ pub fn outcome(
     let points: Vec<Point> = own.iter().map(point).collect();
     let chosen = choose(&points, rule).ok_or_else(|| OptimizerError::unreachable(rule, &points))?;
     let operating_point = own[chosen].clone();
-    let fused = |exit: usize| policy.play(judged.courses, &test.truth, 2.0, exit).accuracy;
+    let fused = |exit: usize| policy.play(evaluated.courses, &test.truth, 2.0, exit).accuracy;
     Ok(AnytimeResult {
         calibrated_on: calibration.truth.len() as u32,
         tested: test.truth.len() as u32,
-        gains: gains(policy, fitted, judged),
+        gains: gains(policy, fitted, evaluated),
         fused_accuracy: (0..policy.exits.len()).map(fused).collect(),
         region: all,
         static_region: still,

@@ -1,4 +1,4 @@
-//! Trade: what accuracy costs in throughput, and the point handed to the scheduler.
+//! The optimizer: what accuracy costs in throughput, and the operating point of the scheduler.
 //!
 //! [`water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
 //! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond it, [`spacings`] and [`sweep`] vary what
@@ -32,13 +32,11 @@ use zones::Zones;
 /// Why there is no boundary or no point on it.
 #[derive(Debug, thiserror::Error)]
 pub enum OptimizerError {
-    /// A receiver hears nothing.
-    #[error(
-        "communication: receiver {receiver} gets {bits} bits per slot; every receiver needs a gain above 0"
-    )]
+    /// A user has no gain.
+    #[error("communication: user {user} gets {bits} bits per slot; every user needs a gain above 0")]
     Gain {
-        /// Receiver, from 0.
-        receiver: usize,
+        /// User, from 0.
+        user: usize,
         /// Bits per slot.
         bits: f64,
     },
@@ -60,7 +58,7 @@ pub enum OptimizerError {
     },
     /// No point satisfies the rule.
     #[error(
-        "no point of the boundary satisfies: {rule}; it offers accuracies {low:.4}..={high:.4} and at most {most:.0} bit"
+        "no point of the boundary satisfies: {rule}; it offers accuracies {low:.4} to {high:.4} and at most {most:.0} bit"
     )]
     Unreachable {
         /// The rule in words.
@@ -103,19 +101,19 @@ pub struct Outcome {
     pub weighted: Vec<WeightedPoint>,
     /// Every case: bits per slot, borders of its zones, its operating point.
     pub cases: Vec<Case>,
-    /// N_m varied in the case whose point is handed to the scheduler.
+    /// N_m varied in the case of the point for the scheduler.
     pub spacings: Vec<Spacing>,
     /// The point handed to the scheduler.
     pub operating_point: OperatingPoint,
 }
 
-/// Sub-carriers' powers of every receiver of a case, `[receiver][draw][subcarrier]`.
+/// Sub-carriers' powers of every user of a case, `[user][draw][subcarrier]`.
 fn draws(scenario: &Scenario, index: usize, seed: u64) -> Vec<Vec<Vec<f64>>> {
-    let receivers = &scenario.communication.cases[index];
-    receivers.iter().map(|&p| link::subcarrier_draws(scenario, p, seed)).collect()
+    let users = &scenario.communication.cases[index];
+    users.iter().map(|&p| link::subcarrier_draws(scenario, p, seed)).collect()
 }
 
-/// Bits of one slot for the receivers of a case.
+/// Bits of one slot for the users of a case.
 struct Bits {
     /// At the expected gains.
     expected: Vec<f64>,
@@ -137,12 +135,12 @@ impl Bits {
     }
 }
 
-/// Number of every case and the bits of one slot for its receivers.
+/// Number of every case and the bits of one slot for its users.
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Gain`] for a receiver that hears nothing.
-pub fn prices(scenario: &Scenario, seed: u64) -> Result<Vec<(u32, Vec<f64>)>, OptimizerError> {
+/// [`OptimizerError::Gain`] for a user without gain.
+pub fn bits_per_slot(scenario: &Scenario, seed: u64) -> Result<Vec<(u32, Vec<f64>)>, OptimizerError> {
     let price = |index: usize| Ok((index as u32 + 1, Bits::of(scenario, index, seed)?.expected));
     (0..scenario.communication.cases.len()).map(price).collect()
 }
@@ -204,7 +202,7 @@ fn weighted(Priced { case, points }: &Priced) -> Vec<WeightedPoint> {
     (0..=WEIGHTS).filter_map(best).collect()
 }
 
-/// Every case's prices, zones and operating point.
+/// Every case's bits per slot, zones and operating point.
 ///
 /// # Errors
 ///
@@ -309,10 +307,10 @@ mod tests {
     }
 
     #[test]
-    fn a_receiver_that_hears_nothing_is_named() {
+    fn a_user_without_gain_is_named() {
         let error =
             throughput::slot_bits(&Scenario::default(), &[vec![1e-9; 64], vec![0.0; 64]]).unwrap_err();
-        assert!(error.to_string().contains("receiver 1 gets 0 bits"), "{error}");
+        assert!(error.to_string().contains("user 1 gets 0 bits"), "{error}");
     }
 
     #[test]

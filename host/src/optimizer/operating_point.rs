@@ -10,11 +10,11 @@ use super::region::Point;
 pub enum Rule {
     /// Weight of accuracy; throughput has the rest; both over their span.
     Weighted(f64),
-    /// w_A and w_R as printed: accuracy in 0..=1, throughput in bits per period.
+    /// w_A and w_R as printed: accuracy in 0 to 1, throughput in bits per period.
     Weights(f64, f64),
-    /// The fewest sensing slots whose accuracy reaches this.
+    /// The fewest sensing slots that reach this accuracy.
     AccuracyAtLeast(f64),
-    /// The most sensing slots whose throughput in bits per period reaches this.
+    /// The most sensing slots that leave this throughput in bits per period.
     ThroughputAtLeast(f64),
 }
 

@@ -31,17 +31,17 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
         Plan::new(point.period_slots, point.spacing_slots, point.sensing_slots, &point.communication_slots)
             .map_err(OptimizerError::Plan)?;
     let mut sequencer = Sequencer::new(&plan);
-    let receivers = point.communication_slots.len();
+    let users = point.communication_slots.len();
     let mut schedule = Schedule {
         period_slots: plan.period(),
         sensing_slots: 0,
-        communication_slots: vec![0; receivers],
-        longest_wait_slots: vec![0; receivers],
-        delivered_bit: vec![0.0; receivers],
+        communication_slots: vec![0; users],
+        longest_wait_slots: vec![0; users],
+        delivered_bit: vec![0.0; users],
         timeline: Vec::new(),
         recognised: None,
     };
-    let mut waits = vec![0; receivers];
+    let mut waits = vec![0; users];
     for _ in 0..plan.period() {
         waits.iter_mut().for_each(|wait| *wait += 1);
         let slot = sequencer.next_slot();

@@ -19,7 +19,7 @@ pub struct Point {
     pub shares: Vec<u32>,
     /// Predicted accuracy.
     pub accuracy: f64,
-    /// Worst receiver's bits per period.
+    /// Worst user's bits per period.
     pub throughput_bit: f64,
 }
 
@@ -33,7 +33,7 @@ pub fn point(period: u32, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Poi
     Point { sensing_slots: sensing, shares, accuracy, throughput_bit: worst }
 }
 
-/// Least and largest N_s: one window, and the most whose spacing `spacing` (N_m) fits the period.
+/// Least and largest N_s: one window, and the most that fit the period at the spacing `spacing` (N_m).
 ///
 /// # Errors
 ///
@@ -99,13 +99,13 @@ mod tests {
     fn integers_lose_less_than_k_minus_one_slots_against_the_closed_form() {
         let mut random = Random::new(4, 0, 0, 0);
         let scenario = Scenario::default();
-        for receivers in [1, 3, 8] {
+        for users in [1, 3, 8] {
             for _ in 0..10 {
-                let bits: Vec<f64> = (0..receivers).map(|_| 500.0 + 3000.0 * random.uniform()).collect();
+                let bits: Vec<f64> = (0..users).map(|_| 500.0 + 3000.0 * random.uniform()).collect();
                 let theorem = Theorem::new(4000, &bits);
                 for p in boundary(&scenario, &curve(), &bits).unwrap() {
                     let exact = theorem.throughput_bit(f64::from(p.sensing_slots));
-                    let loss = f64::from(receivers - 1) / f64::from(4000 - p.sensing_slots);
+                    let loss = f64::from(users - 1) / f64::from(4000 - p.sensing_slots);
                     assert!(p.throughput_bit <= exact * (1.0 + 1e-12));
                     assert!(p.throughput_bit >= exact * (1.0 - loss - 1e-12), "{} {exact}", p.throughput_bit);
                     assert_eq!(p.shares.iter().sum::<u32>() + p.sensing_slots, 4000);

@@ -1,6 +1,6 @@
 //! The exact integer division of slots for real rates: the core's, settled to the last bit of an f64.
 //!
-//! The core divides by rates of 31 bits; receivers whose products differ by less than that may still trade a slot.
+//! The core divides by rates of 31 bits; users with products that differ by less than that may still exchange a slot.
 
 use sdp3_core::scheduler::{USERS, apportion};
 
@@ -10,7 +10,7 @@ pub fn integer_rates(slot_bits: &[f64]) -> Vec<u32> {
     slot_bits.iter().map(|r| ((r / most * f64::from(i32::MAX)).round() as u32).max(1)).collect()
 }
 
-/// N_c,k with the largest worst `share x rate`, and that product in bits. At most eight receivers.
+/// N_c,k with the largest worst `share x rate`, and that product in bits. At most eight users.
 pub fn divide(slot_bits: &[f64], slots: u32) -> (Vec<u32>, f64) {
     let mut shares = vec![0; slot_bits.len()];
     apportion(&integer_rates(slot_bits), &[0; USERS][..shares.len()], slots, &mut shares);

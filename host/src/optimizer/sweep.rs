@@ -1,4 +1,4 @@
-//! The operating point over carrier, power, number of receivers and their distance: every combination, one row each.
+//! The operating point over carrier, power, number of users and their distance: every combination, one row each.
 
 use super::operating_point::Rule;
 use super::{OptimizerError, cases};
@@ -13,9 +13,9 @@ pub enum Axis {
     Carrier,
     /// Transmit power of the communication in W.
     Power,
-    /// Number of receivers K: the case's own first, then ones placed at random.
+    /// Number of users K: the case's own first, then ones placed at random.
     Receivers,
-    /// Factor on every receiver's distance from the base station.
+    /// Factor on every user's distance from the base station.
     Distance,
 }
 
@@ -49,14 +49,14 @@ impl std::str::FromStr for Sweep {
         let number = |value: &str| {
             let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
             let number = number.filter(|v| axis != Axis::Receivers || (v.fract() == 0.0 && *v <= 8.0));
-            let range = if axis == Axis::Receivers { "1..=8" } else { "a number above 0" };
+            let range = if axis == Axis::Receivers { "1 to 8" } else { "a number above 0" };
             number.ok_or_else(|| format!("{name} = {value} is outside its legal range: {range}"))
         };
         Ok(Sweep { axis, values: values.split(',').map(number).collect::<Result<_, _>>()? })
     }
 }
 
-/// Stream number of the places of further receivers.
+/// Stream number of the places of further users.
 const STREAM: u64 = 202;
 
 fn apply(scenario: &mut Scenario, axis: Axis, value: f64, seed: u64) {
@@ -152,7 +152,7 @@ mod tests {
         assert!(bit(10.0, 3) > bit(1.0, 3) && bit(1.0, 3) > bit(0.1, 3));
         assert!(bit(1.0, 1) > bit(1.0, 3) && bit(1.0, 3) > bit(1.0, 5));
         assert!("power=1".parse::<Sweep>().unwrap_err().contains("power_w"));
-        assert!("receivers=9".parse::<Sweep>().unwrap_err().contains("1..=8"));
+        assert!("receivers=9".parse::<Sweep>().unwrap_err().contains("1 to 8"));
         let far: Sweep = "distance=3".parse().unwrap();
         let error =
             rows(&Scenario::default(), &curve, Rule::Weighted(0.5), &[far], 1).unwrap_err().to_string();

@@ -1,16 +1,16 @@
 //! Theorem 1: the boundary in closed form, and the weighted sum's optimum on it, over real numbers of slots.
 //!
-//! T_s Theta^-1(A) + [sum over receivers of T_s / r_k] R = N T_s, r_k being receiver k's bits in one slot: R falls linearly in
+//! T_s Theta^-1(A) + [sum over users of T_s / r_k] R = N T_s, r_k being user k's bits in one slot: R falls linearly in
 //! N_s. Theta need not be concave; the weighted sum is maximised over every interval between zeros of its derivative.
 
 use crate::predictor::learning_curve::{evaluate, slope};
 use crate::results::Curve;
 
-/// What Theorem 1 needs: N and the receivers' bits per slot.
+/// What Theorem 1 needs: N and the users' bits per slot.
 #[derive(Debug, Clone)]
 pub struct Theorem {
     period: f64,
-    /// Slots that one bit for every receiver takes: sum of 1 / r_k.
+    /// Slots that one bit for every user takes: sum of 1 / r_k.
     slots_per_bit: f64,
 }
 

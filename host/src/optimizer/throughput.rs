@@ -1,4 +1,4 @@
-//! Bits that one communication slot carries to a receiver.
+//! Bits that one communication slot carries to a user.
 //!
 //! Eq. (R_k): T_s / T_o OFDM symbols of the water-filled rate; noise k T (B / M) F per sub-carrier.
 
@@ -15,23 +15,19 @@ pub fn slot_bit(scenario: &Scenario, gains: &[f64]) -> f64 {
     scenario.frame.slot_s / c.symbol_s * allocate(&gamma).rate_bit
 }
 
-/// Bits per slot of each receiver at its sub-carriers' expected gains `E |H_m|^2`, `[receiver][subcarrier]`: the paper's
+/// Bits per slot of each user at its sub-carriers' expected gains `E |H_m|^2`, `[user][subcarrier]`: the paper's
 /// approximation, which knows the channel by its mean alone.
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Gain`] for a receiver that hears nothing.
+/// [`OptimizerError::Gain`] for a user without gain.
 pub fn slot_bits(scenario: &Scenario, gains: &[Vec<f64>]) -> Result<Vec<f64>, OptimizerError> {
     gains
         .iter()
         .enumerate()
-        .map(|(receiver, gains)| {
+        .map(|(user, gains)| {
             let bits = slot_bit(scenario, gains);
-            if bits.is_finite() && bits > 0.0 {
-                Ok(bits)
-            } else {
-                Err(OptimizerError::Gain { receiver, bits })
-            }
+            if bits.is_finite() && bits > 0.0 { Ok(bits) } else { Err(OptimizerError::Gain { user, bits }) }
         })
         .collect()
 }

@@ -1,6 +1,6 @@
 //! Accuracy through the core: raw I/Q in, classes out, by the very code that runs in the radar module.
 //!
-//! Every test recording is generated once and given to the receiver of every model.
+//! Every test recording is generated once and given to the pipeline of every model.
 
 use super::spectrograms::item;
 use crate::formats::slots::Slots;

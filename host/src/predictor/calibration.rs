@@ -1,7 +1,7 @@
 //! Ranges of the activations: from what a float network does on training images to one int8 grid per activation.
 //!
-//! Two rules compete, the widest range seen and the one of least squared error; the caller keeps the one whose
-//! rehearsal loses less (Jacob et al., 2018, section 3; Nagel et al., 2021, section 3.1).
+//! Two rules compete, the widest range seen and the one of least squared error; the caller keeps the one with the
+//! smaller loss under fake quantisation (Jacob et al., 2018, section 3; Nagel et al., 2021, section 3.1).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,8 @@ use super::parameters::Images;
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// From the smallest to the largest value seen.
-    Widest,
+    #[serde(rename = "widest")]
+    MinMax,
     /// The part of that range, from the same zero, with the least squared error.
     LeastError,
 }
@@ -24,25 +25,25 @@ const SHARES: [f32; 8] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 
 /// An int8 grid: value `q` stands for `(q - zero) scale`; zero is on it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Grid {
+pub struct QuantParams {
     /// Real size of one step.
     pub scale: f32,
     /// Value that stands for zero.
     pub zero: i8,
 }
 
-impl Grid {
+impl QuantParams {
     /// The image's grid: pixel -128 is 0, pixel 127 is 1.
-    pub const IMAGE: Grid = Grid { scale: 1.0 / 255.0, zero: -128 };
+    pub const IMAGE: QuantParams = QuantParams { scale: 1.0 / 255.0, zero: -128 };
 
     /// The 256 steps that cover `low..=high` and zero.
-    pub fn covering(low: f32, high: f32) -> Grid {
+    pub fn covering(low: f32, high: f32) -> QuantParams {
         let (low, high) = (low.min(0.0), high.max(0.0));
         let scale = (high - low) / 255.0;
         if !(scale.is_normal() && scale.is_finite()) {
-            return Grid { scale: 1.0, zero: 0 };
+            return QuantParams { scale: 1.0, zero: 0 };
         }
-        Grid { scale, zero: (-128.0 - low / scale).round().clamp(-128.0, 127.0) as i8 }
+        QuantParams { scale, zero: (-128.0 - low / scale).round().clamp(-128.0, 127.0) as i8 }
     }
 
     /// The value nearest to `x`, half a step upwards.
@@ -68,18 +69,18 @@ impl Grid {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grids {
     /// After the input convolution and the pooling.
-    pub stem: Grid,
+    pub stem: QuantParams,
     /// Per block: affine, conv1, conv2, add.
-    pub blocks: Vec<[Grid; 4]>,
+    pub blocks: Vec<[QuantParams; 4]>,
     /// The answer.
-    pub logits: Grid,
+    pub logits: QuantParams,
 }
 
 impl Grids {
-    /// Grid of an activation.
-    pub fn of(&self, activation: Activation) -> Grid {
+    /// Parameters of an activation.
+    pub fn of(&self, activation: Activation) -> QuantParams {
         match activation {
-            Activation::Input => Grid::IMAGE,
+            Activation::Input => QuantParams::IMAGE,
             Activation::Stem => self.stem,
             Activation::Affine(b) => self.blocks[b][0],
             Activation::Conv1(b) => self.blocks[b][1],
@@ -116,8 +117,8 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
             (*low, *high) = (low.min(v), high.max(v));
         }
     });
-    let candidates: Vec<[Grid; SHARES.len()]> =
-        seen.iter().map(|&(low, high)| SHARES.map(|s| Grid::covering(s * low, s * high))).collect();
+    let candidates: Vec<[QuantParams; SHARES.len()]> =
+        seen.iter().map(|&(low, high)| SHARES.map(|s| QuantParams::covering(s * low, s * high))).collect();
     let mut errors = vec![[0.0f64; SHARES.len()]; count];
     network.evaluate(images, &mut |activation, values| {
         let at = position(activation, blocks);
@@ -125,7 +126,7 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
             *error += values.iter().map(|&v| f64::from((v - grid.round(v)).powi(2))).sum::<f64>();
         }
     });
-    let mut best: Vec<Grid> = errors
+    let mut best: Vec<QuantParams> = errors
         .iter()
         .zip(&candidates)
         .map(|(errors, grids)| {
@@ -133,14 +134,14 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
             grids[least]
         })
         .collect();
-    let widest: Vec<Grid> = candidates.iter().map(|grids| grids[0]).collect();
+    let widest: Vec<QuantParams> = candidates.iter().map(|grids| grids[0]).collect();
     // The answer is never clipped: what would be lost there is the order of the classes.
     best[count - 1] = widest[count - 1];
-    [(Rule::Widest, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
+    [(Rule::MinMax, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
 }
 
 /// One grid per [`position`], sorted into a network's places.
-pub(super) fn assemble(grids: &[Grid], blocks: usize) -> Grids {
+pub(super) fn assemble(grids: &[QuantParams], blocks: usize) -> Grids {
     let at = |activation| grids[position(activation, blocks)];
     let block =
         |b| [Activation::Affine(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at);
@@ -158,23 +159,23 @@ mod tests {
     #[test]
     fn zero_is_on_every_grid_and_a_rectified_one_starts_there() {
         for (low, high) in [(-1.0, 3.0), (0.0, 7.0), (-5.0, 0.0), (2.0, 3.0), (-0.3, 1000.0)] {
-            let grid = Grid::covering(low, high);
+            let grid = QuantParams::covering(low, high);
             assert_eq!(grid.round(0.0), 0.0);
             let (bottom, top) = grid.range();
             assert!(bottom <= low.max(0.0) + grid.scale && top >= high - grid.scale, "{low} {high}");
         }
-        assert_eq!(Grid::covering(0.0, 7.0).zero, -128);
-        assert_eq!(Grid::covering(0.0, 0.0), Grid { scale: 1.0, zero: 0 });
+        assert_eq!(QuantParams::covering(0.0, 7.0).zero, -128);
+        assert_eq!(QuantParams::covering(0.0, 0.0), QuantParams { scale: 1.0, zero: 0 });
     }
 
     #[test]
     fn rounding_errs_by_half_a_step_at_most() {
-        let grid = Grid::covering(-2.0, 5.0);
+        let grid = QuantParams::covering(-2.0, 5.0);
         for i in 0..=700 {
             let x = -2.0 + i as f32 * 0.01;
             assert!((grid.round(x) - x).abs() <= 0.5001 * grid.scale + 1e-6, "{x}");
         }
-        assert_eq!(Grid::IMAGE.quantize(1.0), 127);
+        assert_eq!(QuantParams::IMAGE.quantize(1.0), 127);
         assert_eq!(grid.quantize(1e9), 127);
     }
 }

@@ -79,7 +79,7 @@ pub struct Checkpoint {
 #[derive(Debug, Error, PartialEq)]
 pub enum CheckpointError {
     /// It is of another training.
-    #[error("{field} is {value}, must be {legal}; train without --resume to begin anew")]
+    #[error("{field} is {value}, must be {legal}; train without --resume to restart")]
     Other {
         /// What differs.
         field: &'static str,

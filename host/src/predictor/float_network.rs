@@ -185,7 +185,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Share that was right, 0..=1.
+    /// Share that was right, 0 to 1.
     pub fn accuracy(&self) -> f64 {
         self.right as f64 / self.classes.len().max(1) as f64
     }

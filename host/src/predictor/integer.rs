@@ -3,7 +3,7 @@
 //! 64-bit sums, no kernels; gemmlowp's double rounding.
 
 use super::float_network::same_padding;
-use crate::formats::model_file::{QuantizedNetwork, Weighted};
+use crate::formats::model_file::{QuantizedLayer, QuantizedNetwork};
 
 /// Rounding doubling high multiplication, then rounding division by a power of two.
 fn rescale(acc: i64, multiplier: i32, shift: i8) -> i64 {
@@ -14,7 +14,7 @@ fn rescale(acc: i64, multiplier: i32, shift: i8) -> i64 {
     (high >> e) + i64::from(rest > (mask >> 1) + i64::from(high < 0))
 }
 
-impl Weighted {
+impl QuantizedLayer {
     /// An output from its accumulator.
     pub fn out(&self, channel: usize, acc: i64) -> i64 {
         let y = rescale(acc, self.multipliers[channel], self.shifts[channel]) + i64::from(self.out_zero);

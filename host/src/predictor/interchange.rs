@@ -11,9 +11,9 @@ use super::parameters::Parameters;
 use super::quantization::{QuantizationReport, quantize};
 use super::safetensors;
 use super::spectrograms::collect;
-use crate::bounded;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
-use crate::formats::tflite::{self, Surroundings};
+use crate::formats::tflite::{self, ImportDefaults};
+use crate::limited;
 use crate::output::Output;
 use crate::pipeline::Failure;
 use crate::progress::Progress;
@@ -37,8 +37,8 @@ pub struct Exchanged {
     pub quantization: Option<QuantizationReport>,
 }
 
-/// What stands at hand to understand a file.
-pub struct Exchange<'a> {
+/// The settings of a conversion, for what a file does not say.
+pub struct Conversion<'a> {
     /// Preprocessing, classes and the room that calibration images are simulated in.
     pub scenario: &'a Scenario,
     /// Seed of the calibration images.
@@ -59,7 +59,7 @@ fn ending(file: &Path) -> String {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Failure> {
-    bounded::read(file, bounded::NETWORK).map_err(|e| named(file)(&e))
+    limited::read(file, limited::NETWORK).map_err(|e| named(file)(&e))
 }
 
 /// Writes a network for other programs: a model file as `.tflite`, float parameters as `.safetensors`.
@@ -84,7 +84,7 @@ pub fn export(from: &Path, to: &Path) -> Result<Exchanged, Failure> {
     written(from, to, &bytes, None)
 }
 
-impl Exchange<'_> {
+impl Conversion<'_> {
     /// Reads another program's network: `.tflite` becomes a model file; `.safetensors` is quantised, or kept in floating
     /// point as `.json`.
     ///
@@ -93,12 +93,12 @@ impl Exchange<'_> {
     pub fn import(&self, from: &Path, to: &Path) -> Result<Exchanged, Failure> {
         match (ending(from).as_str(), ending(to).as_str()) {
             ("tflite", "sdp3") => {
-                let surroundings = Surroundings {
+                let import_defaults = ImportDefaults {
                     preprocessing: header(self.scenario, 0),
                     sensing_slots: self.sensing_slots(),
                     classes: Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
                 };
-                let network = tflite::import(&read(from)?, &surroundings).map_err(|e| named(from)(&e))?;
+                let network = tflite::import(&read(from)?, &import_defaults).map_err(|e| named(from)(&e))?;
                 let stated = usize::from(network.preprocessing.sensing_slots);
                 if let Some(n) = self.sensing_slots.filter(|n| usize::from(*n) != stated) {
                     let message = format!("it takes {stated} sensing slots, --slots says {n}");
@@ -199,7 +199,7 @@ fn written(
 }
 
 impl Exchanged {
-    /// The exchange in words: files, and per activation its range, error and clipped share.
+    /// The conversion in words: files, and per activation its range, error and clipped share.
     pub fn describe(&self) -> String {
         let mut text = format!("{} -> {}, {} bytes", self.from.display(), self.to.display(), self.bytes);
         if let Some(report) = &self.quantization {

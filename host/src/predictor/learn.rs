@@ -103,7 +103,7 @@ impl Job {
             // what the checkpoints are of; those that are there have been checked
             self.output.write("scenario.toml", s.to_toml().as_bytes())?;
         }
-        let stage = self.progress.stage("learn", "networks");
+        let stage = self.progress.stage("train", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
         let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();
         stage.at(done, total);
@@ -161,7 +161,7 @@ impl Job {
         Ok(models)
     }
 
-    /// The whole floor: train, quantise, test in float and through the core.
+    /// All steps: train, quantise, test in float and through the core.
     ///
     /// # Errors
     ///

@@ -1,8 +1,10 @@
 //! The predictor: learn to recognise motions from spectrograms, carry the network over to int8, predict accuracy.
 //!
-//! Paper, section V. `network`, `training`, `trunk` and `tuning` need burn (the feature `train`).
+//! Paper, section V. `network`, `training`, `backbone` and `tuning` need burn (the feature `train`).
 pub mod accuracy;
 pub mod anytime;
+#[cfg(feature = "train")]
+pub mod backbone;
 #[cfg(feature = "train")]
 pub mod baselines;
 pub mod calibration;
@@ -28,7 +30,5 @@ pub mod spectrograms;
 pub(crate) mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;
-#[cfg(feature = "train")]
-pub mod trunk;
 #[cfg(feature = "train")]
 pub mod tuning;

@@ -10,10 +10,10 @@ use burn::tensor::module::{conv2d, max_pool2d};
 use burn::tensor::ops::{ConvOptions, MaxPoolOptions};
 use burn::tensor::{Device, Tensor, TensorData};
 
+use super::backbone::operation::backbone;
+use super::backbone::{BlockKind, Shape, Workspace};
 use super::float_network::same_padding;
 use super::parameters::{Architecture, BATCH_NORM_EPSILON, BlockParameters, Norm, Parameters, Weights};
-use super::trunk::operation::trunk;
-use super::trunk::{Shape, Wiring, Workspace};
 
 /// A residual block of the network.
 #[derive(Module, Debug)]
@@ -129,22 +129,22 @@ impl Network {
         self.classify(x.reshape([batch, channels, height * width]).mean_dim(2).reshape([batch, channels]))
     }
 
-    /// As [`Network::forward`] in training, through the trunk's own passes; images lie on the CPU.
+    /// As [`Network::forward`] in training, through the backbone's own passes; images lie on the CPU.
     ///
     /// Normalises by the batch and moves the running statistics towards it.
     pub fn forward_batch(&self, images: Tensor<4>, workspace: &Workspace) -> Tensor<2> {
         let [batch, _, rows, frames] = images.dims();
         let [channels, ..] = self.stem.val().dims();
         let (blocks, stem_stride) = (self.blocks.len(), self.stride);
-        let wiring = Wiring::Residual;
-        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride, wiring };
+        let block_kind = BlockKind::Residual;
+        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride, block_kind };
         let mut parameters = vec![self.stem.val().flatten(0, 3), self.stem_bias.val()];
         for b in &self.blocks {
             parameters.extend([b.norm1.gamma.val(), b.norm1.beta.val(), b.conv1.val().flatten(0, 3)]);
             parameters.extend([b.norm2.gamma.val(), b.norm2.beta.val(), b.conv2.val().flatten(0, 3)]);
             parameters.push(b.bias2.val());
         }
-        let (features, statistics) = trunk(images, Tensor::cat(parameters, 0), shape, workspace);
+        let (features, statistics) = backbone(images, Tensor::cat(parameters, 0), shape, workspace);
         let norms = self.blocks.iter().flat_map(|b| [&b.norm1, &b.norm2]);
         for (norm, batch) in norms.zip(statistics.split(2 * channels, 0)) {
             let [mean, variance] = [0, channels].map(|start| batch.clone().narrow(0, start, channels));
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn the_trunks_passes_are_burns() {
+    fn the_backbones_passes_are_burns() {
         for (channels, stem_stride, frames) in [(4, 1, 10), (8, 2, 35), (16, 1, 7), (12, 2, 24)] {
             let architecture = Architecture { channels, blocks: 3, stem_stride, classes: 5 };
             let parameters = trained_looking(architecture, 11);
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn the_trunks_gradient_is_the_difference_quotient() {
+    fn the_backbones_gradient_is_the_difference_quotient() {
         let images = stripes(20, 2, 3);
         let device = Device::flex().autodiff();
         for stem_stride in [1, 2] {

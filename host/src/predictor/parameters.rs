@@ -1,4 +1,4 @@
-//! What a deep spectrogram network knows, as plain numbers: its shape, its parameters and the images it learns from.
+//! A deep spectrogram network as plain numbers: its shape, its parameters and the images it is trained on.
 //!
 //! Paper, section V: an input convolution with pooling, residual blocks BN-ReLU-Conv-BN-ReLU-Conv, and a classifier.
 

@@ -8,11 +8,11 @@ use thiserror::Error;
 mod report;
 pub use report::{LayerReport, QuantizationReport};
 
-use super::calibration::{Grid, Grids, Rule, calibrate};
+use super::calibration::{Grids, QuantParams, Rule, calibrate};
 use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Images, Parameters, shuffled};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
-use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedNetwork, Weighted};
+use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedLayer, QuantizedNetwork};
 
 /// Training images that are used, at most.
 pub const CALIBRATION_IMAGES: usize = 100;
@@ -51,7 +51,7 @@ pub enum QuantizationError {
 /// [`CALIBRATION_IMAGES`] are used.
 ///
 /// # Errors
-/// No image; weights whose scale or accumulator leaves the format's range.
+/// No image; weights with a scale or an accumulator outside the format's range.
 pub fn quantize(
     parameters: &Parameters,
     preprocessing: Preprocessing,
@@ -61,7 +61,7 @@ pub fn quantize(
     quantize_folded(&FloatNetwork::new(parameters), preprocessing, classes, images)
 }
 
-/// As [`quantize`], of a network whose normalisations are folded.
+/// As [`quantize`], of a network with folded normalisations.
 ///
 /// # Errors
 /// As [`quantize`].
@@ -74,12 +74,12 @@ pub fn quantize_folded(
     if images.is_empty() {
         return Err(QuantizationError::NoImages);
     }
-    let images = spread(images, CALIBRATION_IMAGES);
+    let images = evenly_spaced(images, CALIBRATION_IMAGES);
     let mut best: Option<(f64, Rule, Grids, Converted)> = None;
     let mut int8_loss = Vec::new();
     for (rule, grids) in calibrate(float, &images) {
         let converted = convert(float, &grids)?;
-        let loss = converted.rehearsal.evaluate(&images, &mut |a, v| round_all(grids.of(a), v)).loss;
+        let loss = converted.fake_quantised.evaluate(&images, &mut |a, v| round_all(grids.of(a), v)).loss;
         int8_loss.push((rule, loss));
         if best.as_ref().is_none_or(|b| loss < b.0) {
             best = Some((loss, rule, grids, converted));
@@ -92,7 +92,7 @@ pub fn quantize_folded(
         float_loss: float.classify(&images).loss,
         int8_loss,
         untuned_loss: None,
-        layers: report::compare(float, &converted.rehearsal, &grids, &images),
+        layers: report::compare(float, &converted.fake_quantised, &grids, &images),
     };
     let network = QuantizedNetwork {
         preprocessing,
@@ -106,7 +106,7 @@ pub fn quantize_folded(
 }
 
 /// At most `most` images, drawn without regard to their order, which may repeat the classes.
-fn spread(images: &Images, most: usize) -> Images {
+fn evenly_spaced(images: &Images, most: usize) -> Images {
     let mut chosen = shuffled(images.len(), 0, 0);
     chosen.truncate(most);
     Images {
@@ -117,20 +117,20 @@ fn spread(images: &Images, most: usize) -> Images {
     }
 }
 
-fn round_all(grid: Grid, values: &mut [f32]) {
+fn round_all(grid: QuantParams, values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = grid.round(*v));
 }
 
 /// The int8 layers, and the float network with their rounded weights that rehearses them.
 struct Converted {
-    stem: Weighted,
+    stem: QuantizedLayer,
     blocks: Vec<Block>,
-    head: Weighted,
-    rehearsal: FloatNetwork,
+    head: QuantizedLayer,
+    fake_quantised: FloatNetwork,
 }
 
 fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, QuantizationError> {
-    let (stem, rounded_stem) = convert_layer("stem", &float.stem, Grid::IMAGE, grids.stem)?;
+    let (stem, rounded_stem) = convert_layer("stem", &float.stem, QuantParams::IMAGE, grids.stem)?;
     let (mut blocks, mut rounded_blocks) = (Vec::new(), Vec::new());
     let mut x = grids.stem;
     for (b, (block, &[affine, conv1, conv2, add])) in float.blocks.iter().zip(&grids.blocks).enumerate() {
@@ -152,30 +152,30 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Quantizatio
         x = add;
     }
     let (head, rounded_head) = convert_layer("head", &float.head, x, grids.logits)?;
-    let rehearsal = FloatNetwork {
+    let fake_quantised = FloatNetwork {
         architecture: float.architecture,
         stem: rounded_stem,
         blocks: rounded_blocks,
         head: rounded_head,
     };
-    Ok(Converted { stem, blocks, head, rehearsal })
+    Ok(Converted { stem, blocks, head, fake_quantised })
 }
 
 /// The float network with the weights that int8 has on these grids.
 #[cfg(all(test, feature = "train"))]
 pub(super) fn rehearse(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, QuantizationError> {
-    convert(float, grids).map(|converted| converted.rehearsal)
+    convert(float, grids).map(|converted| converted.fake_quantised)
 }
 
 /// One layer with weights; also what its rounded weights and biases stand for.
 fn convert_layer(
     name: &str,
     layer: &FoldedLayer,
-    input: Grid,
-    output: Grid,
-) -> Result<(Weighted, FoldedLayer), QuantizationError> {
+    input: QuantParams,
+    output: QuantParams,
+) -> Result<(QuantizedLayer, FoldedLayer), QuantizationError> {
     let outputs = layer.biases.len();
-    let mut out = Weighted {
+    let mut out = QuantizedLayer {
         in_scale: input.scale,
         out_scale: output.scale,
         in_zero: input.zero,
@@ -224,7 +224,12 @@ fn weight_scale(kernel: &[f64], bias: f64, in_scale: f64) -> f32 {
 }
 
 /// The addition of a skip on grid `a` and a branch on grid `b`.
-fn convert_add(name: &str, a: Grid, b: Grid, sum: Grid) -> Result<Add, QuantizationError> {
+fn convert_add(
+    name: &str,
+    a: QuantParams,
+    b: QuantParams,
+    sum: QuantParams,
+) -> Result<Add, QuantizationError> {
     let ratios = add_ratios(a.scale, b.scale, sum.scale);
     let mut pairs = [(0, 0); 3];
     for (channel, (pair, &ratio)) in pairs.iter_mut().zip(&ratios).enumerate() {
@@ -296,7 +301,7 @@ mod tests {
     #[test]
     fn calibration_sees_every_class() {
         let images = stripes(10, 100, 1);
-        let chosen = spread(&images, CALIBRATION_IMAGES);
+        let chosen = evenly_spaced(&images, CALIBRATION_IMAGES);
         assert_eq!((chosen.len(), chosen.pixels.len()), (100, 100 * 640));
         for class in 0..5 {
             let count = chosen.labels.iter().filter(|&&l| l == class).count();
@@ -307,8 +312,8 @@ mod tests {
     #[test]
     fn a_silent_channel_keeps_its_bias() {
         let layer = FoldedLayer { weights: vec![0.0; 4], biases: vec![0.5, -0.25, 0.0, 0.9] };
-        let output = Grid::covering(-1.0, 1.0);
-        let (weighted, rounded) = convert_layer("head", &layer, Grid::IMAGE, output).unwrap();
+        let output = QuantParams::covering(-1.0, 1.0);
+        let (weighted, rounded) = convert_layer("head", &layer, QuantParams::IMAGE, output).unwrap();
         for (channel, bias) in [0.5f32, -0.25, 0.0, 0.9].into_iter().enumerate() {
             assert!((rounded.biases[channel] - f64::from(bias)).abs() < 1e-6);
             let q = weighted.out(channel, i64::from(weighted.biases[channel])) as i8;
@@ -319,8 +324,8 @@ mod tests {
     #[test]
     fn what_cannot_be_said_is_refused_by_name() {
         let layer = FoldedLayer { weights: vec![1.0], biases: vec![0.0] };
-        let fine = Grid { scale: 1e-9, zero: 0 };
-        let error = convert_layer("block 3 conv1", &layer, Grid::IMAGE, fine).unwrap_err().to_string();
+        let fine = QuantParams { scale: 1e-9, zero: 0 };
+        let error = convert_layer("block 3 conv1", &layer, QuantParams::IMAGE, fine).unwrap_err().to_string();
         assert!(error.starts_with("block 3 conv1: output channel 0 rescales by "), "{error}");
         let none = Images { rows: 64, frames: 10, pixels: vec![], labels: vec![] };
         let parameters =

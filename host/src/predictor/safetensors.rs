@@ -81,7 +81,7 @@ fn list(p: &Parameters) -> Vec<(String, Vec<usize>, &[f32])> {
 /// A network's parameters as a file.
 ///
 /// # Errors
-/// A list of values whose length is not its shape's.
+/// A list of values of another length than its shape's.
 pub fn write(parameters: &Parameters) -> Result<Vec<u8>, SafetensorsError> {
     let list = list(parameters);
     for (name, shape, values) in &list {
@@ -192,7 +192,7 @@ pub fn read(file: &[u8], stem_stride: usize) -> Result<Parameters, SafetensorsEr
         [c, 1, 3, 3] if (4..=MAX_CHANNELS).contains(&c) && c.is_multiple_of(4) => c,
         _ => return Err(wrong("tensor stem.weight: shape", format!("{shape:?}"), legal)),
     };
-    let legal = format!("[2..={MAX_CLASSES}, {c}]");
+    let legal = format!("[2 to {MAX_CLASSES}, {c}]");
     let shape = t.shape("head.weight", &legal)?;
     let classes = match shape[..] {
         [k, inputs] if (2..=MAX_CLASSES).contains(&k) && inputs == c => k,
@@ -200,7 +200,7 @@ pub fn read(file: &[u8], stem_stride: usize) -> Result<Parameters, SafetensorsEr
     };
     let blocks = (0..).take_while(|b| t.file.tensor(&format!("blocks.{b}.conv1.weight")).is_ok()).count();
     if !(1..=MAX_BLOCKS).contains(&blocks) {
-        return Err(wrong("number of blocks.b.conv1.weight", blocks, format!("1..={MAX_BLOCKS}")));
+        return Err(wrong("number of blocks.b.conv1.weight", blocks, format!("1 to {MAX_BLOCKS}")));
     }
     let architecture = Architecture { channels: c, blocks, stem_stride, classes };
     let stem = Weights { weights: t.take("stem.weight", &[c, 1, 3, 3])?, biases: t.take("stem.bias", &[c])? };
@@ -264,20 +264,20 @@ mod tests {
 
     #[test]
     fn errors_name_tensor_value_and_range() {
-        let spoiled = |change: fn(&mut Parameters)| {
+        let corrupted = |change: fn(&mut Parameters)| {
             let mut p = network();
             change(&mut p);
             read(&write(&p).unwrap(), 1).unwrap_err().to_string()
         };
         assert_eq!(
-            spoiled(|p| p.blocks[1].conv2.weights[5] = f32::NAN),
+            corrupted(|p| p.blocks[1].conv2.weights[5] = f32::NAN),
             "tensor blocks.1.conv2.weight, value 5 is NaN, must be finite"
         );
         assert!(
-            spoiled(|p| p.blocks[0].norm1.variance[2] = -1.0)
+            corrupted(|p| p.blocks[0].norm1.variance[2] = -1.0)
                 .contains("running_var, value 2 is -1, must be 0")
         );
-        assert!(spoiled(|p| p.architecture.stem_stride = 3).contains("stem_stride is 3, must be 1 or 2"));
+        assert!(corrupted(|p| p.architecture.stem_stride = 3).contains("stem_stride is 3, must be 1 or 2"));
         let file = write(&network()).unwrap();
         assert!(
             read(&file[..file.len() - 1], 1).unwrap_err().to_string().contains("not a readable safetensors")

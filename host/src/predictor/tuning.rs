@@ -11,7 +11,7 @@ use burn::tensor::module::max_pool2d;
 use burn::tensor::ops::MaxPoolOptions;
 use burn::tensor::{Device, Tensor, TensorData};
 
-use super::calibration::{Grid, Grids};
+use super::calibration::{Grids, QuantParams};
 use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::network::convolve;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
@@ -131,7 +131,7 @@ struct Rounded {
 }
 
 /// The nearest value of the grid; its gradient is that of the clipping alone.
-fn round<const D: usize>(x: Tensor<D>, grid: Grid) -> Tensor<D> {
+fn round<const D: usize>(x: Tensor<D>, grid: QuantParams) -> Tensor<D> {
     let (low, high) = grid.range();
     let x = x.clamp(low, high);
     let exact = x.clone().detach();
@@ -210,11 +210,11 @@ mod tests {
             let float = FloatNetwork::new(&trained_looking(architecture, 21));
             let images = stripes(frames, 2, 1);
             let [_, (_, grids)] = calibrate(&float, &images);
-            let rehearsal = rehearse(&float, &grids).unwrap();
+            let fake_quantised = rehearse(&float, &grids).unwrap();
             let found = Rounded::new(&float, &device).forward(input(&images, &device), architecture, &grids);
             let found: Vec<f32> = found.into_data().iter::<f32>().collect();
             for (i, found) in found.chunks(5).enumerate() {
-                let expected = rehearsal.forward(images.image(i), images.rows, &mut |a, v| {
+                let expected = fake_quantised.forward(images.image(i), images.rows, &mut |a, v| {
                     if a != Activation::Input {
                         v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
                     }
@@ -232,7 +232,7 @@ mod tests {
         let device = Device::flex().autodiff();
         let x = Tensor::<1>::from_data(TensorData::new(vec![-3.0f32, 0.3, 0.7, 9.0], [4]), &device)
             .require_grad();
-        let y = round(x.clone(), Grid::covering(-1.0, 2.0));
+        let y = round(x.clone(), QuantParams::covering(-1.0, 2.0));
         let gradient: Vec<f32> = x.grad(&y.sum().backward()).unwrap().into_data().iter::<f32>().collect();
         assert_eq!(gradient, [0.0, 1.0, 1.0, 0.0]);
     }
@@ -254,17 +254,17 @@ mod tests {
         let float = FloatNetwork::new(&trained.parameters);
         // int8's ranges, made sixteen times coarser: 16 levels for every activation but the answer
         let [(_, mut grids), _] = calibrate(&float, &images);
-        let coarse = |g: Grid| {
+        let coarse = |g: QuantParams| {
             let (low, high) = g.range();
-            Grid { scale: (high - low) / 15.0, zero: g.zero }
+            QuantParams { scale: (high - low) / 15.0, zero: g.zero }
         };
         grids.stem = coarse(grids.stem);
         grids.blocks.iter_mut().flatten().for_each(|g| *g = coarse(*g));
         let loss = |network: &FloatNetwork| {
-            let rehearsal = rehearse(network, &grids).unwrap();
+            let fake_quantised = rehearse(network, &grids).unwrap();
             let visit =
                 &mut |a: Activation, v: &mut [f32]| v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
-            rehearsal.evaluate(&images, visit).loss
+            fake_quantised.evaluate(&images, visit).loss
         };
         let (before, after) = (loss(&float), loss(&tune(&float, &grids, &images, &settings)));
         assert!(after < 0.9 * before, "{before} {after}");

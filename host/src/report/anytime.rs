@@ -1,10 +1,10 @@
-//! Anytime sensing beside static sensing: picture and table.
+//! Early exits beside static sensing: picture and table.
 
 use super::plot::{Axis, COLOURS, Plot};
 use crate::results::AnytimeResult;
 use std::fmt::Write;
 
-/// Accuracy against throughput of both, for every receiver placement.
+/// Accuracy against throughput of both, for every user placement.
 pub fn region(found: &AnytimeResult) -> String {
     let accuracies = found.region.iter().map(|p| p.point.accuracy);
     let x = Axis::around(
@@ -16,7 +16,7 @@ pub fn region(found: &AnytimeResult) -> String {
         bits.chain(found.static_region.iter().map(|p| p.throughput_bit)).map(|bit| bit / 1e6),
         "worst throughput R (Mbit per period)",
     );
-    let mut plot = Plot::new("Anytime and static accuracy-throughput region", x, y);
+    let mut plot = Plot::new("Accuracy-throughput region with early exits and static", x, y);
     let mut cases: Vec<u32> = found.static_region.iter().map(|p| p.case).collect();
     cases.dedup();
     for (index, case) in cases.into_iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn region(found: &AnytimeResult) -> String {
             );
             plot.dot(p.point.accuracy, p.throughput_bit / 1e6, 2.5, colour, &says);
         }
-        plot.line(&line, colour, 2.0, &format!("anytime, case {case}"));
+        plot.line(&line, colour, 2.0, &format!("early exits, case {case}"));
     }
     plot.standalone()
 }

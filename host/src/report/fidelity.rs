@@ -1,18 +1,18 @@
-//! The picture of the fidelity study: grey-level distributions, and accuracies as squares.
+//! The picture of the fidelity study: intensity distributions, and accuracies as squares.
 
 use super::plot::{Axis, COLOURS, Plot, escape};
 use crate::simulator::randomised::Motion;
 use crate::studies::fidelity::{DOMAINS, Fidelity, Levels};
 use std::fmt::Write;
 
-/// Most measured recordings whose levels are drawn.
+/// Most measured recordings with drawn intensities.
 const MOST: usize = 8;
 const PANEL: f64 = 430.0;
 
-/// Shares of the grey levels of three domains.
+/// Shares of the intensities of three domains.
 fn levels(title: &str, found: &Levels, truth: &str) -> String {
     let most = found.pmf.iter().flatten().copied().fold(0.0, f64::max);
-    let x = Axis { low: 0.0, high: 63.0, name: format!("grey level: {title}"), log: false };
+    let x = Axis { low: 0.0, high: 63.0, name: format!("intensity: {title}"), log: false };
     let y = Axis { low: 0.0, high: 1.05 * most.min(0.2), name: "share".into(), log: false };
     let top = y.high;
     let mut plot = Plot::new(title, x, y);
@@ -28,7 +28,7 @@ fn levels(title: &str, found: &Levels, truth: &str) -> String {
     plot.svg()
 }
 
-/// Shares 0..=1 as squares with their numbers, `[row][column]`.
+/// Shares 0 to 1 as squares with their numbers, `[row][column]`.
 fn squares(title: &str, names: &[&str; 3], shares: &[[f64; 3]; 3], says: &[[String; 3]; 3]) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 220\" role=\"img\" font-size=\"13\" \

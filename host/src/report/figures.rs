@@ -1,4 +1,4 @@
-//! The vector figures: KL curve, grey-level shares, learning curve, losses, region.
+//! The vector figures: KL curve, intensity shares, learning curve, losses, region.
 
 use super::plot::{Axis, COLOURS, Plot, number};
 use crate::results::{BandPoint, Calibration, Figures, RegionPoint, Run, Zone};
@@ -12,7 +12,7 @@ pub fn kl_curve(c: &Calibration) -> Plot {
     let x = Axis::around(c.curve.iter().map(|p| p.rho), "rho");
     let mut plot = Plot::new("KL divergence over rho", x, y);
     let points: Vec<_> = c.curve.iter().map(|p| (p.rho, p.kl.max(1e-5))).collect();
-    plot.line(&points, COLOURS[0], 2.0, "all grey levels");
+    plot.line(&points, COLOURS[0], 2.0, "all intensities");
     let without: Vec<_> = c.curve.iter().map(|p| (p.rho, p.kl_without_black.max(1e-5))).collect();
     plot.line(&without, COLOURS[5], 1.5, "without black");
     if let Some(best) = c.curve.iter().min_by(|a, b| a.kl.total_cmp(&b.kl)) {
@@ -22,18 +22,18 @@ pub fn kl_curve(c: &Calibration) -> Plot {
     plot
 }
 
-/// Shares of the grey levels above black, measured and simulated.
+/// Shares of the intensities above black, measured and simulated.
 pub fn pmf(c: &Calibration) -> Plot {
     let levels = c.measured_pmf.len().max(3);
     let x =
-        Axis { low: 1.0, high: levels as f64 - 1.0, name: "grey level (black left out)".into(), log: false };
+        Axis { low: 1.0, high: levels as f64 - 1.0, name: "intensity (black left out)".into(), log: false };
     let mut y =
         Axis::around(c.measured_pmf.iter().chain(&c.simulated_pmf).copied().filter(|&p| p < 0.3), "share");
     y.low = 0.0;
     y.high =
         c.measured_pmf.iter().skip(1).chain(c.simulated_pmf.iter().skip(1)).copied().fold(1e-3, f64::max)
             * 1.1;
-    let mut plot = Plot::new("Grey level shares", x, y);
+    let mut plot = Plot::new("Intensity shares", x, y);
     for (values, colour, name) in
         [(&c.measured_pmf, COLOURS[1], "measured"), (&c.simulated_pmf, COLOURS[0], "simulated")]
     {

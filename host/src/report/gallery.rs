@@ -9,7 +9,7 @@ use std::fmt::Write;
 fn caption(model: &str) -> &'static str {
     match model {
         "dahc" => {
-            "Limbs around the torso's line in the rhythm of the gait, over a floor of the room's uncertainty."
+            "Limbs around the torso's line in the rhythm of the gait, over the noise of the room's random response."
         }
         "primitive" => "The same without uncertainty: a clean body on black.",
         "ray-tracing" => {

@@ -1,4 +1,4 @@
-//! Pictures and pages of what the floors found. Reads results, computes none.
+//! Figures and pages of the results. Reads results, computes none.
 //!
 //! [`page`] is one self-contained HTML file: static figures and tables, and over them the explorer, a script of our own that
 //! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content

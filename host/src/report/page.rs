@@ -72,10 +72,10 @@ fn headline(page: &mut String, run: &Run) {
     let p = &run.operating_point;
     page.push_str("<ul class=\"headline\">");
     for (value, text) in [
-        (number(run.rho), "memory of the room, ρ"),
+        (number(run.rho), "channel correlation, ρ"),
         (p.sensing_slots.to_string(), "sensing slots at the operating point"),
         (format!("{:.1} %", 100.0 * p.accuracy), "predicted accuracy there"),
-        (format!("{:.2} Mbit", p.throughput_bit / 1e6), "per period to the worst receiver"),
+        (format!("{:.2} Mbit", p.throughput_bit / 1e6), "per period to the worst user"),
         (grouped(run.verify.compared), "values and digests compared"),
         (run.verify.mismatches.to_string(), "mismatches"),
     ] {
@@ -89,7 +89,7 @@ fn region(page: &mut String, run: &Run, figures: &Figures) {
         page,
         "region",
         &format!(
-            "Largest worst throughput for every accuracy (paper, Theorem 1), both receiver placements. The ring is the \
+            "Largest worst throughput for every accuracy (paper, Theorem 1), both user placements. The ring is the \
              operating point: {}.",
             escape(&run.operating_point.rule)
         ),
@@ -103,7 +103,7 @@ fn gallery(page: &mut String, figures: &Figures) {
         let each = a.recordings.iter().map(|r| format!("{} after {}", escape(&r.truth), r.stops_after));
         let each: Vec<String> = each.collect();
         format!(
-            " Anytime sensing, as accurate as the operating point on {} other recordings, stops {}; sensing slots needed: {}.",
+            " Early exits, as accurate as the operating point on {} other recordings, stop {}; sensing slots needed: {}.",
             a.calibrated_on,
             if a.threshold > 1.0 { "never early".into() } else { format!("at a confidence of {}", number(a.threshold)) },
             each.join(", ")
@@ -138,7 +138,7 @@ fn calibration(page: &mut String, figures: &Figures) {
         ),
         &format!(
             "<div class=\"row\">{curve}{}</div><div class=\"row\">{both}</div>",
-            figure("grey-levels", pictures::pmf(c), "Share of each grey level")
+            figure("grey-levels", pictures::pmf(c), "Share of each intensity")
         ),
     );
 }
@@ -177,7 +177,7 @@ fn schedule(page: &mut String, run: &Run) {
         page,
         "schedule",
         &format!(
-            "The core's scheduler plays the operating point: {} sensing slots, {:?} slots to the receivers, longest waits \
+            "The core's scheduler plays the operating point: {} sensing slots, {:?} slots to the users, longest waits \
              {:?} slots.{recognised}",
             s.sensing_slots, s.communication_slots, s.longest_wait_slots
         ),

@@ -277,7 +277,7 @@ impl Plot {
         self.drawn(self.height + rows as f64 * 20.0, &legend)
     }
 
-    /// The finished picture for a page: its legend is text that wraps, its scale is told to scripts.
+    /// The finished picture for a page: its legend is text that wraps, its scale is an attribute for scripts.
     pub fn html(self) -> String {
         self.drawn(self.height, "") + &legend(&self.legend)
     }

@@ -1,6 +1,6 @@
 //! Spectrograms as images with axes.
 //!
-//! Grey levels through a perceptual ramp from black over violet and orange to light yellow.
+//! Intensities through a perceptual ramp from black over violet and orange to light yellow.
 
 use super::plot::{escape, number};
 use crate::results::Spectrogram;
@@ -19,8 +19,8 @@ const RAMP: [[u8; 3]; 9] = [
     [252, 253, 191],
 ];
 
-fn colour(grey: u8) -> [u8; 3] {
-    let position = f64::from(grey) / 255.0 * 8.0;
+fn colour(intensity: u8) -> [u8; 3] {
+    let position = f64::from(intensity) / 255.0 * 8.0;
     let stop = (position as usize).min(7);
     let share = position - stop as f64;
     std::array::from_fn(|c| {
@@ -37,7 +37,9 @@ pub fn png(s: &Spectrogram) -> Vec<u8> {
     }
     let pixels: Vec<u8> = (0..rows)
         .rev()
-        .flat_map(|row| s.grey[row * frames..(row + 1) * frames].iter().flat_map(|&grey| colour(grey)))
+        .flat_map(|row| {
+            s.grey[row * frames..(row + 1) * frames].iter().flat_map(|&intensity| colour(intensity))
+        })
         .collect();
     let mut encoder = png::Encoder::new(&mut bytes, s.frames, s.rows);
     encoder.set_color(png::ColorType::Rgb);

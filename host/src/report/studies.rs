@@ -132,7 +132,7 @@ pub fn robustness(found: &Robustness) -> String {
             );
         }
     }
-    let legend = [("trained in the usual room", COLOURS[0]), ("trained under the condition", COLOURS[4])];
+    let legend = [("trained in the default room", COLOURS[0]), ("trained under the condition", COLOURS[4])];
     for (k, (name, colour)) in legend.into_iter().enumerate() {
         let x = LEFT + 180.0 * k as f64;
         let _ = write!(

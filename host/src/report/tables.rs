@@ -124,7 +124,7 @@ pub fn instructions(verify: &Verify) -> String {
     let most = all().map(|c| c.instructions).max().unwrap_or(1);
     let slots: BTreeSet<u32> = all().map(|c| c.sensing_slots).collect();
     if slots.is_empty() {
-        return "<p>No firmware was proved in this run.</p>".into();
+        return "<p>No firmware was compared in this run.</p>".into();
     }
     let heads: String =
         counted.iter().map(|t| format!("<th scope=\"col\">{}</th>", escape(&t.name))).collect();

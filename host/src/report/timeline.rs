@@ -15,7 +15,7 @@ const STRIP: (f64, f64) = (600.0, 34.0);
 /// Entries of the legend that stand side by side.
 const ABREAST: usize = 5;
 
-/// Colour of a use: -2 nobody, -1 sensing, else the receiver's index.
+/// Colour of a use: -2 idle, -1 sensing, else the user's index.
 fn colour(code: i32) -> &'static str {
     match usize::try_from(code) {
         Ok(k) => COLOURS.get(k).copied().unwrap_or("#f0e442"),
@@ -56,9 +56,9 @@ fn codes(runs: &[(i32, u32)]) -> Vec<i32> {
 /// Their names and colours.
 fn entries(runs: &[(i32, u32)]) -> Vec<(String, String)> {
     let name = |code| match code {
-        -2 => "nobody".to_owned(),
+        -2 => "idle".to_owned(),
         -1 => "sensing".to_owned(),
-        k => format!("receiver {}", k + 1),
+        k => format!("user {}", k + 1),
     };
     codes(runs).into_iter().map(|code| (name(code), colour(code).to_owned())).collect()
 }
@@ -142,7 +142,7 @@ mod tests {
             .filter(|area| *area != 144.0)
             .sum();
         assert!((area / (2.0 * STRIP.0 * STRIP.1) - 1.0).abs() < 1e-3, "{area}");
-        for name in ["nobody", "sensing", "receiver 1", "receiver 8", "500 slots"] {
+        for name in ["idle", "sensing", "user 1", "user 8", "500 slots"] {
             assert!(drawn.contains(name), "{name}");
         }
         assert!(svg(&[]).ends_with("</svg>"));

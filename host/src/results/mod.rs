@@ -1,6 +1,6 @@
 //! What every command prints, the report shows and the tests check: one set of types, one JSON schema.
 //!
-//! The rooms fill these in; nothing here computes. Every file holding them is a function of the
+//! The modules fill these in; nothing here computes. Every file holding them is a function of the
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
 mod files;
@@ -17,14 +17,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The main job's answer: what `sdp3 run --json` prints and `run.json` holds.
+/// The main job's result: what `sdp3 run --json` prints and `run.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Run {
     /// Name of the scenario.
     pub scenario: String,
     /// Seed everything random was drawn from.
     pub seed: u64,
-    /// Memory of the room channel that was used, eq. (vit).
+    /// AR(1) coefficient rho that was used, eq. (vit).
     pub rho: f64,
     /// Recognition accuracy for each number of sensing slots.
     pub accuracy: Vec<Accuracy>,
@@ -32,7 +32,7 @@ pub struct Run {
     pub curve: Curve,
     /// Bit-for-bit comparison of the core with its reference and its firmware.
     pub verify: Verify,
-    /// Pareto boundary of both receiver placements.
+    /// Pareto boundary of both user placements.
     pub region: Vec<RegionPoint>,
     /// The point handed to the scheduler.
     pub operating_point: OperatingPoint,
@@ -42,14 +42,14 @@ pub struct Run {
     pub report: String,
 }
 
-/// Accuracy of one trained network, float and through the int8 core, on recordings it never saw.
+/// Accuracy of one trained network, float and through the int8 core, on recordings that were not trained on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Accuracy {
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u32,
-    /// Share recognised by the float network, 0..=1.
+    /// Share recognised by the float network, 0 to 1.
     pub float: f64,
-    /// Share recognised by `sdp3-core` from raw I/Q, 0..=1.
+    /// Share recognised by `sdp3-core` from raw I/Q, 0 to 1.
     pub int8: f64,
     /// Number of test recordings.
     pub tested: u32,
@@ -143,7 +143,7 @@ pub struct BandPoint {
 pub struct CurvePoint {
     /// `N_s`.
     pub sensing_slots: f64,
-    /// Accuracy, 0..=1.
+    /// Accuracy, 0 to 1.
     pub accuracy: f64,
     /// Number of recordings it was counted on, if known.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -219,7 +219,7 @@ pub struct StageVerdict {
     pub compared: u64,
     /// How many differed, or exceeded the bound.
     pub mismatches: u64,
-    /// `bits` for integer stages and digests, else the bound the error was held to.
+    /// `bits` for integer stages and digests, else the bound of the error.
     pub rule: String,
     /// Largest error seen, for float stages against the f64 reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -243,16 +243,16 @@ pub struct Spectrogram {
     pub frame_s: f64,
     /// Carrier in Hz: 2 v / lambda is the Doppler of a radial speed v.
     pub carrier_hz: f64,
-    /// Grey levels `[row][frame]`, 0 black (at or below the range) ..= 255 (the maximum).
+    /// Intensities `[row][frame]`, from 0 (black, at or below the range) to 255 (the maximum).
     pub grey: Vec<u8>,
 }
 
 /// One point of the KL curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct KlPoint {
-    /// Memory of the room channel.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
-    /// Divergence of the measured from the simulated grey levels, in nats.
+    /// Divergence of the measured from the simulated intensities, in nats.
     pub kl: f64,
     /// The same without the clipped-to-black level.
     pub kl_without_black: f64,
@@ -275,9 +275,9 @@ pub struct Calibration {
     pub curve: Vec<KlPoint>,
     /// What the curve compares, in words.
     pub curve_of: String,
-    /// Grey levels of the measured signal: share of each level.
+    /// Intensities of the measured signal: share of each level.
     pub measured_pmf: Vec<f64>,
-    /// Grey levels simulated at the chosen rho.
+    /// Intensities simulated at the chosen rho.
     pub simulated_pmf: Vec<f64>,
     /// The measured spectrogram, if there is one.
     pub measured: Option<Spectrogram>,
@@ -341,11 +341,11 @@ pub struct Figures {
     pub prediction: Prediction,
     /// Operating points by weight `w_A` (w_R = 1 - w_A, both objectives normalised), case by case.
     pub weighted: Vec<WeightedPoint>,
-    /// Receiver placements: prices, borders of the zones, operating points.
+    /// User placements: bits per slot, borders of the zones, operating points.
     pub cases: Vec<Case>,
     /// The slots of every point of [`Run::region`].
     pub plans: Vec<SlotPlan>,
-    /// What anytime sensing makes of `spectrograms`; absent if there are more networks than it takes.
+    /// `spectrograms` with early exits; absent if there are more networks than exits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub anytime: Option<AnytimeGallery>,
 }
@@ -353,9 +353,9 @@ pub struct Figures {
 /// Optimum of the weighted sum for one weight.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WeightedPoint {
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
-    /// Weight of accuracy, 0..=1.
+    /// Weight of accuracy, 0 to 1.
     pub weight: f64,
     /// `N_s` of the optimum.
     pub sensing_slots: u32,
@@ -372,7 +372,7 @@ pub struct Property {
     pub verdict: bool,
     /// What was measured.
     pub statistic: f64,
-    /// What it is held against.
+    /// The threshold.
     pub threshold: f64,
     /// `>=` or `<=`: the side of the threshold on which the verdict is true.
     pub relation: String,

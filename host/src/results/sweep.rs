@@ -14,7 +14,7 @@ pub struct Cell {
     pub scenario: String,
     /// Carrier in Hz.
     pub carrier_hz: f64,
-    /// Memory of the room channel.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// N_s.
     pub sensing_slots: u32,
@@ -30,21 +30,21 @@ pub struct Measurement {
     pub cell: Cell,
     /// Shares recognised in float and by the core's int8 network.
     pub accuracy: Accuracy,
-    /// What the slots left over carry, one for each receiver placement of the scenario.
+    /// What the slots left over carry, one for each user placement of the scenario.
     pub throughput: Vec<Throughput>,
 }
 
-/// What the slots that sensing leaves carry to the receivers of a placement.
+/// What the slots that sensing leaves carry to the users of a placement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Throughput {
     /// Number of the placement, from 1.
     pub case: u32,
-    /// Bits of one slot for each receiver.
+    /// Bits of one slot for each user.
     pub slot_bit: Vec<f64>,
-    /// `N_c` of every receiver.
+    /// `N_c` of every user.
     pub communication_slots: Vec<u32>,
-    /// Worst receiver's bits per period.
+    /// Worst user's bits per period.
     pub throughput_bit: f64,
 }
 
@@ -102,14 +102,14 @@ pub struct Group {
     pub scenario: String,
     /// Carrier in Hz.
     pub carrier_hz: f64,
-    /// Memory of the room channel.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// Accuracy over N_s, mean and deviation over the seeds.
     pub points: Vec<GroupPoint>,
     /// The best learning curve through the int8 means; absent where a curve needs more N_s.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub curve: Option<Curve>,
-    /// Zones and operating point by that curve, one for each receiver placement.
+    /// Zones and operating point by that curve, one for each user placement.
     pub cases: Vec<Case>,
 }
 

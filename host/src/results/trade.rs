@@ -1,4 +1,4 @@
-//! What the trade finds: regions, operating points, schedules, campaigns, anytime sensing.
+//! Results of the optimizer: regions, operating points, schedules, campaigns, early exits.
 
 use super::{Curve, WeightedPoint};
 use schemars::JsonSchema;
@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 /// One point of the accuracy-throughput boundary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RegionPoint {
-    /// Receiver placement: `1` or `2` in the paper's section VI.
+    /// User placement: `1` or `2` in the paper's section VI.
     pub case: u32,
     /// `N_s`.
     pub sensing_slots: u32,
-    /// `N_c,k` of each receiver.
+    /// `N_c,k` of each user.
     pub communication_slots: Vec<u32>,
-    /// Predicted accuracy, 0..=1.
+    /// Predicted accuracy, 0 to 1.
     pub accuracy: f64,
     /// Lower end of its confidence band.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -21,7 +21,7 @@ pub struct RegionPoint {
     /// Upper end of its confidence band.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub accuracy_high: Option<f64>,
-    /// Worst receiver's throughput in bits per period.
+    /// Worst user's throughput in bits per period.
     pub throughput_bit: f64,
     /// The same by Theorem 1, over real numbers of slots.
     pub closed_form_bit: f64,
@@ -34,13 +34,13 @@ pub struct RegionPoint {
 pub struct Optimum {
     /// The learning curve.
     pub curve: Curve,
-    /// Boundary of every receiver placement.
+    /// Boundary of every user placement.
     pub region: Vec<RegionPoint>,
     /// The point for the scheduler.
     pub operating_point: OperatingPoint,
     /// Operating points by weight.
     pub weighted: Vec<WeightedPoint>,
-    /// Receiver placements.
+    /// User placements.
     pub cases: Vec<Case>,
     /// Other spacings N_m.
     pub spacings: Vec<Spacing>,
@@ -61,14 +61,14 @@ pub struct Border {
     pub marginal: f64,
 }
 
-/// A receiver placement.
+/// A user placement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Case {
     /// Number, from 1.
     pub case: u32,
-    /// Bits of one slot for each receiver at the expected gains: the paper's approximation, which the optimizer uses.
+    /// Bits of one slot for each user at the expected gains: the paper's approximation, which the optimizer uses.
     pub slot_bit: Vec<f64>,
-    /// Bits of one slot for each receiver, expected over fading.
+    /// Bits of one slot for each user, expected over fading.
     pub slot_bit_over_fading: Vec<f64>,
     /// Borders of the zones.
     pub borders: Vec<Border>,
@@ -85,7 +85,7 @@ pub struct Spacing {
     pub most_sensing_slots: u32,
     /// Fastest radial speed that does not alias, m/s.
     pub unambiguous_m_s: f64,
-    /// Whether the curve was learnt at this spacing.
+    /// Whether the curve was measured at this spacing.
     pub learnt: bool,
     /// N_s of the operating point; absent if no point satisfies the rule.
     pub sensing_slots: Option<u32>,
@@ -106,9 +106,9 @@ pub struct SweepRow {
     pub power_w: f64,
     /// K.
     pub receivers: u32,
-    /// Factor on the receivers' distance.
+    /// Factor on the users' distance.
     pub distance: f64,
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
     /// N_s; absent if no point satisfies the rule.
     pub sensing_slots: Option<u32>,
@@ -124,11 +124,11 @@ pub struct SweepRow {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Zone {
-    /// Throughput is near its ceiling: giving up a little of it buys much accuracy.
+    /// Throughput is near its maximum: a little throughput given up adds much accuracy.
     CommunicationSaturation,
-    /// Both react to each other: where an operating point belongs.
+    /// Each costs the other: where an operating point belongs.
     Adversarial,
-    /// Accuracy is near its ceiling: more sensing buys almost nothing.
+    /// Accuracy is near its maximum: more sensing adds almost nothing.
     SensingSaturation,
 }
 
@@ -146,7 +146,7 @@ impl Zone {
 /// The operating point chosen on the boundary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OperatingPoint {
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
     /// `N_s`.
     pub sensing_slots: u32,
@@ -154,13 +154,13 @@ pub struct OperatingPoint {
     pub spacing_slots: u32,
     /// `N`.
     pub period_slots: u32,
-    /// `N_c,k` of each receiver.
+    /// `N_c,k` of each user.
     pub communication_slots: Vec<u32>,
-    /// Bits one slot carries to each receiver.
+    /// Bits one slot carries to each user.
     pub slot_bit: Vec<f64>,
     /// Predicted accuracy.
     pub accuracy: f64,
-    /// Worst receiver's throughput in bits per period.
+    /// Worst user's throughput in bits per period.
     pub throughput_bit: f64,
     /// Zone of the point.
     pub zone: Zone,
@@ -175,13 +175,13 @@ pub struct Schedule {
     pub period_slots: u32,
     /// Slots used for sensing.
     pub sensing_slots: u32,
-    /// Slots each receiver got.
+    /// Slots each user got.
     pub communication_slots: Vec<u32>,
-    /// Longest run of slots each receiver waited.
+    /// Longest run of slots each user waited.
     pub longest_wait_slots: Vec<u32>,
-    /// Bits delivered to each receiver.
+    /// Bits delivered to each user.
     pub delivered_bit: Vec<f64>,
-    /// The period run-length coded: `[use, slots]`, use -1 sensing, -2 nobody, else the receiver's index.
+    /// The period run-length coded: `[use, slots]`, use -1 sensing, -2 idle, else the user's index.
     pub timeline: Vec<(i32, u32)>,
     /// Class the core recognised at the end of the sensing slots, if signals were played.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -191,15 +191,15 @@ pub struct Schedule {
 /// One period of a boundary's point as the core's scheduler plays it, in as many numbers as a picture needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SlotPlan {
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
     /// `N_s`.
     pub sensing_slots: u32,
-    /// Longest run of slots each receiver waits.
+    /// Longest run of slots each user waits.
     pub longest_wait_slots: Vec<u32>,
-    /// Uses of the first slots, one by one: -1 sensing, -2 nobody, else the receiver's index.
+    /// Uses of the first slots, one by one: -1 sensing, -2 idle, else the user's index.
     pub first: Vec<i32>,
-    /// The whole period in columns of (nearly) equal width: slots of `[sensing, receiver 0, receiver 1, ..]` in each.
+    /// The whole period in columns of (nearly) equal width: slots of `[sensing, user 0, user 1, ..]` in each.
     pub columns: Vec<Vec<u32>>,
 }
 
@@ -210,7 +210,7 @@ pub struct Recognised {
     pub truth: String,
     /// Class recognised by the core.
     pub class: String,
-    /// Its confidence, 0..=1.
+    /// Its confidence, 0 to 1.
     pub confidence: f64,
 }
 
@@ -223,23 +223,23 @@ pub struct Campaign {
     pub decisions: u64,
     /// Slots used for sensing.
     pub sensing_slots: u64,
-    /// Slots nobody had.
+    /// Idle slots.
     pub idle_slots: u64,
-    /// Every receiver that may be there.
+    /// Every user that may be there.
     pub receivers: Vec<CampaignReceiver>,
     /// What the boundaries did.
     pub replans: Replans,
-    /// Recognitions, if somebody moved before the radar.
+    /// Recognitions, if people moved in front of the radar.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recognitions: Option<Recognitions>,
     /// The first period as [`Schedule::timeline`], for its picture.
     #[serde(skip)]
     pub timeline: Vec<(i32, u32)>,
-    /// Promises that did not hold, the first twenty.
+    /// Properties that did not hold, the first twenty.
     pub broken: Vec<String>,
 }
 
-/// A receiver in a campaign.
+/// A user in a campaign.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct CampaignReceiver {
     /// Periods it was there.
@@ -263,9 +263,9 @@ pub struct Replans {
     pub boundaries: u64,
     /// Those with a new plan.
     pub replanned: u64,
-    /// Receivers that joined.
+    /// Users that joined.
     pub joined: u64,
-    /// Receivers that left.
+    /// Users that left.
     pub left: u64,
     /// Rates that changed.
     pub rates: u64,
@@ -275,24 +275,24 @@ pub struct Replans {
     pub lost_slots: u64,
     /// Sensing slots lost.
     pub lost_sensing_slots: u64,
-    /// Sensing slots given back to the receivers.
+    /// Sensing slots given back to the users.
     pub released_slots: u64,
 }
 
 /// Recognitions in a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Recognitions {
-    /// Periods in which somebody moved before the radar.
+    /// Periods in which a person moved in front of the radar.
     pub count: u64,
     /// Those recognised.
     pub right: u64,
-    /// Those without any verdict: a lost sensing slot, or too few for the first exit.
+    /// Those without a classification: a lost sensing slot, or too few for the first exit.
     pub silent: u64,
     /// Sensing slots used in them.
     pub slots: u64,
 }
 
-/// An exit of anytime sensing.
+/// An early exit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeExit {
     /// Sensing slots after which it classifies.
@@ -301,16 +301,16 @@ pub struct AnytimeExit {
     pub weights: Vec<i32>,
 }
 
-/// What a threshold brings.
+/// The effect of a threshold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimePoint {
     /// Confidence that stops; above 1 none does.
     pub threshold: f64,
     /// Sensing slots of the last exit.
     pub most_sensing_slots: u32,
-    /// Share recognised, 0..=1.
+    /// Share recognised, 0 to 1.
     pub accuracy: f64,
-    /// Mean confidence of the verdicts; equal to the accuracy if calibrated.
+    /// Mean confidence of the classifications; equal to the accuracy if calibrated.
     pub confidence: f64,
     /// Mean number of sensing slots.
     pub sensing_slots: f64,
@@ -318,23 +318,23 @@ pub struct AnytimePoint {
     pub stops: Vec<u32>,
 }
 
-/// A static number of sensing slots and the anytime policy of the same accuracy.
+/// A static number of sensing slots and the early-exit policy of the same accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeGain {
     /// N_s of the network alone.
     pub static_slots: u32,
     /// Its accuracy.
     pub static_accuracy: f64,
-    /// The anytime policy.
+    /// The early-exit policy.
     pub anytime: AnytimePoint,
     /// Share of the sensing slots it saves.
     pub saved: f64,
 }
 
-/// A point of the anytime region.
+/// A point of the region with early exits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeRegionPoint {
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
     /// Expected worst throughput in bits per period.
     pub throughput_bit: f64,
@@ -342,10 +342,10 @@ pub struct AnytimeRegionPoint {
     pub point: AnytimePoint,
 }
 
-/// The anytime region beside the static one: what `sdp3 anytime` finds.
+/// The region with early exits beside the static one: what `sdp3 anytime` finds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeResult {
-    /// Exits and weights: with a threshold, all that a receiver needs beside the models.
+    /// Exits and weights: with a threshold, all that the radar module needs beside the models.
     pub exits: Vec<AnytimeExit>,
     /// Recordings the weights were fitted to and thresholds chosen on.
     pub calibrated_on: u32,
@@ -353,22 +353,22 @@ pub struct AnytimeResult {
     pub tested: u32,
     /// For every static N_s the policy of its accuracy.
     pub gains: Vec<AnytimeGain>,
-    /// Accuracy at every static N_s if all earlier exits' logits are weighed in too.
+    /// Accuracy at every static N_s with the logits of all earlier exits added.
     pub fused_accuracy: Vec<f64>,
-    /// The anytime region of every receiver placement.
+    /// The region with early exits of every user placement.
     pub region: Vec<AnytimeRegionPoint>,
-    /// The static points of every receiver placement, measured on the same test recordings.
+    /// The static points of every user placement, measured on the same test recordings.
     pub static_region: Vec<StaticPoint>,
     /// The threshold and last exit that the rule chooses in `trade.case`.
     pub operating_point: AnytimeRegionPoint,
 }
 
-/// Recordings of the gallery as anytime sensing hears them.
+/// Recordings of the gallery with early exits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeGallery {
     /// Confidence that stops, chosen for the accuracy of the operating point; above 1 none does.
     pub threshold: f64,
-    /// Sensing slots of the last exit that is waited for.
+    /// Sensing slots of the last exit in use.
     pub most_sensing_slots: u32,
     /// Recordings that weights and threshold were fitted to.
     pub calibrated_on: u32,
@@ -376,7 +376,7 @@ pub struct AnytimeGallery {
     pub recordings: Vec<AnytimeRecording>,
 }
 
-/// What every exit says of one recording.
+/// Every exit's classification of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeRecording {
     /// Its class.
@@ -387,16 +387,16 @@ pub struct AnytimeRecording {
     pub stops_after: u32,
 }
 
-/// What an exit says.
+/// An exit's classification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AnytimeVerdict {
-    /// Sensing slots heard.
+    /// Sensing slots used.
     pub sensing_slots: u32,
     /// Frames of the spectrogram they make.
     pub frames: u32,
     /// The class.
     pub class: String,
-    /// Its calibrated probability by the core, 0..=1.
+    /// Its calibrated probability by the core, 0 to 1.
     pub confidence: f64,
     /// Probabilities of all classes by the same evidence, in f64.
     pub probabilities: Vec<f64>,
@@ -405,7 +405,7 @@ pub struct AnytimeVerdict {
 /// A static point as measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StaticPoint {
-    /// Receiver placement.
+    /// User placement.
     pub case: u32,
     /// N_s.
     pub sensing_slots: u32,

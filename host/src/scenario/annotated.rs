@@ -79,7 +79,7 @@ mod tests {
         }
         let text = Scenario::default().to_commented_toml();
         assert!(
-            text.contains("# Transmit power in W. Legal: 0.000000000001..=1000.\npower_w = 1.0"),
+            text.contains("# Transmit power in W. Legal: 0.000000000001 to 1000.\npower_w = 1.0"),
             "{text}"
         );
         assert!(text.contains("N_s must fill four windows"), "{text}");

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the room's channel remembers.
+/// The recursion of the room's channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ArMode {
@@ -111,7 +111,7 @@ pub enum Clusters {
 pub struct Channel {
     /// Which model.
     pub model: Model,
-    /// Memory of the room channel; absent: taken from the calibration table.
+    /// AR(1) coefficient rho of the room channel; absent: taken from the calibration table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rho: Option<f64>,
     /// The recursion.

@@ -1,4 +1,4 @@
-//! The rules a scenario is held to, once: afterwards no room has to doubt a value.
+//! The rules of a scenario, checked once: no other module has to check a value.
 
 use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
@@ -72,7 +72,7 @@ impl Scenario {
         broken.map(error).collect()
     }
 
-    /// Every rule this scenario's values are held to, and whether they hold.
+    /// Every rule for this scenario's values, and whether it holds.
     pub fn rules(&self) -> Vec<Rule> {
         let mut rules = Rules::default();
         let c = &mut rules;
@@ -173,7 +173,7 @@ impl Scenario {
         let least = u32::from(s.window) + 3 * u32::from(s.hop);
         for &slots in &f.sensing_slots {
             let legal = format!(
-                "{least}..={most}: N_s must fill four windows and N_s (N_m + 1) <= N = {} with N_m = {}",
+                "{least} to {most}: N_s must fill four windows and N_s (N_m + 1) <= N = {} with N_m = {}",
                 f.period_slots, f.spacing_slots
             );
             c.legal("frame.sensing_slots", slots, (least..=most).contains(&slots), &legal);
@@ -195,7 +195,7 @@ impl Scenario {
         let patient = l.patience == 0 || l.validation > 0.0;
         c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0");
         let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
-        c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4..=32");
+        c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4 to 32");
         c.within("learning.tune_above", l.tune_above, 0.0, 10.0);
         c.count("learning.tuning_images", l.tuning_images, 1, 1_000_000);
         c.count("learning.blocks", u32::from(l.blocks), 1, 8);
@@ -211,9 +211,9 @@ impl Scenario {
         c.within("communication.noise_figure_db", m.noise_figure_db, 0.0, 40.0);
         c.count("communication.draws", m.draws, 1, 1_000_000);
         c.count("communication.cases (how many)", m.cases.len() as u32, 1, 16);
-        for (case, receivers) in m.cases.iter().enumerate() {
-            c.count(&format!("communication.cases[{case}] (receivers)"), receivers.len() as u32, 1, 8);
-            for (k, position) in receivers.iter().enumerate() {
+        for (case, users) in m.cases.iter().enumerate() {
+            c.count(&format!("communication.cases[{case}] (users)"), users.len() as u32, 1, 8);
+            for (k, position) in users.iter().enumerate() {
                 let name = format!("communication.cases[{case}][{k}]");
                 c.inside(&name, position, &self.room.size_m);
                 let distance = position
@@ -233,8 +233,8 @@ impl Scenario {
         if let Some(known) = &m.slot_bit {
             let (shape, cases): (Vec<usize>, Vec<usize>) =
                 (known.iter().map(Vec::len).collect(), m.cases.iter().map(Vec::len).collect());
-            let legal = format!("{cases:?}, one number for each receiver of communication.cases");
-            c.legal("communication.slot_bit (receivers)", format!("{shape:?}"), shape == cases, &legal);
+            let legal = format!("{cases:?}, one number for each user of communication.cases");
+            c.legal("communication.slot_bit (users)", format!("{shape:?}"), shape == cases, &legal);
             for (case, bits) in known.iter().enumerate() {
                 for (k, &bit) in bits.iter().enumerate() {
                     c.within(&format!("communication.slot_bit[{case}][{k}]"), bit, 1.0, 1e9);
@@ -289,9 +289,9 @@ mod tests {
     #[test]
     fn refusals_name_file_field_value_and_range() {
         let text = refusal("[channel]\nrho = 1.5");
-        assert_eq!(text, "room.toml: channel.rho = 1.5 is outside its legal range: 0..=1");
+        assert_eq!(text, "room.toml: channel.rho = 1.5 is outside its legal range: 0 to 1");
         let text = refusal("[frame]\nsensing_slots = [200, 1001]");
-        assert!(text.contains("frame.sensing_slots = 1001") && text.contains("..=1000"), "{text}");
+        assert!(text.contains("frame.sensing_slots = 1001") && text.contains("to 1000"), "{text}");
         let text = refusal("[radar]\ncarrier_hz = nan");
         assert!(text.contains("radar.carrier_hz = NaN"), "{text}");
         let text = refusal("[communication]\ncases = [[[9.0, 1.0, 1.0]]]");

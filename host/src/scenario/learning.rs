@@ -48,11 +48,11 @@ pub struct Learning {
     pub learning_rate: f64,
     /// AdamW's weight decay.
     pub weight_decay: f64,
-    /// Images of a batch are mixed in pairs by a share drawn from Beta(mixup, mixup), 0..=1; 0: never.
+    /// Images of a batch are mixed in pairs by a share drawn from Beta(mixup, mixup), 0 to 1; 0: never.
     pub mixup: f64,
     /// Widest band of rows that goes dark in an image learned from; 0: none.
     pub mask_rows: u32,
-    /// Share of the training recordings kept for validation, 0..=0.5; the best epoch on them is kept.
+    /// Share of the training recordings kept for validation, 0 to 0.5; the best epoch on them is kept.
     pub validation: f64,
     /// Epochs without a better loss on the validation recordings before training stops; 0: never.
     pub patience: u32,
@@ -60,7 +60,7 @@ pub struct Learning {
     pub tune_above: f64,
     /// Images, counted as often as they are shown, of such a tuning.
     pub tuning_images: u32,
-    /// Channels of every convolution: a multiple of 4, 4..=32.
+    /// Channels of every convolution: a multiple of 4, 4 to 32.
     pub channels: u8,
     /// Residual blocks.
     pub blocks: u8,

@@ -22,7 +22,7 @@ pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
 pub use radar::{Dechirp, Format, Radar};
-pub use read::told;
+pub use read::syntax_message;
 pub use rules::Rule;
 
 use schemars::JsonSchema;
@@ -53,7 +53,7 @@ pub struct Scenario {
     pub learning: Learning,
     /// The communication side.
     pub communication: Communication,
-    /// The trade between the two.
+    /// The operating point of the two.
     pub trade: Trade,
 }
 
@@ -111,13 +111,13 @@ pub struct Communication {
     pub symbol_s: f64,
     /// Transmit power in W, shared by the sub-carriers.
     pub power_w: f64,
-    /// Noise figure of the receivers in dB.
+    /// Noise figure of the users' receivers in dB.
     pub noise_figure_db: f64,
-    /// Receiver positions in m, one list per case.
+    /// User positions in m, one list per case.
     pub cases: Vec<Vec<[f64; 3]>>,
     /// Channel draws averaged for the expected gain of a sub-carrier.
     pub draws: u32,
-    /// Bits that one slot carries to every receiver, one list per case, where links are known: no channel is asked then.
+    /// Bits that one slot carries to every user, one list per case, where links are known; the channel model is not used then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slot_bit: Option<Vec<Vec<f64>>>,
 }
@@ -128,7 +128,7 @@ pub struct Communication {
 pub struct Trade {
     /// Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest).
     pub accuracy_weight: f64,
-    /// Case (1-based) whose operating point the scheduler plays.
+    /// Case (1-based) of the operating point that the scheduler plays.
     pub case: u32,
     /// A point is saturated where the smaller normalised marginal rate is below this share of the larger.
     pub zone_ratio: f64,

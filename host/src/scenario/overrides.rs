@@ -93,7 +93,7 @@ mod tests {
         refused("radar.carier_hz=1e9", &["radar.carier_hz", "carrier_hz"]);
         refused("radr.carrier_hz=1e9", &["radr.carrier_hz", "sdp3 scenario show"]);
         refused("radar.carrier_hz=fast", &["radar.carrier_hz", "fast", "f64"]);
-        refused("channel.rho=1.5", &["channel.rho = 1.5", "0..=1"]);
+        refused("channel.rho=1.5", &["channel.rho = 1.5", "0 to 1"]);
         refused("communication.cases=[[[9.0, 1.0, 1.0]]]", &["communication.cases[0][0]", "inside the room"]);
         assert!("channel.rho".parse::<Override>().unwrap_err().contains("FIELD=VALUE"));
     }

@@ -1,4 +1,4 @@
-//! Who moves before the radar, and how.
+//! Who moves in front of the radar, and how.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 use super::check::ScenarioError;
 use super::overrides::Override;
 use super::{Scenario, builtin};
-use crate::bounded;
+use crate::limited;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
@@ -91,7 +91,7 @@ const LONGEST_LINE: usize = 800;
 
 /// The TOML of a file, or of the built-in scenario of that name.
 fn text_of(file: &Path) -> Result<String, ScenarioError> {
-    match (bounded::read_text(file, bounded::TEXT), builtin::named(file)) {
+    match (limited::read_text(file, limited::TEXT), builtin::named(file)) {
         (Ok(text), _) => Ok(text),
         (Err(source), Some(built_in)) if source.kind() == std::io::ErrorKind::NotFound => {
             Ok(built_in.toml.to_owned())
@@ -105,11 +105,11 @@ fn deserialised(text: &str, file: &Path) -> Result<Scenario, ScenarioError> {
 }
 
 fn syntax(error: &toml::de::Error, file: &Path) -> ScenarioError {
-    ScenarioError::Syntax { file: file.to_owned(), message: told(error) }
+    ScenarioError::Syntax { file: file.to_owned(), message: syntax_message(error) }
 }
 
 /// What is wrong with a TOML, in lines that fit a terminal: a file's own may be megabytes long.
-pub fn told(error: &toml::de::Error) -> String {
+pub fn syntax_message(error: &toml::de::Error) -> String {
     let said = error.to_string();
     let lines = said.trim_end().lines().map(|line| match line.char_indices().nth(LONGEST_LINE) {
         Some((end, _)) => format!("{}...", &line[..end]),
@@ -162,7 +162,7 @@ fn remove(table: &mut DeTable<'_>, place: &std::ops::Range<usize>) -> bool {
     table.remove(&key).is_some()
 }
 
-/// Whether a table, whose own place is its header's, has the text at `place` below it.
+/// Whether a table, placed at its header, has the text at `place` below it.
 fn within(value: &DeValue<'_>, place: &std::ops::Range<usize>) -> bool {
     let around = |span: std::ops::Range<usize>| span.start <= place.start && place.end <= span.end;
     match value {

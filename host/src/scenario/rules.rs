@@ -1,6 +1,6 @@
-//! Rules as data: what is checked is also what `sdp3 scenario show` and the schema tell.
+//! Rules as data: what is checked is also what `sdp3 scenario show` and the schema print.
 
-/// One rule a value is held to.
+/// One rule for a value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Dotted name of the field; what of it is meant, if not all, in brackets behind.
@@ -40,7 +40,7 @@ impl Rules {
         self.within(field, f64::from(value), f64::from(low), f64::from(high));
     }
 
-    /// A number between bounds of which one is another field's: `low..=high`, in words `legal`.
+    /// A number between bounds of which one is the value of another field, `legal` in words.
     pub(super) fn beside(&mut self, field: &str, value: f64, [low, high]: [f64; 2], legal: &str) {
         self.legal(field, value, (low..=high).contains(&value), &format!("{}, {legal}", range(low, high)));
     }
@@ -53,18 +53,23 @@ impl Rules {
 
     pub(super) fn ground(&mut self, field: &str, point: &[f64; 2], room: &[f64; 3]) {
         let holds = point.iter().zip(room).all(|(p, size)| (0.0..=*size).contains(p));
-        self.legal(field, format!("{point:?}"), holds, &format!("inside the room [0, 0]..={:?}", &room[..2]));
+        self.legal(
+            field,
+            format!("{point:?}"),
+            holds,
+            &format!("inside the room [0, 0] to {:?}", &room[..2]),
+        );
     }
 
     pub(super) fn inside(&mut self, field: &str, position: &[f64; 3], room: &[f64; 3]) {
         let holds = position.iter().zip(room).all(|(p, size)| (0.0..=*size).contains(p));
-        self.legal(field, format!("{position:?}"), holds, &format!("inside the room [0, 0, 0]..={room:?}"));
+        self.legal(field, format!("{position:?}"), holds, &format!("inside the room [0, 0, 0] to {room:?}"));
     }
 }
 
 /// A range in words; one with a single legal value says so.
 fn range(low: f64, high: f64) -> String {
-    if low == high { format!("{low} (fixed)") } else { format!("{low}..={high}") }
+    if low == high { format!("{low} (fixed)") } else { format!("{low} to {high}") }
 }
 
 impl Rule {

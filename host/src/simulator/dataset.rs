@@ -7,7 +7,7 @@
 use super::body::Vec3;
 use super::body::capture::{Capture, CaptureError};
 use super::body::gait::joint;
-use super::body::motion::{Person, Truth};
+use super::body::motion::{GroundTruth, Person};
 use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
@@ -26,8 +26,8 @@ pub enum Set {
     Test,
     /// Simulated signals of the calibration.
     Calibration,
-    /// Signals that stand for a measurement when none is given.
-    Stand,
+    /// Surrogate of a measurement when none is given.
+    Surrogate,
     /// Pictures and demonstrations.
     Demo,
 }
@@ -38,7 +38,7 @@ pub struct Recording {
     /// Sensing slots, in order.
     pub slots: Slots,
     /// The person.
-    pub truth: Truth,
+    pub truth: GroundTruth,
 }
 
 /// The radar's channel in a recording, slot after slot.
@@ -63,7 +63,7 @@ impl<'a> Simulation<'a> {
         let mut random = stream(seed, set, 0, class, index);
         let radar = scenario.radar.position_m;
         Simulation {
-            people: cast(scenario, class, &mut random),
+            people: scene_people(scenario, class, &mut random),
             channel: model(scenario, radar, radar, rho, stream(seed, set, 1, class, index)),
             // transmit power and both antennas
             response: Response::of(&scenario.radar),
@@ -75,7 +75,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// What is true of the person.
-    pub fn truth(&self) -> &Truth {
+    pub fn truth(&self) -> &GroundTruth {
         &self.people[0].person.truth
     }
 
@@ -120,7 +120,7 @@ impl<'a> Simulation<'a> {
 }
 
 /// Everybody in the room: the person of the recording first.
-fn cast(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<Target> {
+fn scene_people(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<Target> {
     let (room, radar) = (scenario.room.size_m, scenario.radar.position_m);
     let mut person = Person::draw(class, &scenario.target, room, radar, random);
     if let Some(capture) = scenario.target.capture.as_ref().and_then(|file| Capture::shared(file).ok()) {
@@ -183,7 +183,7 @@ pub fn beats(
     class: Class,
     index: u32,
     slots: u32,
-) -> (Vec<Beat>, Truth) {
+) -> (Vec<Beat>, GroundTruth) {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
     let mut receiver = receiver(scenario, seed, set, class, index);
     let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
@@ -199,7 +199,7 @@ pub enum CastError {
     /// Somebody leaves the room.
     #[error(
         "target.capture = {file}: the body is at x = {x:.2} m, y = {y:.2} m after {time_s:.2} s, outside the room \
-         0..={width} m by 0..={depth} m; move target.start_m"
+         0 to {width} m by 0 to {depth} m; move target.start_m"
     )]
     Outside {
         /// The capture.
@@ -241,7 +241,7 @@ pub fn check(scenario: &Scenario) -> Result<(), CastError> {
     Ok(())
 }
 
-/// A scenario whose limbs move faster than the sensing slots can follow.
+/// A scenario with limbs that move faster than the sensing slots can follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aliasing {
     /// Fastest limb in m/s.
@@ -326,7 +326,7 @@ mod tests {
             let class = Class::ALL[k % 5];
             let raw = recording(&s, 0.997, 9, Set::Test, class, 2, 20).slots;
             let beats = beats(&s, 0.997, 9, Set::Train, class, 3, 40).0;
-            let blocks = Simulation::new(&s, 0.99, 7, Set::Stand, class, 1).advance_blocks(30);
+            let blocks = Simulation::new(&s, 0.99, 7, Set::Surrogate, class, 1).advance_blocks(30);
             let found = [
                 digest(raw.to_le_bytes().into_iter()),
                 digest(beats.iter().flatten().flat_map(|z| [z.re, z.im]).flat_map(i32::to_le_bytes)),

@@ -1,6 +1,6 @@
 //! From the channel to raw slots: sweep, thermal noise, impairments, converter.
 //!
-//! r_j = h_j * s + n_j (eq. (rt)), as values of the converter. Digital dechirp: the received chirp at t = n / f_s, n = 1..=L. Analog
+//! r_j = h_j * s + n_j (eq. (rt)), as values of the converter. Digital dechirp: the received chirp at t = n / f_s, n = 1 to L. Analog
 //! dechirp: the beat at t = n / f_s, n = 0..L, of the sent sweep with the conjugate of the received, so that the range grows with
 //! the frequency; real samples are its real part. Delays are exact, never a shift by whole samples, and constant during a sweep
 //! ([`super::channel::response`]). Noise has the bandwidth of the sampling rate.
@@ -26,7 +26,7 @@ const BLOCK_SAMPLES: usize = SAMPLES / BEATS;
 /// The paper's chirp of amplitude 1, `[fast_time]`.
 static CHIRP: LazyLock<Vec<Complex64>> = LazyLock::new(|| chirp(SAMPLES));
 
-/// A chirp whose bandwidth is its sampling rate, at t = n / f_s, n = 1..=L.
+/// A chirp of a bandwidth equal to its sampling rate, at t = n / f_s, n = 1 to L.
 fn chirp(samples: usize) -> Vec<Complex64> {
     let l = samples as u64;
     (1..=l).map(|n| phasor(PI * ((n * n) % (2 * l)) as f64 / l as f64)).collect()
@@ -219,7 +219,7 @@ impl<'a> Receiver<'a> {
         beat
     }
 
-    /// Appends one raw slot: the values that the sensor delivers of these paths, whose amplitudes are in sqrt W.
+    /// Appends one raw slot: the values that the sensor delivers of these paths, amplitudes in sqrt W.
     pub fn slot(&mut self, paths: &[Path], values: &mut Vec<i16>) {
         let turn = self.impairments.turn();
         let (direct, image) = (self.impairments.direct, self.impairments.image);
@@ -429,7 +429,7 @@ mod tests {
 
     #[test]
     fn who_comes_nearer_turns_forwards_at_the_doppler_frequency() {
-        // 1 m/s towards the radar: every kind of radar, whose centre frequency the shift belongs to
+        // 1 m/s towards the radar: every kind of radar; the shift belongs to its centre frequency
         let mut blocks = shipped("iwr");
         (blocks.radar.bins_per_sample, blocks.radar.first_bin) = (0, 0);
         for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr"), blocks] {

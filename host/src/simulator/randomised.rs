@@ -8,7 +8,7 @@
 //! in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly back and forth along the beam.
 
 use super::body::Vec3;
-use super::body::motion::{Person, Truth};
+use super::body::motion::{GroundTruth, Person};
 use super::calibration::conditioning::ac_couple;
 use super::channel::dahc::Dahc;
 use super::channel::response::Response;
@@ -20,7 +20,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// What a recording without labels of its own can be told apart into.
+/// The motions of a recording without labels of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
@@ -79,7 +79,7 @@ fn triangular(random: &mut Random, low: f64, high: f64) -> f64 {
     low + (high - low) * 0.5 * (random.uniform() + random.uniform())
 }
 
-fn lucky(random: &mut Random, share: f64) -> bool {
+fn bernoulli(random: &mut Random, share: f64) -> bool {
     random.uniform() < share
 }
 
@@ -105,7 +105,7 @@ fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, Vec3, 
 fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
     let [width, length, _] = scenario.room.size_m;
     let radar = scenario.radar.position_m;
-    let child = lucky(random, 0.2);
+    let child = bernoulli(random, 0.2);
     let height_m = if child { between(random, 0.9, 1.45) } else { between(random, 1.45, 2.0) };
     let (speed, limbs) = match motion {
         Motion::Walking => {
@@ -122,11 +122,11 @@ fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
     let away = between(random, 1.0, 8.0).min(length - 0.7);
     let aside = radar[0] + away * between(random, -0.4, 0.4);
     let start_m = [aside.clamp(0.6, width - 0.6), radar[1] + away];
-    let heading_deg = match (lucky(random, 0.25), lucky(random, 0.5)) {
+    let heading_deg = match (bernoulli(random, 0.25), bernoulli(random, 0.5)) {
         (true, _) => between(random, -180.0, 180.0),
         (_, towards) => between(random, -25.0, 25.0) + if towards { -90.0 } else { 90.0 },
     };
-    let truth = Truth {
+    let truth = GroundTruth {
         class: motion.class(),
         child,
         height_m,
@@ -141,7 +141,7 @@ fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
 /// What the sensor adds: its own AC coupling, noise, hum, a low-pass and the rails of its amplifier.
 fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Random) {
     let pole = |hz: f64| libm::exp(-TAU * hz / rate_hz);
-    for _ in 0..1 + usize::from(lucky(random, 0.5)) {
+    for _ in 0..1 + usize::from(bernoulli(random, 0.5)) {
         let keep = pole(ratio(random, 0.5, 30.0));
         let (mut before, mut state) = (y.first().copied().unwrap_or(0.0), 0.0);
         for y in y.iter_mut() {
@@ -152,15 +152,15 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
     }
     // white and 1/f-like noise below the echo
     let white = echo * libm::pow(10.0, -between(random, 3.0, 50.0) / 20.0);
-    let pink = if lucky(random, 0.5) { white * ratio(random, 0.3, 10.0) } else { 0.0 };
+    let pink = if bernoulli(random, 0.5) { white * ratio(random, 0.3, 10.0) } else { 0.0 };
     let keep = pole(ratio(random, 1.0, 30.0));
     let mut slow = 0.0;
     for y in y.iter_mut() {
         slow = keep * slow + (1.0 - keep * keep).sqrt() * random.gaussian();
         *y += white * random.gaussian() + pink * slow;
     }
-    if lucky(random, 0.3) {
-        let mains = if lucky(random, 0.5) { 50.0 } else { 60.0 };
+    if bernoulli(random, 0.3) {
+        let mains = if bernoulli(random, 0.5) { 50.0 } else { 60.0 };
         for harmonic in 1..=8 {
             let amplitude = white * ratio(random, 0.03, 3.0) / f64::from(harmonic);
             let phase = TAU * random.uniform();
@@ -168,7 +168,7 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
             y.iter_mut().enumerate().for_each(|(n, y)| *y += amplitude * libm::cos(step * n as f64 + phase));
         }
     }
-    if lucky(random, 0.5) {
+    if bernoulli(random, 0.5) {
         let keep = pole(ratio(random, 0.15 * rate_hz, 2.0 * rate_hz));
         let mut state = 0.0;
         for y in y.iter_mut() {
@@ -176,7 +176,7 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
             *y = state;
         }
     }
-    if carried && lucky(random, 0.3) {
+    if carried && bernoulli(random, 0.3) {
         let most = y.iter().fold(0.0_f64, |m, y| m.max(y.abs())) * between(random, 0.3, 1.0);
         y.iter_mut().for_each(|y| *y = y.clamp(-most, most));
     }
@@ -231,7 +231,7 @@ pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, 
         let db = if k < TRUNK { 0.0 } else { limbs } + 3.0 * random.gaussian();
         *weight = libm::pow(10.0, db / 20.0);
     }
-    let pace = match lucky(random, 0.7) {
+    let pace = match bernoulli(random, 0.7) {
         true => [1.0, 1.0],
         false => [between(random, 0.5, 1.1), between(random, 0.5, 1.1)],
     };

@@ -5,7 +5,7 @@
 
 use super::cells::Cells;
 use super::trained::{images, train};
-use super::{Request, Spread, Workshop};
+use super::{Request, RunContext, Spread};
 use crate::pipeline::Failure;
 use crate::predictor::baselines::accuracy;
 use crate::predictor::baselines::cnn::{Cnn, rates, validate};
@@ -40,7 +40,7 @@ pub struct Row {
 /// The study's result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Baselines {
-    /// Memory of the room.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// The plain network's learning rate.
     pub rate: Rate,
@@ -69,7 +69,7 @@ struct Recordings<'a> {
     request: &'a Request,
     rho: f64,
     seed: u64,
-    workshop: Workshop,
+    context: RunContext,
     train: OnceCell<Collected>,
     test: OnceCell<Collected>,
 }
@@ -77,7 +77,7 @@ struct Recordings<'a> {
 impl Recordings<'_> {
     fn of(&self, set: Set) -> &Collected {
         let cell = if set == Set::Test { &self.test } else { &self.train };
-        cell.get_or_init(|| images(&self.request.scenario, self.rho, self.seed, set, self.workshop))
+        cell.get_or_init(|| images(&self.request.scenario, self.rho, self.seed, set, self.context))
     }
 
     /// The plain network's learning rate, found on training recordings at the largest N_s.
@@ -85,12 +85,12 @@ impl Recordings<'_> {
         let learning = &self.request.scenario.learning;
         let train = self.of(Set::Train).images.last().ok_or("no sensing slots")?;
         let rates = rates(learning);
-        let stage = self.workshop.progress.stage("learn", "the plain network's learning rate");
+        let stage = self.context.progress.stage("train", "the plain network's learning rate");
         let total = rates.len() as u64 * u64::from(learning.epochs);
         let mut tried = Vec::new();
         for rate in rates {
             let learning = Learning { learning_rate: rate, ..learning.clone() };
-            let (seed, workers) = (self.seed, self.workshop.workers);
+            let (seed, workers) = (self.seed, self.context.workers);
             let right = validate(train, &learning, Class::ALL.len(), seed, workers, &|| stage.step(total))?;
             tried.push((rate, right));
         }
@@ -101,16 +101,16 @@ impl Recordings<'_> {
 
     fn dsn(&self) -> Result<Vec<Accuracy>, Failure> {
         let s = &self.request.scenario;
-        train(s, self.seed, self.of(Set::Train), self.workshop)?.test(s, self.of(Set::Test))
+        train(s, self.seed, self.of(Set::Train), self.context)?.test(s, self.of(Set::Test))
     }
 
     fn cnn(&self, n: usize, rate: f64) -> Result<f64, Failure> {
         let s = &self.request.scenario;
         let learning = Learning { learning_rate: rate, ..s.learning.clone() };
         let slots = s.frame.sensing_slots[n];
-        let stage = self.workshop.progress.stage("learn", "a plain network");
+        let stage = self.context.progress.stage("train", "a plain network");
         let tick = || stage.step(u64::from(learning.epochs));
-        let (seed, workers) = (self.seed ^ (u64::from(slots) << 32), self.workshop.workers);
+        let (seed, workers) = (self.seed ^ (u64::from(slots) << 32), self.context.workers);
         let images = &self.of(Set::Train).images[n];
         let network = Cnn::train(images, &learning, Class::ALL.len(), seed, workers, &tick)?;
         let test = &self.of(Set::Test).images[n];
@@ -120,7 +120,7 @@ impl Recordings<'_> {
     }
 
     fn svm(&self, n: usize) -> Result<Vectors, Failure> {
-        let stage = self.workshop.progress.stage("learn", "a support vector machine");
+        let stage = self.context.progress.stage("train", "a support vector machine");
         let (train, test) = (&self.of(Set::Train).images[n], &self.of(Set::Test).images[n]);
         let settings = choose(train)?;
         let accuracy = accuracy(&Machine::train(train, settings)?.classify(test), test);
@@ -135,7 +135,7 @@ impl Recordings<'_> {
 /// # Errors
 ///
 /// Whatever a training or the folder says.
-pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Baselines, Failure> {
+pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Baselines, Failure> {
     let s = &request.scenario;
     let slots = &s.frame.sensing_slots;
     let rho = s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
@@ -152,7 +152,7 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Bas
     let mut rate = None;
     for seed in request.each_seed() {
         let (train, test) = (OnceCell::new(), OnceCell::new());
-        let recordings = Recordings { request, rho, seed, workshop, train, test };
+        let recordings = Recordings { request, rho, seed, context, train, test };
         let rate = match &rate {
             Some(rate) => rate,
             None => rate.insert(cells.get("cnn-rate", || recordings.rate())?),
@@ -183,14 +183,14 @@ pub fn table(request: &Request, found: &Baselines) -> String {
         "# Deep spectrogram network, plain network, support vector machine\n\n{:.3} GHz, rho = {}, heading within {} degrees, {} \
          recordings per class to train, {} new ones to test, {}, {} epochs, C = {}, stem stride {}. Accuracy in \
          float. DSN: the deep spectrogram network. CNN: its convolutions without skips and normalisation, learning rate {} (of {} \
-         tried). SVM: Gaussian kernel on mean, deviation, largest and smallest grey level of every Doppler row, C and gamma by \
+         tried). SVM: Gaussian kernel on mean, deviation, largest and smallest intensity of every Doppler row, C and gamma by \
          cross-validation.\n\n| N_s | DSN | CNN | SVM |\n|---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         found.rho,
         request.scenario.target.heading_spread_deg,
         l.train_per_class,
         l.test_per_class,
-        request.seeds_told(),
+        request.seeds_label(),
         l.epochs,
         l.channels,
         l.stem_stride,

@@ -9,12 +9,12 @@ use super::cells::Cells;
 use super::recordings::{LeftOut, Measured};
 use super::sim_to_real::{self, SimToReal};
 use super::trained::{images, train};
-use super::{Request, Spread, Workshop};
+use super::{Request, RunContext, Spread};
 use crate::pipeline::Failure;
 use crate::scenario::{ArMode, Class, Clusters, Model, Scenario};
 use crate::simulator::calibration::conditioning::clutter_free;
 use crate::simulator::calibration::divergence::{Counts, EVALUATIONS, divergence, search, shares};
-use crate::simulator::calibration::grey::{Grey, LEVELS, histogram};
+use crate::simulator::calibration::intensity::{Intensity, LEVELS, histogram};
 use crate::simulator::calibration::{CalibrationError, calibrate_measured, divergence_measured};
 use crate::simulator::channel::Complex64;
 use crate::simulator::dataset::{Set, beats};
@@ -32,11 +32,11 @@ pub const PAPER: [(f64, f64, f64); 2] = [(3.5, 0.02, 0.0533), (60.0, 0.04, 0.067
 pub const STAND_RHO: f64 = 0.995;
 /// What is added to a seed for the stand-in's own people.
 const OTHERS: u64 = 1 << 40;
-/// Recordings behind a distribution of grey levels, and slots before each: measured rooms have no beginning.
+/// Recordings behind a distribution of intensities, and slots before each: measured rooms have no beginning.
 const PEOPLE: u32 = 100;
 const SETTLE_SLOTS: u32 = 300;
 
-/// Divergence of the domains' grey levels from the stand-in's.
+/// Divergence of the domains' intensities from the stand-in's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Levels {
     /// The calibrated rho.
@@ -51,7 +51,7 @@ pub struct Levels {
     pub pmf: [Vec<f64>; 3],
 }
 
-/// Divergence of simulated grey levels from a measured recording's.
+/// Divergence of simulated intensities from a measured recording's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredLevels {
     /// The recording.
@@ -67,13 +67,13 @@ pub struct MeasuredLevels {
 pub struct Fidelity {
     /// N_s.
     pub sensing_slots: u32,
-    /// Grey levels against the stand-in.
+    /// Intensities against the stand-in.
     pub levels: Levels,
     /// Accuracy in float, `[trained on][tested on]`.
     pub float: [[Spread; 3]; 3],
     /// Accuracy of the int8 networks.
     pub int8: [[Spread; 3]; 3],
-    /// Grey levels against measured recordings.
+    /// Intensities against measured recordings.
     pub measured: Vec<MeasuredLevels>,
     /// Recognition of measured recordings after simulated ones alone.
     pub sim_to_real: Option<SimToReal>,
@@ -99,28 +99,28 @@ pub fn domain(usual: &Scenario, domain: usize) -> Scenario {
     s
 }
 
-/// Grey levels of people of every class, through noise and impairments.
+/// Intensities of people of every class, through noise and impairments.
 fn counts(s: &Scenario, rho: f64, seed: u64, set: Set) -> Counts {
     let settings = &s.spectrogram;
     let hop = usize::from(settings.hop);
-    let grey = Grey::new(usize::from(settings.window), hop);
+    let intensity = Intensity::new(usize::from(settings.window), hop);
     let one = |n: u32| {
         let (class, index) = (Class::ALL[n as usize % Class::ALL.len()], n / Class::ALL.len() as u32);
         let slots = SETTLE_SLOTS + s.largest_sensing_slots();
         let (beats, _) = beats(s, rho, seed, set, class, index, slots);
         let complex = |z: &sdp3_core::dims::Beat| z.map(|z| Complex64::new(f64::from(z.re), f64::from(z.im)));
         let beats: Vec<_> = beats[SETTLE_SLOTS as usize..].iter().map(complex).collect();
-        histogram(&grey.decibels(&clutter_free(&beats), false))
+        histogram(&intensity.decibels(&clutter_free(&beats), false))
     };
     let each: Vec<Counts> = (0..PEOPLE).into_par_iter().map(one).collect();
     std::array::from_fn(|level| each.iter().map(|counts| counts[level]).sum())
 }
 
 /// Calibrates DAHC on the stand-in and compares ray tracing with it.
-fn levels(request: &Request, workshop: Workshop) -> Levels {
+fn levels(request: &Request, context: RunContext) -> Levels {
     let [dahc, traced, stand] = [0, 1, 2].map(|d| domain(&request.scenario, d));
-    let stage = workshop.progress.stage("calibrate", "DAHC on the stand-in");
-    let target = counts(&stand, STAND_RHO, request.seed + OTHERS, Set::Stand);
+    let stage = context.progress.stage("calibrate", "DAHC on the stand-in");
+    let target = counts(&stand, STAND_RHO, request.seed + OTHERS, Set::Surrogate);
     let (curve, simulated, best) = search(&target, |rho| {
         stage.step(EVALUATIONS);
         counts(&dahc, rho, request.seed, Set::Calibration)
@@ -140,7 +140,7 @@ fn levels(request: &Request, workshop: Workshop) -> Levels {
 type Row = [(f64, f64); 3];
 
 /// Accuracy of every network on every domain, seed by seed: `[trained on][seed][tested on]`.
-fn matrix(request: &Request, cells: &Cells, rho: f64, workshop: Workshop) -> Result<[Vec<Row>; 3], Failure> {
+fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Result<[Vec<Row>; 3], Failure> {
     let domains = [0, 1, 2].map(|d| domain(&request.scenario, d));
     let rhos = [rho, 1.0, STAND_RHO];
     let seed_of = |seed: u64, d: usize| if d == 2 { seed + OTHERS } else { seed };
@@ -150,11 +150,11 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, workshop: Workshop) -> Res
         for (d, scenario) in domains.iter().enumerate() {
             let name = format!("seed-{seed}-trained-on-{}", DOMAINS[d]);
             let row = cells.get(&name, || {
-                let own = images(scenario, rhos[d], seed_of(seed, d), Set::Train, workshop);
-                let network = train(scenario, seed, &own, workshop)?;
+                let own = images(scenario, rhos[d], seed_of(seed, d), Set::Train, context);
+                let network = train(scenario, seed, &own, context)?;
                 let mut row = [(0.0, 0.0); 3];
                 for (t, cell) in row.iter_mut().enumerate() {
-                    let draw = || images(&domains[t], rhos[t], seed_of(seed, t), Set::Test, workshop);
+                    let draw = || images(&domains[t], rhos[t], seed_of(seed, t), Set::Test, context);
                     let accuracy = &network.test(scenario, tests[t].get_or_init(draw))?[0];
                     *cell = (accuracy.float, accuracy.int8);
                 }
@@ -170,10 +170,10 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, workshop: Workshop) -> Res
 fn measured_levels(
     request: &Request,
     recording: &Measured,
-    workshop: Workshop,
+    context: RunContext,
 ) -> Result<Levels, CalibrationError> {
     let (s, class, signal) = (&request.scenario, recording.motion.class(), &recording.signal);
-    let stage = workshop.progress.stage("calibrate", &recording.name);
+    let stage = context.progress.stage("calibrate", &recording.name);
     let found = calibrate_measured(s, signal, class, request.seed, &|done, all| stage.at(done, all))?;
     let mut traced = s.clone();
     traced.channel.model = Model::RayTracing;
@@ -197,17 +197,17 @@ pub fn study(
     request: &Request,
     cells: &Cells,
     (recordings, mut left_out): (Vec<Measured>, Vec<LeftOut>),
-    workshop: Workshop,
+    context: RunContext,
 ) -> Result<Fidelity, Failure> {
     // the measured part first: it is what nobody could have known
     let sim_to_real = match recordings.is_empty() {
         true => None,
-        false => Some(sim_to_real::study(request, cells, &recordings, &mut left_out, workshop)?),
+        false => Some(sim_to_real::study(request, cells, &recordings, &mut left_out, context)?),
     };
     let mut measured = Vec::new();
     for recording in &recordings {
         let found = cells.get(&format!("levels-{}", recording.key), || {
-            Ok(measured_levels(request, recording, workshop).map_err(|e| e.to_string()))
+            Ok(measured_levels(request, recording, context).map_err(|e| e.to_string()))
         })?;
         match found {
             Ok(levels) => measured.push(MeasuredLevels {
@@ -215,11 +215,11 @@ pub fn study(
                 motion: recording.motion,
                 levels,
             }),
-            Err(reason) => left_out.push((recording.name.clone(), format!("grey levels: {reason}"))),
+            Err(reason) => left_out.push((recording.name.clone(), format!("intensities: {reason}"))),
         }
     }
-    let levels = cells.get("levels", || Ok(levels(request, workshop)))?;
-    let found = matrix(request, cells, levels.rho, workshop)?;
+    let levels = cells.get("levels", || Ok(levels(request, context)))?;
+    let found = matrix(request, cells, levels.rho, context)?;
     let spread = |of: fn(&(f64, f64)) -> f64| {
         let one =
             |d: usize, t: usize| Spread::of(&found[d].iter().map(|row| of(&row[t])).collect::<Vec<_>>());
@@ -250,14 +250,14 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
         "# How near simulated recordings are to others\n\n{:.3} GHz, N_s = {}, {} recordings per class to train, {} to test, {}, {} \
-         epochs. Stand-in for an experiment: other people, 802.11ay clusters with blockage, `consistent` memory \
-         at {STAND_RHO}, phase noise 1 degree, I/Q off by 0.5 dB and 2 degrees, twice the spread of speeds.\n\n## Grey levels ({LEVELS})\n\n\
+         epochs. Stand-in for an experiment: other people, 802.11ay clusters with blockage, `consistent` correlation \
+         at rho = {STAND_RHO}, phase noise 1 degree, I/Q off by 0.5 dB and 2 degrees, twice the spread of speeds.\n\n## Intensities ({LEVELS})\n\n\
          | compared with | rho | KL of calibrated DAHC | KL at rho = 1 | KL of ray tracing |\n|---|---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         found.sensing_slots,
         l.train_per_class,
         l.test_per_class,
-        request.seeds_told(),
+        request.seeds_label(),
         l.epochs
     );
     let mut line = |name: &str, l: &Levels| {

@@ -4,7 +4,7 @@
 
 use super::cells::Cells;
 use super::trained::{images, train};
-use super::{Request, Spread, Workshop};
+use super::{Request, RunContext, Spread};
 use crate::pipeline::Failure;
 use crate::predictor::learning_curve::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
@@ -31,7 +31,7 @@ pub struct Row {
 /// The study's result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LearningCurve {
-    /// Memory of the room.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// Rows by N_s.
     pub rows: Vec<Row>,
@@ -44,14 +44,14 @@ pub struct LearningCurve {
 /// # Errors
 ///
 /// Whatever a training or the folder says.
-pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<LearningCurve, Failure> {
+pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<LearningCurve, Failure> {
     let s = &request.scenario;
     let rho = s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
     let mut seeds: Vec<Vec<Accuracy>> = Vec::new();
     for seed in request.each_seed() {
         seeds.push(cells.get(&format!("seed-{seed}"), || {
-            let networks = train(s, seed, &images(s, rho, seed, Set::Train, workshop), workshop)?;
-            networks.test(s, &images(s, rho, seed, Set::Test, workshop))
+            let networks = train(s, seed, &images(s, rho, seed, Set::Train, context), context)?;
+            networks.test(s, &images(s, rho, seed, Set::Test, context))
         })?);
     }
     let row = |(k, &sensing_slots): (usize, &u32)| {
@@ -94,7 +94,7 @@ pub fn table(request: &Request, found: &LearningCurve) -> String {
         request.scenario.target.heading_spread_deg,
         l.train_per_class,
         l.test_per_class,
-        request.seeds_told(),
+        request.seeds_label(),
         l.epochs,
         l.channels,
         l.stem_stride

@@ -1,7 +1,7 @@
 //! Studies: questions that take many trainings. Each is cut into cells that are kept, so that an interrupted study goes on where
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
-//! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (what the room and the person may do), [`fidelity`]
+//! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
 //! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise).
 
 pub mod baselines;
@@ -34,7 +34,7 @@ pub struct Request {
 
 impl Request {
     /// How many seeds, in words.
-    pub fn seeds_told(&self) -> String {
+    pub fn seeds_label(&self) -> String {
         match self.seeds {
             1 => format!("seed {}", self.seed),
             many => format!("{many} seeds from {}", self.seed),
@@ -50,7 +50,7 @@ impl Request {
 
 /// How a study's work is done; nothing of it changes a result.
 #[derive(Debug, Clone, Copy)]
-pub struct Workshop {
+pub struct RunContext {
     /// How to show progress.
     pub progress: Progress,
     /// Threads.

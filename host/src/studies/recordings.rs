@@ -1,4 +1,4 @@
-//! A folder of measured recordings: found in any depth, each with the motion that its name tells.
+//! A folder of measured recordings: found in any depth, each with the motion in its name.
 
 use crate::formats::measured::{self, Samples, Signal, Stated};
 use crate::pipeline::Failure;
@@ -27,7 +27,7 @@ pub struct Measured {
 /// A file that is not used, and why.
 pub type LeftOut = (String, String);
 
-/// The motion that a path tells: its file's name, else the nearest folder's. Words begin at capitals and after anything but letters.
+/// The motion in a path: its file's name, else the nearest folder's. Words begin at capitals and after anything but letters.
 pub fn motion(path: &Path) -> Option<Motion> {
     path.iter().rev().find_map(|part| {
         let part = part.to_string_lossy();
@@ -42,14 +42,14 @@ pub fn motion(path: &Path) -> Option<Motion> {
                 word.extend(c.to_lowercase());
             }
         }
-        let told = |word: &String| match word.as_str() {
+        let motion_of = |word: &String| match word.as_str() {
             w if w.starts_with("walk") => Some(Motion::Walking),
             w if w.starts_with("runn") || w.starts_with("jog") => Some(Motion::Running),
             "run" | "runs" => Some(Motion::Running),
             "still" | "stand" | "stands" | "standing" | "sit" | "sits" | "sitting" => Some(Motion::Still),
             _ => None,
         };
-        let mut found: Vec<Motion> = words.iter().filter_map(told).collect();
+        let mut found: Vec<Motion> = words.iter().filter_map(motion_of).collect();
         found.dedup();
         // two motions in one name say nothing
         (found.len() == 1).then(|| found[0])
@@ -88,7 +88,7 @@ pub fn read(folder: &Path, stated: &Stated) -> Result<(Vec<Measured>, Vec<LeftOu
         let below = path.strip_prefix(folder).unwrap_or(&path).to_owned();
         let name = below.display().to_string();
         let Some(motion) = motion(&below) else {
-            left_out.push((name, "its name tells no motion: walk, run, still, stand or sit".into()));
+            left_out.push((name, "its name has no motion: walk, run, still, stand or sit".into()));
             continue;
         };
         let other = |signal: &Signal| {
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_tell_motions_and_ambiguous_ones_do_not() {
+    fn names_have_motions_and_ambiguous_ones_do_not() {
         let cases = [
             ("White_Lab_walking.wav", Some(Motion::Walking)),
             ("run03.wav", Some(Motion::Running)),

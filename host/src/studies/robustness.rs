@@ -1,11 +1,11 @@
-//! What recognition bears: one thing of the room, the radar or the person changed at a time.
+//! Accuracy under changed conditions: one property of the room, the radar or the person at a time.
 //!
-//! For every condition two answers at the largest N_s: of the network trained in the usual room (transfer), and of one trained
+//! For every condition two answers at the largest N_s: of the network trained in the default room (transfer), and of one trained
 //! under that very condition (matched). People of unseen height and speed exist for the first only.
 
 use super::cells::Cells;
 use super::trained::{Trained, images, train};
-use super::{Request, Spread, Workshop};
+use super::{Request, RunContext, Spread};
 use crate::pipeline::Failure;
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored_rho;
@@ -96,7 +96,7 @@ pub struct Row {
     pub factor: String,
     /// To which value.
     pub value: String,
-    /// int8 accuracy of the network trained in the usual room.
+    /// int8 accuracy of the network trained in the default room.
     pub transfer: Spread,
     /// int8 accuracy of the network trained under the condition.
     pub matched: Option<Spread>,
@@ -119,13 +119,13 @@ type Cell = (f64, Option<f64>);
 /// # Errors
 ///
 /// Whatever a training, a condition's scenario or the folder says.
-pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Robustness, Failure> {
+pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Robustness, Failure> {
     let mut usual = request.scenario.clone();
     let sensing_slots = usual.largest_sensing_slots();
     usual.frame.sensing_slots = vec![sensing_slots];
     let rho = |s: &Scenario| s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
     let learn =
-        |s: &Scenario, seed: u64| train(s, seed, &images(s, rho(s), seed, Set::Train, workshop), workshop);
+        |s: &Scenario, seed: u64| train(s, seed, &images(s, rho(s), seed, Set::Train, context), context);
     // a rho that is stated where it would be taken anyway changes nothing
     let unchanged = |s: &Scenario| {
         let mut stated = s.clone();
@@ -142,7 +142,7 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
             (condition.change)(&mut s);
             s.check(&format!("robustness, {} {}", condition.factor, condition.value))?;
             let cell = cells.get(&format!("seed-{seed}-{}", condition.key()), || {
-                let test = images(&s, rho(&s), seed, Set::Test, workshop);
+                let test = images(&s, rho(&s), seed, Set::Test, context);
                 let transfer = match &network {
                     Some(network) => network.test(&s, &test)?,
                     None => network.insert(learn(&usual, seed)?).test(&s, &test)?,
@@ -175,13 +175,13 @@ pub fn study(request: &Request, cells: &Cells, workshop: Workshop) -> Result<Rob
 pub fn table(request: &Request, found: &Robustness) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# What recognition bears\n\nN_s = {}, {} recordings per class to train, {} to test, {}. Transfer: trained in the \
-         usual room (heading within {} degrees); matched: trained under the condition.\n\n| changed | to | transfer | matched |\n\
+        "# Accuracy under changed conditions\n\nN_s = {}, {} recordings per class to train, {} to test, {}. Transfer: trained in the \
+         default room (heading within {} degrees); matched: trained under the condition.\n\n| changed | to | transfer | matched |\n\
          |---|---|---|---|\n",
         found.sensing_slots,
         l.train_per_class,
         l.test_per_class,
-        request.seeds_told(),
+        request.seeds_label(),
         request.scenario.target.heading_spread_deg
     );
     for row in &found.rows {

@@ -1,4 +1,4 @@
-//! From simulation to measurement: a network trained on simulated Doppler alone tells measured walking, running and still apart.
+//! From simulation to measurement: a network trained on simulated Doppler alone classifies measured walking, running and still.
 //!
 //! A recording is one number a time (the real part of a complex one), at 2 kHz, AC-coupled, cut into windows of one second every
 //! half second, each on its own level: spectrograms of 0..rate/2 in 64 rows. Every window of a recording has the motion of the
@@ -9,7 +9,7 @@
 use super::cells::Cells;
 use super::recordings::{LeftOut, Measured};
 use super::trained::int8_answers;
-use super::{Request, Spread, Workshop};
+use super::{Request, RunContext, Spread};
 use crate::formats::measured::{Samples, Signal};
 use crate::formats::model_file::Preprocessing;
 use crate::pipeline::Failure;
@@ -18,7 +18,7 @@ use crate::predictor::parameters::{Images, Parameters};
 use crate::predictor::training::{self, train_all};
 use crate::predictor::tuning::quantize_tuned;
 use crate::simulator::calibration::conditioning::ac_couple;
-use crate::simulator::calibration::grey::{BETA, Grey, RANGE_DB};
+use crate::simulator::calibration::intensity::{BETA, Intensity, RANGE_DB};
 use crate::simulator::calibration::resample::resample;
 use crate::simulator::calibration::slots_without_clutter;
 use crate::simulator::channel::Complex64;
@@ -72,7 +72,7 @@ impl Layout {
     /// The image of one AC-coupled second, on its own mean level.
     pub fn image(&self, second: &[f64]) -> Vec<i8> {
         let signal: Vec<_> = second.iter().map(|&y| Complex64::new(y, 0.0)).collect();
-        let decibels = Grey::new(self.window, self.hop).decibels(&signal, true);
+        let decibels = Intensity::new(self.window, self.hop).decibels(&signal, true);
         let pixel = |frame: &Vec<f64>, row: usize| {
             let power = |bin: usize| libm::pow(10.0, frame[bin] / 10.0);
             let db = 10.0 * libm::log10(0.5 * (power(2 * row) + power(2 * row + 1)));
@@ -104,10 +104,10 @@ impl Layout {
     }
 
     /// Simulated images, `count` of each motion in turn.
-    fn simulated(&self, seed: u64, set: u64, count: u32, workshop: Workshop) -> Images {
+    fn simulated(&self, seed: u64, set: u64, count: u32, context: RunContext) -> Images {
         let all = count * Motion::ALL.len() as u32;
         let what = format!("{} GHz at {} Hz, seed {seed}", self.carrier_hz / 1e9, self.rate_hz);
-        let stage = workshop.progress.stage("simulate", &what);
+        let stage = context.progress.stage("simulate", &what);
         let motion = |n: u32| Motion::ALL[n as usize % Motion::ALL.len()];
         let each: Vec<Vec<i8>> = (0..all)
             .into_par_iter()
@@ -156,8 +156,8 @@ impl Recogniser {
     /// # Errors
     ///
     /// What the training or the quantisation says.
-    pub fn learn(request: &Request, layout: Layout, seed: u64, workshop: Workshop) -> Result<Self, Failure> {
-        Self::learn_from(request, layout, seed, (TRAIN, TEST), workshop)
+    pub fn learn(request: &Request, layout: Layout, seed: u64, context: RunContext) -> Result<Self, Failure> {
+        Self::learn_from(request, layout, seed, (TRAIN, TEST), context)
     }
 
     fn learn_from(
@@ -165,24 +165,24 @@ impl Recogniser {
         layout: Layout,
         seed: u64,
         (train, test): (u32, u32),
-        workshop: Workshop,
+        context: RunContext,
     ) -> Result<Self, Failure> {
         let learning = &request.scenario.learning;
-        let images = layout.simulated(seed, 0, train, workshop);
-        let stage = workshop.progress.stage("learn", &format!("three motions, seed {seed}"));
+        let images = layout.simulated(seed, 0, train, context);
+        let stage = context.progress.stage("train", &format!("three motions, seed {seed}"));
         let watch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
             stage.step(u64::from(learning.epochs));
             Ok(())
         };
         let job = training::Job { seed: seed ^ 0x0073_7472, ..Default::default() };
         let images = [images];
-        let trained = train_all(&images, &[job], learning, Motion::ALL.len(), workshop.workers, &watch)?;
+        let trained = train_all(&images, &[job], learning, Motion::ALL.len(), context.workers, &watch)?;
         let parameters = trained.into_iter().next().ok_or("no network was trained")?.parameters;
         let names = Motion::ALL.map(|m| m.name().to_owned());
         let (quantized, _) =
             quantize_tuned(&parameters, layout.preprocessing(), &names, &images[0], learning)?;
         let simulated =
-            FloatNetwork::new(&parameters).classify(&layout.simulated(seed, 1, test, workshop)).accuracy();
+            FloatNetwork::new(&parameters).classify(&layout.simulated(seed, 1, test, context)).accuracy();
         stage.finish(&format!("three motions, seed {seed}: {simulated:.3} of unseen simulated seconds"));
         Ok(Recogniser { parameters, model: quantized.to_bytes()?, simulated })
     }
@@ -190,7 +190,7 @@ impl Recogniser {
 
 /// What networks said about one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Told {
+pub struct RecordingResult {
     /// Its path below the folder.
     pub name: String,
     /// What its name says.
@@ -213,7 +213,7 @@ pub struct SimToReal {
     /// Share of unseen simulated seconds that is recognised.
     pub simulated: Spread,
     /// Every recording.
-    pub recordings: Vec<Told>,
+    pub recordings: Vec<RecordingResult>,
     /// Share of all windows that is right, float.
     pub float: Spread,
     /// The same, int8.
@@ -234,12 +234,12 @@ pub fn study(
     cells: &Cells,
     measured: &[Measured],
     left_out: &mut Vec<LeftOut>,
-    workshop: Workshop,
+    context: RunContext,
 ) -> Result<SimToReal, Failure> {
     let mut confusion = [[0; 3]; 3];
     let mut simulated = Vec::new();
     let mut shares: Vec<Vec<(f64, f64)>> = Vec::new();
-    let mut told: Vec<Told> = Vec::new();
+    let mut results: Vec<RecordingResult> = Vec::new();
     let mut seen = Vec::new();
     for recording in measured {
         let Some(layout) = Layout::of(&recording.signal) else {
@@ -253,7 +253,7 @@ pub fn study(
         for seed in request.each_seed() {
             let name = format!("network-{}-{}-seed-{seed}", layout.carrier_hz / 1e3, layout.rate_hz);
             let network: Recogniser =
-                cells.get(&name, || Recogniser::learn(request, layout, seed, workshop))?;
+                cells.get(&name, || Recogniser::learn(request, layout, seed, context))?;
             if !seen.contains(&name) {
                 simulated.push(network.simulated);
                 seen.push(name);
@@ -273,14 +273,14 @@ pub fn study(
             each.push((float, right as f64 / images.len().max(1) as f64));
         }
         let said = format!("{}: {answers:?} of walking, running, still", recording.name);
-        workshop.progress.note("recognise", &said);
+        context.progress.note("recognise", &said);
         let row: &mut [u32; 3] = &mut confusion[recording.motion as usize];
         row.iter_mut().zip(answers).for_each(|(sum, n)| *sum += n);
         let spread = |of: fn(&(f64, f64)) -> f64| Spread::of(&each.iter().map(of).collect::<Vec<_>>());
         let right = sums.iter().filter(|sum| first_maximum(&sum[..]) == recording.motion as u8).count();
         let together = right as f64 / images.len().max(1) as f64;
         let (name, motion, windows) = (recording.name.clone(), recording.motion, images.len() as u32);
-        told.push(Told {
+        results.push(RecordingResult {
             name,
             motion,
             windows,
@@ -291,17 +291,17 @@ pub fn study(
         });
         shares.push(each);
     }
-    let all: f64 = told.iter().map(|t| f64::from(t.windows)).sum();
+    let all: f64 = results.iter().map(|t| f64::from(t.windows)).sum();
     let overall = |of: fn(&(f64, f64)) -> f64| {
         let seed = |s: usize| {
-            told.iter().zip(&shares).map(|(t, each)| f64::from(t.windows) * of(&each[s])).sum::<f64>()
+            results.iter().zip(&shares).map(|(t, each)| f64::from(t.windows) * of(&each[s])).sum::<f64>()
                 / all.max(1.0)
         };
         Spread::of(&(0..request.seeds as usize).map(seed).collect::<Vec<_>>())
     };
     let (float, int8) = (overall(|s| s.0), overall(|s| s.1));
-    let together = told.iter().map(|t| f64::from(t.windows) * t.together).sum::<f64>() / all.max(1.0);
-    Ok(SimToReal { simulated: Spread::of(&simulated), recordings: told, float, int8, together, confusion })
+    let together = results.iter().map(|t| f64::from(t.windows) * t.together).sum::<f64>() / all.max(1.0);
+    Ok(SimToReal { simulated: Spread::of(&simulated), recordings: results, float, int8, together, confusion })
 }
 
 /// The result in words.
@@ -310,7 +310,7 @@ pub fn table(found: &SimToReal) -> String {
         "\n## From simulation to measurement\n\nNetworks that learned from {TRAIN} simulated seconds of each motion at the recordings' \
          carrier and from nothing measured. Of unseen simulated seconds they recognise {}; of measured ones {} (int8 {}), the networks of all seeds together (sum of \
          their logits) **{:.3}**. A \
-         window is one second, every half second; each is held to the motion that its file's name tells, pauses and turns \
+         window is one second, every half second; each is compared with the motion in its file's name, pauses and turns \
          included.\n\n| recording | motion | windows | right | int8 | together |\n|---|---|---|---|---|---|\n",
         found.simulated, found.float, found.int8, found.together
     );
@@ -380,9 +380,9 @@ mod tests {
         let mut scenario = Scenario::default();
         (scenario.learning.epochs, scenario.learning.stem_stride) = (8, 2);
         let request = Request { study: "fidelity".into(), seed: 1, seeds: 1, scenario };
-        let workshop = Workshop { progress: Progress::Quiet, workers: 2 };
+        let context = RunContext { progress: Progress::Quiet, workers: 2 };
         let layout = Layout::of(&tone(300.0, 2.0)).unwrap();
-        let network = Recogniser::learn_from(&request, layout, 1, (100, 40), workshop).unwrap();
+        let network = Recogniser::learn_from(&request, layout, 1, (100, 40), context).unwrap();
         assert!(network.simulated > 0.7, "{}", network.simulated);
         // ten seconds of one draw's kind as a file would hold them
         for motion in [Motion::Walking, Motion::Still] {

@@ -1,6 +1,6 @@
 //! Networks trained in one room and tested in others.
 
-use super::Workshop;
+use super::RunContext;
 use crate::inference::Classifier;
 use crate::pipeline::Failure;
 use crate::predictor::float_network::FloatNetwork;
@@ -27,10 +27,10 @@ pub struct Trained {
 }
 
 /// Images of a set, with a line of progress.
-pub fn images(scenario: &Scenario, rho: f64, seed: u64, set: Set, workshop: Workshop) -> Collected {
+pub fn images(scenario: &Scenario, rho: f64, seed: u64, set: Set, context: RunContext) -> Collected {
     let learning = &scenario.learning;
     let count = if set == Set::Test { learning.test_per_class } else { learning.train_per_class };
-    let stage = workshop.progress.stage("simulate", &format!("{set:?}, seed {seed}"));
+    let stage = context.progress.stage("simulate", &format!("{set:?}, seed {seed}"));
     let found = collect(scenario, rho, seed, set, count, &|done, all| stage.at(done, all));
     stage.finish(&format!("{count} of each class, seed {seed}, rho {rho}"));
     found
@@ -45,7 +45,7 @@ pub fn train(
     scenario: &Scenario,
     seed: u64,
     images: &Collected,
-    workshop: Workshop,
+    context: RunContext,
 ) -> Result<Trained, Failure> {
     let learning = &scenario.learning;
     let slots = &scenario.frame.sensing_slots;
@@ -53,13 +53,13 @@ pub fn train(
         .iter()
         .map(|&n| training::Job { seed: seed ^ (u64::from(n) << 32), ..Default::default() })
         .collect();
-    let stage = workshop.progress.stage("learn", &format!("{} networks, seed {seed}", jobs.len()));
+    let stage = context.progress.stage("train", &format!("{} networks, seed {seed}", jobs.len()));
     let total = jobs.len() as u64 * u64::from(learning.epochs);
     let watch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
         stage.step(total);
         Ok(())
     };
-    let trained = train_all(&images.images, &jobs, learning, Class::ALL.len(), workshop.workers, &watch)?;
+    let trained = train_all(&images.images, &jobs, learning, Class::ALL.len(), context.workers, &watch)?;
     stage.finish(&format!("{} networks, seed {seed}", trained.len()));
     let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
     let mut models = Vec::new();

@@ -8,7 +8,7 @@ use super::shard::COMPLETIONS;
 use crate::output::{Output, OutputError};
 use crate::results::Submitted;
 
-/// Writes `sweep.yaml` and `merge.yaml`, and the resolved plan, for an image whose entry point is sdp3 and the name of a claim.
+/// Writes `sweep.yaml` and `merge.yaml`, and the resolved plan, for an image with the entry point sdp3 and the name of a claim.
 ///
 /// # Errors
 ///

@@ -91,9 +91,9 @@ fn read(sweep: &Sweep, folder: &Path) -> Result<Vec<Measurement>, Failure> {
             Err(fault) => name(format!("{}: {fault} ({})", store.path(cell).display(), words(cell))),
         }
     }
-    for file in store.strangers()? {
+    for file in store.unexpected_files()? {
         let path = folder.join(super::store::CELLS).join(file);
-        name(format!("{}: foreign: the plan has the cells 0..={}", path.display(), sweep.cells.len() - 1));
+        name(format!("{}: foreign: the plan has the cells 0 to {}", path.display(), sweep.cells.len() - 1));
     }
     if faulty == 0 {
         return Ok(found);

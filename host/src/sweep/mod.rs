@@ -1,9 +1,9 @@
 //! A sweep: a plan of scenarios x carriers x rho x N_s x seeds, every cell an experiment of its own, on one machine or many.
 //!
 //! Not `optimize --sweep` ([`crate::optimizer::sweep`]), which varies the communication of one scenario and trains nothing: here
-//! every cell simulates, trains, quantises, tests through the core, and prices what the remaining slots carry.
+//! every cell simulates, trains, quantises, tests through the core, and computes what the remaining slots carry.
 //!
-//! [`plan`] reads and resolves, [`shard`] says whose share is whose, `cell` measures (in builds that train), [`store`] keeps a
+//! [`plan`] reads and resolves, [`shard`] assigns cells to shards, `cell` measures (in builds that train), [`store`] keeps a
 //! cell in a file that says what it belongs to, [`merge`] puts them together. [`slurm`] and [`kubernetes`] write the jobs.
 //!
 //! A folder holds `sweep.toml` (the resolved plan; it needs no other file), `cells/00000.json` ..., and, merged, `merged.csv` and

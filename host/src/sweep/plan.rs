@@ -1,13 +1,13 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
-use crate::bounded;
 use crate::formats::dataset::sha256;
+use crate::limited;
 use crate::output::{Output, OutputError};
 use crate::pipeline::Failure;
 use crate::results::Cell;
-use crate::resume::refuse_another;
-use crate::scenario::{Scenario, told};
+use crate::resume::ensure_same_config;
+use crate::scenario::{Scenario, syntax_message};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset;
 use serde::{Deserialize, Serialize};
@@ -34,7 +34,7 @@ pub struct Plan {
     /// Carriers in Hz; absent: each scenario's `radar.carrier_hz`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carrier_hz: Option<Vec<f64>>,
-    /// Memories of the room channel; absent: each scenario's `channel.rho`, or the stored table's at the carrier.
+    /// AR(1) coefficients rho of the room channel; absent: each scenario's `channel.rho`, or the stored table's at the carrier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rho: Option<Vec<f64>>,
     /// N_s; absent: each scenario's `frame.sensing_slots`.
@@ -103,10 +103,10 @@ impl Sweep {
     ///
     /// [`PlanError`], and what a scenario or its motion capture says of itself.
     pub fn load(file: &Path, scenario: Option<&Scenario>, seed: Option<u64>) -> Result<Self, Failure> {
-        let text = bounded::read_text(file, bounded::TEXT)
+        let text = limited::read_text(file, limited::TEXT)
             .map_err(|source| PlanError::Read { file: file.to_owned(), source })?;
         let mut plan: Plan = toml::from_str(&text)
-            .map_err(|error| PlanError::Syntax { file: file.to_owned(), message: told(&error) })?;
+            .map_err(|error| PlanError::Syntax { file: file.to_owned(), message: syntax_message(&error) })?;
         let beside = file.parent().unwrap_or(Path::new(""));
         let read = plan.scenarios.drain(..).map(|name| Scenario::load(&beside.join(name)));
         let mut scenarios = read.collect::<Result<Vec<_>, _>>()?;
@@ -141,7 +141,7 @@ impl Sweep {
     pub fn open(&self, output: &Output) -> Result<(), OutputError> {
         let text = self.plan.to_toml();
         let asked = toml::from_str(&text).unwrap_or_default();
-        refuse_another(output, PLAN, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
+        ensure_same_config(output, PLAN, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
         if !output.path(PLAN).exists() {
             output.write(PLAN, text.as_bytes())?;
         }
@@ -235,7 +235,7 @@ impl Check<'_> {
         let name = plan.name.as_bytes();
         let letters = name.iter().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || *b == b'-');
         let ends = name.first().is_some_and(u8::is_ascii_lowercase) && name.last() != Some(&b'-');
-        let range = "1..=40 of a-z, 0-9 and -, a letter first and no - last";
+        let range = "1 to 40 of a-z, 0-9 and -, a letter first and no - last";
         self.legal("name", format!("{:?}", plan.name), letters && ends && name.len() <= 40, range)?;
         self.axis("carrier_hz", plan.carrier_hz.as_deref())?;
         self.axis("rho", plan.rho.as_deref())?;

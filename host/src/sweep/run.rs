@@ -7,14 +7,14 @@ use crate::formats::dataset::Shard;
 use crate::output::{Output, OutputError};
 use crate::pipeline::Failure;
 use crate::results::Swept;
-use crate::studies::Workshop;
+use crate::studies::RunContext;
 
 /// Makes what is missing of a shard's cells. A damaged cell is made again; a foreign one is refused before anything is made.
 ///
 /// # Errors
 ///
 /// A folder or a cell of another sweep; whatever a cell says; files that cannot be written.
-pub fn run(sweep: &Sweep, shard: Shard, output: &Output, workshop: Workshop) -> Result<Swept, Failure> {
+pub fn run(sweep: &Sweep, shard: Shard, output: &Output, context: RunContext) -> Result<Swept, Failure> {
     sweep.open(output)?;
     let store = Store::of(sweep, output.folder());
     let (mut made, mut kept) = (0, 0);
@@ -34,7 +34,7 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, workshop: Workshop) -> 
             Err(Fault::Missing) => (),
             Err(fault) => {
                 let text = format!("{} is made again: {fault}", store.path(cell).display());
-                workshop.progress.note("sweep", &text);
+                context.progress.note("sweep", &text);
             }
         }
         let text = format!(
@@ -46,8 +46,8 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, workshop: Workshop) -> 
             cell.sensing_slots,
             cell.seed
         );
-        workshop.progress.note("sweep", &text);
-        store.keep(output, measure(cell, scenario, workshop)?)?;
+        context.progress.note("sweep", &text);
+        store.keep(output, measure(cell, scenario, context)?)?;
         made += 1;
     }
     let mut missing = 0;

@@ -96,7 +96,7 @@ fn kubernetes(variable: &impl Fn(&str) -> Option<String>) -> Result<Option<Shard
     let Some(index) = number(INDEX, variable(INDEX), 0)? else { return Ok(None) };
     let count = required(COMPLETIONS, variable(COMPLETIONS), 1)?;
     let shard = index.checked_add(1).and_then(|index| Shard::new(index, count));
-    let legal = || format!("0..={}, below {COMPLETIONS}", count - 1);
+    let legal = || format!("0 to {}, below {COMPLETIONS}", count - 1);
     shard.map(Some).ok_or_else(|| ShardError::Variable {
         name: INDEX,
         value: index.to_string(),
@@ -120,7 +120,7 @@ fn number(name: &'static str, text: Option<String>, least: u32) -> Result<Option
 }
 
 fn range(least: u32) -> String {
-    format!("{least}..={}", u32::MAX)
+    format!("{least} to {}", u32::MAX)
 }
 
 #[cfg(test)]
@@ -155,16 +155,16 @@ mod tests {
             let error = choice(None, variables).unwrap_err().to_string();
             words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
         };
-        refused(&[(TASK, "3"), (LEAST, "1")], &[COUNT, "absent", "1..="]);
+        refused(&[(TASK, "3"), (LEAST, "1")], &[COUNT, "absent", "1 to "]);
         refused(&[(TASK, "3"), (COUNT, "8")], &[LEAST, "absent"]);
-        refused(&[(TASK, "3"), (COUNT, "0"), (LEAST, "1")], &[COUNT, "\"0\"", "1..="]);
+        refused(&[(TASK, "3"), (COUNT, "0"), (LEAST, "1")], &[COUNT, "\"0\"", "1 to "]);
         refused(
             &[(TASK, "9"), (COUNT, "8"), (LEAST, "1")],
             &["SLURM_ARRAY_TASK_ID = 9", "one of 8 numbers from 1"],
         );
         refused(&[(TASK, "7"), (COUNT, "3"), (LEAST, "1"), (STEP, "4")], &["4 apart", "--shard"]);
-        refused(&[(INDEX, "x"), (COMPLETIONS, "8")], &[INDEX, "\"x\"", "0..="]);
-        refused(&[(INDEX, "8"), (COMPLETIONS, "8")], &["JOB_COMPLETION_INDEX = 8", "0..=7"]);
+        refused(&[(INDEX, "x"), (COMPLETIONS, "8")], &[INDEX, "\"x\"", "0 to "]);
+        refused(&[(INDEX, "8"), (COMPLETIONS, "8")], &["JOB_COMPLETION_INDEX = 8", "0 to 7"]);
         refused(&[(INDEX, "1")], &[COMPLETIONS, "absent"]);
         refused(
             &[(INDEX, "2"), (COMPLETIONS, "4"), (TASK, "2"), (COUNT, "4"), (LEAST, "1")],

@@ -1,7 +1,7 @@
 //! Slurm: an array job with a task a shard, and a merge that starts when all of them have succeeded.
 //!
-//! A task whose program is killed (SIGKILL: by an operator, or for want of memory) is queued again, [`RESTARTS`] times at most, and
-//! so is one whose node goes down; it goes on with the cells that are missing. Bad input (exit code 2) is not tried again, nor is
+//! A task with a killed program (SIGKILL: by an operator, or for want of memory) is queued again, [`RESTARTS`] times at most, and
+//! so is one on a node that goes down; it goes on with the cells that are missing. Bad input (exit code 2) is not tried again, nor is
 //! what was interrupted on purpose.
 
 use super::plan::{PLAN, Sweep};

@@ -5,8 +5,8 @@
 
 use super::plan::Sweep;
 use crate::PROGRAM;
-use crate::bounded;
 use crate::formats::dataset::sha256;
+use crate::limited;
 use crate::output::{Output, OutputError, to_json};
 use crate::results::{Cell, Measurement};
 use serde::{Deserialize, Serialize};
@@ -97,7 +97,7 @@ impl<'a> Store<'a> {
     /// [`OutputError::Read`] naming a file that is there and cannot be read.
     pub fn read(&self, cell: &Cell) -> Result<Result<Measurement, Fault>, OutputError> {
         let path = self.path(cell);
-        match bounded::read(&path, bounded::TEXT) {
+        match limited::read(&path, limited::TEXT) {
             Ok(bytes) => Ok(self.check(&bytes, cell)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Err(Fault::Missing)),
             Err(source) => Err(OutputError::Read { path, source, hint: "a shard of the sweep wrote it" }),
@@ -128,7 +128,7 @@ impl<'a> Store<'a> {
     /// # Errors
     ///
     /// [`OutputError::Read`] naming the folder.
-    pub fn strangers(&self) -> Result<Vec<String>, OutputError> {
+    pub fn unexpected_files(&self) -> Result<Vec<String>, OutputError> {
         let fail = |source| OutputError::Read {
             path: self.cells.clone(),
             source,

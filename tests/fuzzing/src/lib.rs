@@ -65,7 +65,7 @@ pub const WINDOW: u16 = 8;
 /// See [`WINDOW`].
 pub const HOP: u16 = 2;
 
-/// A sound model file whose weights, biases, zero points, multipliers and shifts are the bytes'.
+/// A valid model file with weights, biases, zero points, multipliers and shifts from the bytes.
 pub fn model(sizes: Sizes, bytes: &mut Bytes<'_>) -> Vec<u8> {
     let slots = WINDOW + HOP * (sizes.frames - 1);
     let mut file = b"SDP3".to_vec();

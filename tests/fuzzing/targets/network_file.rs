@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::formats::model_file::Preprocessing;
-use sdp3::formats::tflite::{Surroundings, import};
+use sdp3::formats::tflite::{ImportDefaults, import};
 use sdp3::predictor::safetensors;
 
 fuzz_target!(|data: &[u8]| {
@@ -22,8 +22,8 @@ fuzz_target!(|data: &[u8]| {
             carrier_khz: 3_500_000,
             slow_time_us: 1000,
         };
-        let surroundings = Surroundings { preprocessing, sensing_slots: vec![200], classes: Vec::new() };
-        match import(rest, &surroundings) {
+        let import_defaults = ImportDefaults { preprocessing, sensing_slots: vec![200], classes: Vec::new() };
+        match import(rest, &import_defaults) {
             Ok(network) => {
                 assert!(network.to_bytes().is_ok_and(|file| sdp3_core::dsn::Model::parse(&file).is_ok()))
             }

@@ -36,7 +36,7 @@ impl Echo {
 
 /// The received chirp of slot number `slot`, as many complex samples as `samples` holds pairs.
 ///
-/// s(t - tau) of s(t) = exp(j pi B t^2 / T) at t = n / f_s, n = 1..=L, with f_s = B and L = B T: exp(j pi (n - tau B)^2 / L).
+/// s(t - tau) of s(t) = exp(j pi B t^2 / T) at t = n / f_s, n = 1 to L, with f_s = B and L = B T: exp(j pi (n - tau B)^2 / L).
 pub fn chirp_echo(echoes: &[Echo], slot: u32, samples: &mut [i16]) {
     let (pairs, _) = samples.as_chunks_mut::<2>();
     let sweep = pairs.len() as f64;
@@ -52,7 +52,7 @@ pub fn chirp_echo(echoes: &[Echo], slot: u32, samples: &mut [i16]) {
 /// The beat of slot number `slot` of a sensor that dechirps in analogue, as many complex samples as `samples` holds pairs.
 ///
 /// The mixer multiplies the sent chirp by the conjugate of the received one: exp(j 2 pi (f_c tau + (B / T) tau t)) at t = n / f_s,
-/// n = 1..=L, with L = f_s T. The range FFT has the echo at bin tau B, and its phase falls while the target approaches.
+/// n = 1 to L, with L = f_s T. The range FFT has the echo at bin tau B, and its phase falls while the target approaches.
 pub fn beat_echo(echoes: &[Echo], slot: u32, samples: &mut [i16]) {
     let (pairs, _) = samples.as_chunks_mut::<2>();
     let sweep = pairs.len() as f64;
@@ -73,7 +73,7 @@ fn beat(echoes: &[Echo], slot: u32, time: f64) -> [i16; 2] {
     })
 }
 
-/// In-phase and quadrature sample of echoes whose phases in cycles are `cycles`.
+/// In-phase and quadrature sample of echoes with phases `cycles` in cycles.
 fn sum(echoes: &[Echo], cycles: impl Fn(&Echo) -> f64) -> [i16; 2] {
     let (mut i, mut q) = (0.0, 0.0);
     for echo in echoes {

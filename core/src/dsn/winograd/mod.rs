@@ -4,7 +4,7 @@
 //!
 //! Convolutions take 16 products instead of 36 by F(2x2, 3x3) in exact integers, additions are tables, and the stem keeps no
 //! row before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed
-//! ahead. An operator with numbers that this form does not cover (a shift outside -20..=-1, an accumulator beyond 2^29;
+//! ahead. An operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29;
 //! convolutions of other than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such
 //! shifts or accumulators.
 //!
@@ -96,15 +96,15 @@ const fn spare_words(frames: usize, channels: usize, stem_stride: usize) -> usiz
 pub struct WinogradF2<'b, P = NativeDualMac> {
     mac: P,
     /// Convolutions that the memory holds packed.
-    places: usize,
-    /// Those that are packed ahead: the others share the last place.
+    packed_slots: usize,
+    /// Those that are prepacked: the others share the last slot.
     prepacked: usize,
     /// Of those, which run by the plain loops, by bit.
     uncovered: u64,
     /// Whether the operator that runs does so by the plain loops.
     plain: bool,
     vectors: &'b mut [I16x8],
-    /// What stays between the steps of an operator; at the end the constants of every place.
+    /// What stays between the steps of an operator; at the end the constants of every slot.
     words: &'b mut [i32],
 }
 
@@ -125,7 +125,7 @@ impl<'b> WinogradF2<'b> {
 impl<'b, P: DualMac> WinogradF2<'b, P> {
     /// [`WinogradF2::shared`] by the arithmetic `mac`.
     pub fn shared_with_mac(mac: P, WinogradMemory { vectors, words }: WinogradMemory<'b>) -> Self {
-        WinogradF2 { mac, places: 1, prepacked: 0, uncovered: 0, plain: false, vectors, words }
+        WinogradF2 { mac, packed_slots: 1, prepacked: 0, uncovered: 0, plain: false, vectors, words }
     }
 
     /// [`WinogradF2::new`] by the arithmetic `mac`.
@@ -136,10 +136,10 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
         let weights = memory.vectors.len().checked_sub(tile_vectors(channels))?;
         let all = 2 * model.blocks();
         let fit = |have: usize, need: usize| have.checked_div(need).unwrap_or(all).min(all);
-        let places = fit(weights, conv_vectors(channels)).min(fit(constants, conv_words(channels)));
-        let prepacked = if places < all { places.checked_sub(1)? } else { all };
+        let packed_slots = fit(weights, conv_vectors(channels)).min(fit(constants, conv_words(channels)));
+        let prepacked = if packed_slots < all { packed_slots.checked_sub(1)? } else { all };
         let width = same(model.frames(), model.stem_stride()) / 2;
-        let mut kernels = WinogradF2 { places, prepacked, ..Self::shared_with_mac(mac, memory) };
+        let mut kernels = WinogradF2 { packed_slots, prepacked, ..Self::shared_with_mac(mac, memory) };
         for number in 0..prepacked {
             let conv = model.block(number / 2)?.convs[number % 2];
             if (0..packing::steps(channels)).any(|step| kernels.pack(number, &conv, width, step).is_none()) {
@@ -160,30 +160,30 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
     }
 
     /// Packed weights and constants of convolution `number`, and the words of its strip.
-    fn place(&mut self, number: usize, channels: usize, width: usize) -> Option<Place<'_>> {
-        let place = number.min(self.prepacked);
+    fn packed_memory(&mut self, number: usize, channels: usize, width: usize) -> Option<PackedMemory<'_>> {
+        let slot = number.min(self.prepacked);
         let (vectors, constant_words) = (conv_vectors(channels), conv_words(channels));
-        let spare = self.words.len().checked_sub(self.places * constant_words)?;
+        let spare = self.words.len().checked_sub(self.packed_slots * constant_words)?;
         let (spare, constants) = self.words.split_at_mut_checked(spare)?;
         let (tile, weights) = self.vectors.split_at_mut_checked(tile_vectors(channels))?;
-        Some(Place {
+        Some(PackedMemory {
             tile,
-            weights: weights.get_mut(place * vectors..)?.get_mut(..vectors)?,
-            constants: constants.get_mut(place * constant_words..)?.get_mut(..constant_words)?,
+            weights: weights.get_mut(slot * vectors..)?.get_mut(..vectors)?,
+            constants: constants.get_mut(slot * constant_words..)?.get_mut(..constant_words)?,
             words: spare.get_mut(..convolution::words(width, channels))?,
         })
     }
 
     /// Does a step of packing a convolution; `None` if these kernels cannot compute it.
     fn pack(&mut self, number: usize, conv: &Conv<'_>, width: usize, step: usize) -> Option<()> {
-        let Place { weights, constants, .. } = self.place(number, conv.inputs, width)?;
+        let PackedMemory { weights, constants, .. } = self.packed_memory(number, conv.inputs, width)?;
         packing::pack::<P>(conv, step, weights, constants)
     }
 }
 
 /// Memory of a convolution.
 #[derive(Default)]
-struct Place<'a> {
+struct PackedMemory<'a> {
     tile: &'a mut [I16x8],
     weights: &'a mut [I16x8],
     constants: &'a mut [i32],
@@ -250,8 +250,8 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
             Operator::Conv { layer, input, size, row, output } => {
                 let (mac, width) = (self.mac, size.1);
                 let border = established(row.get_mut(..width * layer.inputs));
-                let Place { tile, weights, constants, words } =
-                    established(self.place(number, layer.inputs, width));
+                let PackedMemory { tile, weights, constants, words } =
+                    established(self.packed_memory(number, layer.inputs, width));
                 Convolution { layer, weights, constants, input, width, border, words, tile, output }
                     .run(mac, step)
             }

@@ -106,9 +106,9 @@ fn tiles(
         columns = [a, b, column(x + 1), column(x + 2)];
         let mut points = [[0; 4]; 4];
         for row in 0..4 {
-            let along = transform(columns.map(|column| column[row]));
+            let transformed = transform(columns.map(|column| column[row]));
             for k in 0..4 {
-                points[k][row] = along[k];
+                points[k][row] = transformed[k];
             }
         }
         for (out, words) in pooled.iter_mut().zip(channels) {

@@ -18,7 +18,7 @@ pub trait Stft {
     /// A spectrum of zeros in this memory.
     fn spectrum(memory: &mut FixedSpectrum) -> Self::Spectrum<'_>;
 
-    /// A Kaiser window of `length` (2..=256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
+    /// A Kaiser window of `length` (2 to 256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
     ///
     /// Out-of-range arguments are taken to the nearest legal value. The window's error against exact arithmetic is
     /// below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.

@@ -7,7 +7,7 @@
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
 
-use crate::simd::conj_mac::{Iq, portable};
+use crate::simd::conj_mac::{ComplexI16, portable};
 use crate::simd::dual_mac::{DualMac, Sums, Tile};
 use core::arch::{asm, global_asm};
 
@@ -135,10 +135,14 @@ global_asm!(
 );
 
 unsafe extern "C" {
-    fn sdp3_conj_mac_8x125(samples: *const Iq, reference: *const Iq, sums: *mut [[i64; 2]; 8]);
+    fn sdp3_conj_mac_8x125(
+        samples: *const ComplexI16,
+        reference: *const ComplexI16,
+        sums: *mut [[i64; 2]; 8],
+    );
     fn sdp3_conj_mac_block(
-        samples: *const Iq,
-        reference: *const Iq,
+        samples: *const ComplexI16,
+        reference: *const ComplexI16,
         fours: usize,
         ones: usize,
         sums: *mut [i64; 2],
@@ -147,7 +151,7 @@ unsafe extern "C" {
 
 /// [`crate::simd::conj_mac::portable`] by dual multiply-accumulates with 64-bit sums, for samples that begin at a word.
 #[inline]
-pub fn conj_mac(samples: &[Iq], reference: &[Iq], block: usize, sums: &mut [[i64; 2]]) {
+pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
         return portable(samples, reference, block, sums);
     }

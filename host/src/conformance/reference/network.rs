@@ -27,7 +27,7 @@ impl Tensor {
 
 /// What the reference network answers.
 #[derive(Debug)]
-pub struct Answer {
+pub struct ReferenceOutput {
     /// Every layer's output: pooled stem; per block affine, convolution, convolution, sum; averaged features.
     pub layers: Vec<Vec<i64>>,
     /// Logits.
@@ -219,7 +219,7 @@ fn conv(input: &Tensor, layer: &Layer, outputs: usize, stride: usize) -> Tensor 
 }
 
 /// Runs the network of a model file on an image `[64][frames]`.
-pub fn infer(model: &[u8], image: &[i8]) -> Answer {
+pub fn infer(model: &[u8], image: &[i8]) -> ReferenceOutput {
     let h = header(model);
     let stride = usize::from(model[23]);
     let (channels, blocks, classes) =
@@ -281,7 +281,7 @@ pub fn infer(model: &[u8], image: &[i8]) -> Answer {
         .collect();
     let top = logits.iter().copied().max().unwrap_or(0);
     let sum: f64 = logits.iter().map(|&q| libm::exp((q - top) as f64 * head.scale)).sum();
-    Answer { layers, logits, confidence: 1.0 / sum }
+    ReferenceOutput { layers, logits, confidence: 1.0 / sum }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Dechirp, range gate, Gram matrix, weights, projection, STFT and grey levels by their definitions.
+//! Dechirp, range gate, Gram matrix, weights, projection, STFT and intensities by their definitions.
 //!
 //! Paper, eqs. (X), (Y) and (z); integer scalings as stated in the core's documentation.
 

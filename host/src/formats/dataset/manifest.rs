@@ -29,7 +29,7 @@ const ARRAYS: [Array; 4] = [
         name: "image",
         dtype: "int8",
         axes: &["recording", "doppler", "frame"],
-        meaning: "grey level minus 128 of the Doppler spectrogram: what the network sees",
+        meaning: "intensity minus 128 of the Doppler spectrogram: what the network sees",
     },
     Array {
         name: "beat",
@@ -113,7 +113,7 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
     file.write_all(b"\n")
 }
 
-/// Writes the manifest of a dataset whose parts are all there; one that is right already is left alone.
+/// Writes the manifest of a complete dataset; a correct one is not written again.
 ///
 /// # Errors
 ///

@@ -6,7 +6,7 @@
 //!
 //! An NPZ holds `image` int8 `[recording, 64, frames]`, `beat` int32 `[recording, slot, 8, 2]` (re, im), `label` uint8
 //! `[recording]` and, if asked for, `raw` int16 `[recording, slot, samples, 2]` (I, Q), or `[recording, slot, samples]` of a real
-//! converter, whose beats `beat` then are.
+//! converter; `beat` then holds its beats.
 
 mod manifest;
 pub mod part;
@@ -15,7 +15,7 @@ mod sigmf;
 mod stored;
 
 use crate::output::{Output, OutputError};
-use crate::resume::refuse_another;
+use crate::resume::ensure_same_config;
 use crate::scenario::{Class, Scenario};
 use rayon::prelude::*;
 use record::FileRecord;
@@ -31,7 +31,7 @@ pub(crate) use record::sha256;
 pub use stored::{Labelled, Stored, StoredError};
 
 /// Legal recordings of each class: their parts are numbered with five digits.
-pub const PER_CLASS: RangeInclusive<i64> = 1..=2_000_000;
+pub const PER_CLASS: RangeInclusive<u32> = 1..=2_000_000;
 
 const SCENARIO: &str = "scenario.toml";
 const REQUEST: &str = "request.json";
@@ -44,7 +44,7 @@ pub struct Request {
     pub version: String,
     /// SHA-256 of `scenario.toml`.
     pub scenario_sha256: String,
-    /// Memory of the room channel.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// Seed.
     pub seed: u64,
@@ -58,7 +58,7 @@ pub struct Request {
     pub sigmf: bool,
 }
 
-/// Which pieces to make: those whose number leaves `index - 1` when divided by `count`.
+/// Which pieces to make: those of which the number leaves `index - 1` when divided by `count`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     index: u32,
@@ -69,7 +69,7 @@ impl Shard {
     /// All pieces.
     pub const ALL: Shard = Shard { index: 1, count: 1 };
 
-    /// The `index`-th of `count`, 1..=count.
+    /// The `index`-th of `count`, 1 to count.
     pub fn new(index: u32, count: u32) -> Option<Self> {
         (1..=count).contains(&index).then_some(Shard { index, count })
     }
@@ -92,7 +92,7 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
         let shard = numbers.and_then(|(index, count)| Shard::new(index, count));
-        shard.ok_or_else(|| format!("{text} is not in 1/N..=N/N: the I-th of N shards, for example 2/3"))
+        shard.ok_or_else(|| format!("{text} is not in 1/N to N/N: the I-th of N shards, for example 2/3"))
     }
 }
 
@@ -158,7 +158,7 @@ impl<'a> Work<'a> {
         output: &Output,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Written, OutputError> {
-        self.refuse_another(output)?;
+        self.ensure_same_config(output)?;
         let request = format!("{}\n", crate::output::to_json(&self.request));
         for (name, text) in [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)] {
             if std::fs::read(output.path(name)).ok().is_none_or(|found| found != text.as_bytes()) {
@@ -199,12 +199,14 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Refuses a folder whose scenario or request is another.
-    fn refuse_another(&self, output: &Output) -> Result<(), OutputError> {
+    /// Refuses a folder of another scenario or request.
+    fn ensure_same_config(&self, output: &Output) -> Result<(), OutputError> {
         let asked = toml::from_str(&self.scenario.to_toml()).unwrap_or_default();
-        refuse_another(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
+        ensure_same_config(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
         let asked = serde_json::to_value(&self.request).unwrap_or_default();
-        refuse_another(output, REQUEST, &asked, |text| serde_json::from_str(text).map_err(|e| e.to_string()))
+        ensure_same_config(output, REQUEST, &asked, |text| {
+            serde_json::from_str(text).map_err(|e| e.to_string())
+        })
     }
 }
 

@@ -8,7 +8,7 @@ use super::{Work, sigmf};
 use crate::formats::slots::Slots;
 use crate::output::{Output, OutputError};
 use crate::predictor::spectrograms::images_of_beats;
-use crate::simulator::body::motion::Truth;
+use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
@@ -57,7 +57,7 @@ pub struct One {
     /// Its class's place among those of the dataset.
     pub label: u8,
     /// What is true of it.
-    pub truth: Truth,
+    pub truth: GroundTruth,
 }
 
 /// Recording `index`: a function of (scenario, classes, rho, seed, index) alone. Raw slots are made where they are stored, and

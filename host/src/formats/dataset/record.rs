@@ -2,7 +2,7 @@
 
 use crate::output::{Output, OutputError};
 use crate::scenario::Class;
-use crate::simulator::body::motion::Truth;
+use crate::simulator::body::motion::GroundTruth;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -74,7 +74,7 @@ pub struct TruthRecord {
     /// Its label, an index into the classes.
     pub label: u8,
     /// The person.
-    pub truth: Truth,
+    pub truth: GroundTruth,
 }
 
 /// The same as one flat object. serde's `flatten` would read no number where another crate of the program has turned on
@@ -96,7 +96,7 @@ struct Row {
 impl From<Row> for TruthRecord {
     fn from(row: Row) -> Self {
         let Row { index, label, class, child, height_m, speed_m_s, heading_deg, phase, start_m } = row;
-        let truth = Truth { class, child, height_m, speed_m_s, heading_deg, phase, start_m };
+        let truth = GroundTruth { class, child, height_m, speed_m_s, heading_deg, phase, start_m };
         TruthRecord { index, label, truth }
     }
 }
@@ -104,7 +104,7 @@ impl From<Row> for TruthRecord {
 impl From<TruthRecord> for Row {
     fn from(record: TruthRecord) -> Self {
         let TruthRecord { index, label, truth } = record;
-        let Truth { class, child, height_m, speed_m_s, heading_deg, phase, start_m } = truth;
+        let GroundTruth { class, child, height_m, speed_m_s, heading_deg, phase, start_m } = truth;
         Row { index, label, class, child, height_m, speed_m_s, heading_deg, phase, start_m }
     }
 }

@@ -6,7 +6,7 @@ use super::Work;
 use super::record::{FileRecord, hex};
 use crate::PROGRAM;
 use crate::output::{Output, OutputError, to_json};
-use crate::simulator::body::motion::Truth;
+use crate::simulator::body::motion::GroundTruth;
 use sdp3_core::config::SampleFormat;
 use serde::Serialize;
 use sha2::{Digest, Sha512};
@@ -90,7 +90,7 @@ struct Annotation<'a> {
 pub fn write(
     work: &Work,
     index: u32,
-    truth: &Truth,
+    truth: &GroundTruth,
     raw: &[u8],
     output: &Output,
 ) -> Result<Vec<FileRecord>, OutputError> {

@@ -3,8 +3,8 @@
 use super::part::RECORDINGS;
 use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
-use crate::bounded;
 use crate::formats::numpy;
+use crate::limited;
 use crate::resume::difference;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use npyz::Order;
@@ -223,7 +223,7 @@ struct Files {
 impl Files {
     fn open(folder: &Path) -> Result<Self, StoredError> {
         let file = folder.join(manifest::NAME);
-        let bytes = bounded::read(&file, bounded::WHOLE)
+        let bytes = limited::read(&file, limited::WHOLE)
             .map_err(|source| StoredError::Read { file: file.clone(), source })?;
         let Manifest { files } = parsed(&file, &bytes)?;
         let plain =
@@ -248,7 +248,7 @@ impl Files {
             return Err(self.value(manifest::NAME, "files", value, legal));
         };
         let bytes =
-            bounded::read(&file, bounded::WHOLE).map_err(|source| StoredError::Read { file, source })?;
+            limited::read(&file, limited::WHOLE).map_err(|source| StoredError::Read { file, source })?;
         let found = FileRecord::new(name.to_owned(), &bytes);
         if *record != found {
             let legal = format!("{}, as {} says; {CURE}", record.sha256, manifest::NAME);

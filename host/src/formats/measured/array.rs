@@ -71,9 +71,9 @@ impl Array {
             }
             (Numbers::Real(values), shape @ (&[_] | &[_, 2])) => real(values, shape),
             (Numbers::Complex(values), &[_]) => Samples::Complex(values),
-            (Numbers::Complex(values), &[_, cells]) => Samples::Complex(liveliest(&values, cells)),
+            (Numbers::Complex(values), &[_, cells]) => Samples::Complex(max_variance_cell(&values, cells)),
             (Numbers::Complex(values), &[_, sweeps, cells]) => {
-                Samples::Complex(liveliest(&mean_sweep(&values, sweeps, cells), cells))
+                Samples::Complex(max_variance_cell(&mean_sweep(&values, sweeps, cells), cells))
             }
             (_, shape) => return Err(source.value("shape", format!("{shape:?}"), SHAPES)),
         };
@@ -97,8 +97,8 @@ fn mean_sweep(values: &[Complex64], sweeps: usize, cells: usize) -> Vec<Complex6
     values.chunks_exact(sweeps * cells).flat_map(frame).collect()
 }
 
-/// The cell whose samples vary most about their mean.
-fn liveliest(values: &[Complex64], cells: usize) -> Vec<Complex64> {
+/// The cell of largest variance.
+fn max_variance_cell(values: &[Complex64], cells: usize) -> Vec<Complex64> {
     let cell = |c: usize| values.iter().skip(c).step_by(cells).copied();
     let variance = |c: usize| {
         let n = (values.len() / cells) as f64;

@@ -6,7 +6,7 @@
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
-use crate::bounded;
+use crate::limited;
 use hdf5_pure::{AttrValue, Datatype, DatatypeByteOrder, File, FixedPointLayout, Group};
 use rustfft::num_complex::Complex64;
 
@@ -21,7 +21,7 @@ const DEPTH: usize = 8;
 /// Reads the dataset named, the frames of an A121 file, or the file's only dataset.
 pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
     let broken = |error: hdf5_pure::Error| source.unreadable(FORMAT, error);
-    bounded::open(source.0, bounded::WHOLE).map_err(|error| source.unreadable(FORMAT, error))?;
+    limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(FORMAT, error))?;
     let file = File::open(source.0).map_err(broken)?;
     let a121 = file.dataset("generation").and_then(|d| d.read_string()).is_ok_and(|s| s == ["a121"]);
     let names = || {

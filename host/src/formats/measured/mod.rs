@@ -215,16 +215,16 @@ fn checked(source: Source, contents: Contents, stated: &Stated) -> Result<Signal
     let rate_hz = source.known(
         (stated.rate_hz, contents.rate_hz),
         ("rate (Hz)", "--rate"),
-        (10.0..=400e3, "10..=400000 Hz"),
+        (10.0..=400e3, "10 to 400000 Hz"),
     )?;
     let carrier_hz = source.known(
         (stated.carrier_hz, contents.carrier_hz),
         ("carrier (Hz)", "--carrier"),
-        (0.5e9..=100e9, "0.5e9..=100e9 Hz"),
+        (0.5e9..=100e9, "0.5e9 to 100e9 Hz"),
     )?;
     let gain_db = stated.gain_db.unwrap_or(0.0);
     if !(-200.0..=200.0).contains(&gain_db) {
-        return Err(source.value("--gain", gain_db, "-200..=200 dB"));
+        return Err(source.value("--gain", gain_db, "-200 to 200 dB"));
     }
     if let Some((n, value)) = contents.samples.not_finite() {
         return Err(source.value(format!("sample {n}"), value, "finite numbers"));

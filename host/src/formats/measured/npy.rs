@@ -4,15 +4,15 @@
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
-use crate::bounded;
 use crate::formats::numpy;
+use crate::limited;
 use npyz::{DType, NpyFile, Order, TypeChar};
 use rustfft::num_complex::{Complex32, Complex64};
 use std::io::{BufReader, Read};
 
 /// Reads a `.npy` file.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
-    let file = bounded::open(source.0, bounded::WHOLE).map_err(|e| source.unreadable("NPY", e))?;
+    let file = limited::open(source.0, limited::WHOLE).map_err(|e| source.unreadable("NPY", e))?;
     let array = numpy::array(BufReader::new(file)).map_err(|e| source.unreadable("NPY", e))?;
     array_of(source, array)?.contents(source)
 }
@@ -20,7 +20,7 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
 /// Reads an array of a `.npz` file: the one named, or its only one.
 pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("NPZ", error);
-    let file = bounded::open(source.0, bounded::WHOLE).map_err(broken)?;
+    let file = limited::open(source.0, limited::WHOLE).map_err(broken)?;
     let mut archive = numpy::archive(BufReader::new(file)).map_err(broken)?;
     let mut names: Vec<String> =
         archive.file_names().filter_map(|name| name.strip_suffix(".npy")).map(str::to_owned).collect();

@@ -6,8 +6,8 @@
 
 use super::array::SAMPLES;
 use super::{Contents, MOST, MeasuredError, Samples, Source};
-use crate::bounded;
 use crate::formats::slots::Slots;
+use crate::limited;
 use rustfft::num_complex::Complex64;
 use serde::Deserialize;
 use std::path::Path;
@@ -100,7 +100,7 @@ impl Datatype {
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |reason: String| source.unreadable("SigMF", reason);
     let meta_file = source.0.with_extension("sigmf-meta");
-    let text = bounded::read_text(&meta_file, bounded::TEXT)
+    let text = limited::read_text(&meta_file, limited::TEXT)
         .map_err(|e| broken(format!("{}: {e}", meta_file.display())))?;
     let Meta { global, captures } = serde_json::from_str(&text).map_err(|e| broken(e.to_string()))?;
     let legal =
@@ -130,7 +130,7 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     if size / datatype.bytes as u64 > MOST {
         return Err(source.value("size (bytes)", size, format!("at most {MOST} numbers")));
     }
-    let bytes = bounded::read(&data_file, bounded::WHOLE).map_err(named)?;
+    let bytes = limited::read(&data_file, limited::WHOLE).map_err(named)?;
     let end = bytes.len().saturating_sub(global.trailing_bytes);
     let Some(bytes) = bytes.get(header..end) else {
         return Err(source.value("core:header_bytes", header, format!("at most {end}")));

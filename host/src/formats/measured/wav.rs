@@ -1,16 +1,16 @@
 //! WAV recordings: mono of a CW Doppler sensor, or two channels, I and Q.
 //!
-//! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1..=1.
+//! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1 to 1.
 
 use super::{Contents, MOST, MeasuredError, Samples, Source};
-use crate::bounded;
+use crate::limited;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;
 
 /// Reads one.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("WAV", error);
-    let file = bounded::open(source.0, bounded::WHOLE).map_err(|error| broken(error.into()))?;
+    let file = limited::open(source.0, limited::WHOLE).map_err(|error| broken(error.into()))?;
     let mut reader = hound::WavReader::new(BufReader::new(file)).map_err(broken)?;
     let spec = reader.spec();
     if u64::from(reader.len()) > MOST {

@@ -5,7 +5,7 @@
 use sdp3_core::dsn::ModelError;
 use thiserror::Error;
 
-use super::{KIND_HEAD, NAME_BYTES, QuantizedNetwork, Weighted};
+use super::{KIND_HEAD, NAME_BYTES, QuantizedLayer, QuantizedNetwork};
 
 /// Why a network could not be written.
 #[derive(Debug, Error)]
@@ -52,7 +52,7 @@ impl QuantizedNetwork {
         legal("stem_stride", self.stem_stride, matches!(self.stem_stride, 1 | 2), "1 or 2")?;
         within("range", p.range, 1, 4095)?;
         let beta = p.kaiser_beta;
-        legal("kaiser_beta", beta, (0.0..=40.0).contains(&beta), "0..=40")?;
+        legal("kaiser_beta", beta, (0.0..=40.0).contains(&beta), "0 to 40")?;
         let pooled = p.frames().div_ceil(u16::from(self.stem_stride)) / 2;
         let room = "enough for two columns behind the stem";
         legal("sensing_slots", p.sensing_slots, pooled >= 1, room)?;
@@ -62,7 +62,7 @@ impl QuantizedNetwork {
         within("classes", self.classes.len(), 2, 16)?;
         for (i, name) in self.classes.iter().enumerate() {
             let fits = (1..=NAME_BYTES).contains(&name.len()) && !name.contains('\0');
-            legal(&format!("class name {i}"), format!("{name:?}"), fits, "1..=24 bytes without a zero")?;
+            legal(&format!("class name {i}"), format!("{name:?}"), fits, "1 to 24 bytes without a zero")?;
         }
         for (name, kind, inputs, layer) in self.weighted() {
             let outputs = if kind == KIND_HEAD { self.classes.len() } else { c };
@@ -78,7 +78,7 @@ impl QuantizedNetwork {
     }
 }
 
-impl Weighted {
+impl QuantizedLayer {
     fn check(&self, name: &str, outputs: usize, inputs: usize) -> Result<(), ModelFileError> {
         let lengths = [
             ("multipliers", self.multipliers.len(), outputs),
@@ -103,7 +103,7 @@ fn legal(field: &str, value: impl ToString, good: bool, legal: &str) -> Result<(
 }
 
 fn within<T: PartialOrd + ToString>(field: &str, value: T, low: T, high: T) -> Result<(), ModelFileError> {
-    let range = format!("{}..={}", low.to_string(), high.to_string());
+    let range = format!("{} to {}", low.to_string(), high.to_string());
     legal(field, value.to_string(), low <= value && value <= high, &range)
 }
 
@@ -116,7 +116,7 @@ fn check_scales(name: &str, scales: &[f32]) -> Result<(), ModelFileError> {
 
 fn check_rescale(name: &str, multipliers: &[i32], shifts: &[i8]) -> Result<(), ModelFileError> {
     for &m in multipliers {
-        legal(&format!("{name} multiplier"), m, m == 0 || m >= 1 << 30, "0 or 2^30..=2^31-1")?;
+        legal(&format!("{name} multiplier"), m, m == 0 || m >= 1 << 30, "0 or 2^30 to 2^31-1")?;
     }
     for &s in shifts {
         within(&format!("{name} shift"), s, -31, 7)?;
@@ -131,20 +131,23 @@ mod tests {
 
     #[test]
     fn errors_name_field_value_and_range() {
-        let spoil = |change: fn(&mut QuantizedNetwork)| {
+        let corrupted = |change: fn(&mut QuantizedNetwork)| {
             let mut n = network();
             change(&mut n);
             n.to_bytes().unwrap_err().to_string()
         };
-        assert_eq!(spoil(|n| n.preprocessing.hop = 129), "model: hop is 129, must be 1..=128");
-        assert_eq!(spoil(|n| n.stem_stride = 3), "model: stem_stride is 3, must be 1 or 2");
+        assert_eq!(corrupted(|n| n.preprocessing.hop = 129), "model: hop is 129, must be 1 to 128");
+        assert_eq!(corrupted(|n| n.stem_stride = 3), "model: stem_stride is 3, must be 1 or 2");
         assert_eq!(
-            spoil(|n| n.blocks[1].conv2.shifts[0] = 8),
-            "model: block 1 conv2 shift is 8, must be -31..=7"
+            corrupted(|n| n.blocks[1].conv2.shifts[0] = 8),
+            "model: block 1 conv2 shift is 8, must be -31 to 7"
         );
-        assert_eq!(spoil(|n| n.head.weights.truncate(11)), "model: number of head weights is 11, must be 12");
-        assert!(spoil(|n| n.classes[0] = "x".repeat(25)).contains("class name 0"));
-        assert!(spoil(|n| n.blocks[0].add.multipliers[1] = 5).contains("multiplier is 5"));
-        assert!(spoil(|n| n.preprocessing.sensing_slots = 127).contains("sensing_slots is 127"));
+        assert_eq!(
+            corrupted(|n| n.head.weights.truncate(11)),
+            "model: number of head weights is 11, must be 12"
+        );
+        assert!(corrupted(|n| n.classes[0] = "x".repeat(25)).contains("class name 0"));
+        assert!(corrupted(|n| n.blocks[0].add.multipliers[1] = 5).contains("multiplier is 5"));
+        assert!(corrupted(|n| n.preprocessing.sensing_slots = 127).contains("sensing_slots is 127"));
     }
 }

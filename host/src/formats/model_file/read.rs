@@ -5,7 +5,7 @@
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Model, ModelError};
 
-use super::{Add, Block, HEADER_BYTES, NAME_BYTES, Preprocessing, QuantizedNetwork, Weighted};
+use super::{Add, Block, HEADER_BYTES, NAME_BYTES, Preprocessing, QuantizedLayer, QuantizedNetwork};
 
 /// Bytes of a file that was found sound, from the front; what is missing reads as zero.
 struct Reader<'a>(&'a [u8]);
@@ -45,9 +45,9 @@ impl<'a> Reader<'a> {
         values.map(|v| v as i8)
     }
 
-    fn weighted(&mut self, outputs: usize, inputs: usize) -> Weighted {
+    fn weighted(&mut self, outputs: usize, inputs: usize) -> QuantizedLayer {
         let [in_zero, out_zero, act_min, act_max, _] = self.prefix();
-        Weighted {
+        QuantizedLayer {
             in_zero,
             out_zero,
             act_min,

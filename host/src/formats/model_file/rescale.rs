@@ -32,7 +32,7 @@ pub fn add_ratios(a: f32, b: f32, sum: f32) -> [f64; 3] {
     [f64::from(a) / twice, f64::from(b) / twice, twice / (f64::from(1u32 << 20) * f64::from(sum))]
 }
 
-/// The f32 weight scale whose ratio gives exactly `pair`; `None` if no f32 does.
+/// The f32 weight scale of which the ratio gives exactly `pair`; `None` if no f32 does.
 ///
 /// A multiplier has 31 bits and a scale 24, so only pairs that came from f32 scales have one.
 pub fn weight_scale(pair: (i32, i8), in_scale: f32, out_scale: f32) -> Option<f32> {

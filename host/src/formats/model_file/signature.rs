@@ -3,7 +3,7 @@
 //! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
 
 use super::ModelFileError;
-use crate::bounded;
+use crate::limited;
 use ed25519_dalek::{Signer, SigningKey};
 use sdp3_core::dsn::model::{KEY_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN};
 use sdp3_core::dsn::{Model, ModelError};
@@ -103,7 +103,7 @@ fn refuse_kind(path: &Path, refused: &str, legal: &str) -> Result<(), ModelFileE
 
 fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
     let name = path.display().to_string();
-    let bytes = bounded::read(path, bounded::TEXT)
+    let bytes = limited::read(path, limited::TEXT)
         .map_err(|source| ModelFileError::Io { path: name.clone(), source })?;
     let length = bytes.len();
     bytes.try_into().map_err(|_| ModelFileError::Field {

@@ -20,7 +20,7 @@ pub struct Summary {
     pub signed: bool,
     /// Bytes of scratch its network needs.
     pub scratch_bytes: usize,
-    /// Bytes of all memory a receiver borrows for it.
+    /// Bytes of all memory that the radar module borrows for it.
     pub required_bytes: usize,
     /// The network in words.
     pub network: String,

@@ -1,16 +1,16 @@
 //! From the radar module's network to a `.tflite` graph that computes the same bits.
 //!
-//! Multipliers become weight scales again: the f32 scale whose ratio TensorFlow Lite turns into that very multiplier.
+//! Multipliers become weight scales again: the f32 scale that TensorFlow Lite converts into exactly that multiplier.
 //! What another runtime does not need, preprocessing and class names, travels as metadata under [`METADATA`].
 
 use std::borrow::Cow;
 
 use super::graph::{Graph, Operator, Options, Tensor};
 use super::schema::{ACTIVATIONS, INT8, INT32, Kind, VALID};
-use super::walk::activation_range;
+use super::traversal::activation_range;
 use super::{TfliteError, require};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, weight_scale};
-use crate::formats::model_file::{Add, HEADER_BYTES, NAME_BYTES, QuantizedNetwork, ROWS, Weighted};
+use crate::formats::model_file::{Add, HEADER_BYTES, NAME_BYTES, QuantizedLayer, QuantizedNetwork, ROWS};
 
 /// Name of the metadata: header and class names as in the model file.
 pub const METADATA: &str = "sdp3";
@@ -117,7 +117,7 @@ impl Builder<'_> {
     fn conv(
         &mut self,
         name: &str,
-        layer: &Weighted,
+        layer: &QuantizedLayer,
         kernel: usize,
         stride: usize,
     ) -> Result<(), TfliteError> {
@@ -195,6 +195,6 @@ fn activation(name: &str, range: (i8, i8), scale: f32, zero: i8) -> Result<u8, T
     let found = (0..ACTIVATIONS.len() as u8).find(|&a| activation_range(a, scale, zero) == Some(range));
     let legal = "that of NONE, RELU, RELU_N1_TO_1 or RELU6";
     found.ok_or_else(|| {
-        TfliteError::value(format!("{name} activation range"), format!("{}..={}", range.0, range.1), legal)
+        TfliteError::value(format!("{name} activation range"), format!("{} to {}", range.0, range.1), legal)
     })
 }

@@ -6,13 +6,13 @@
 use super::export::METADATA;
 use super::graph::Graph;
 use super::schema::Kind;
-use super::walk::{Walk, grid};
+use super::traversal::{Traversal, grid};
 use super::{TfliteError, require};
 use crate::formats::model_file::{self, Block, Preprocessing, QuantizedNetwork, ROWS};
 
 /// What a foreign file does not say.
 #[derive(Debug, Clone)]
-pub struct Surroundings {
+pub struct ImportDefaults {
     /// From raw slots to the image; its sensing slots are set to the first of `sensing_slots` with the image's frames,
     /// else to the fewest that give them.
     pub preprocessing: Preprocessing,
@@ -22,16 +22,16 @@ pub struct Surroundings {
     pub classes: Vec<String>,
 }
 
-/// Reads a network of the radar module's topology; the image's pixel is the grey level - 128, whatever its scale.
+/// Reads a network of the radar module's topology; the image's pixel is the intensity - 128, whatever its scale.
 ///
 /// # Errors
 /// The field that is not what the network has at that place, with its value and what it must be.
-pub fn import(file: &[u8], surroundings: &Surroundings) -> Result<QuantizedNetwork, TfliteError> {
+pub fn import(file: &[u8], import_defaults: &ImportDefaults) -> Result<QuantizedNetwork, TfliteError> {
     let graph = Graph::parse(file)?;
     let [input] = graph.inputs[..] else {
         return Err(TfliteError::value("number of inputs", graph.inputs.len(), "1"));
     };
-    let mut walk = Walk { graph: &graph, next: 0, x: input, shape: [0; 3] };
+    let mut walk = Traversal { graph: &graph, next: 0, x: input, shape: [0; 3] };
     let image = walk.tensor(input, "image")?;
     grid(image)?;
     let frames = match image.shape[..] {
@@ -83,7 +83,7 @@ pub fn import(file: &[u8], surroundings: &Surroundings) -> Result<QuantizedNetwo
     )?;
     let sizes = [c, blocks.len(), head.biases.len()];
     let stated = stated(&graph, frames, sizes)?;
-    let (preprocessing, classes) = stated.map_or_else(|| assumed(surroundings, frames, sizes[2]), Ok)?;
+    let (preprocessing, classes) = stated.map_or_else(|| assumed(import_defaults, frames, sizes[2]), Ok)?;
     let network = QuantizedNetwork { preprocessing, classes, stem_stride: stride as u8, stem, blocks, head };
     network.to_bytes()?;
     Ok(network)
@@ -114,7 +114,7 @@ fn stated(
 
 /// Preprocessing and class names from outside.
 fn assumed(
-    s: &Surroundings,
+    s: &ImportDefaults,
     frames: u16,
     classes: usize,
 ) -> Result<(Preprocessing, Vec<String>), TfliteError> {

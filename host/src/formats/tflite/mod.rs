@@ -16,11 +16,11 @@ mod graph;
 mod import;
 mod reader;
 mod schema;
-mod walk;
+mod traversal;
 mod writer;
 
 pub use export::export;
-pub use import::{Surroundings, import};
+pub use import::{ImportDefaults, import};
 
 use super::model_file::ModelFileError;
 use thiserror::Error;

@@ -159,5 +159,5 @@ fn limit(count: usize, most: usize, field: &str) -> Result<(), TfliteError> {
     if count <= most {
         return Ok(());
     }
-    Err(TfliteError::value(format!("number of {field}"), count, format!("0..={most}")))
+    Err(TfliteError::value(format!("number of {field}"), count, format!("0 to {most}")))
 }

@@ -188,7 +188,7 @@ impl Kind {
         }
     }
 
-    /// Where its options are; `None` for operators whose options say nothing of interest.
+    /// Where its options are; `None` for operators with options that are not needed.
     pub fn option_slots(self) -> Option<OptionSlots> {
         let none =
             OptionSlots { activation: 0, stride: None, filter: None, depth_multiplier: None, dilation: None };

@@ -52,7 +52,7 @@ impl Requantizer {
         shifts: I32x16::ZERO,
     };
 
-    /// Sets one lane: `y = requantize(acc, multiplier, shift) + zero`; `None` if the shift is not in -20..=-1.
+    /// Sets one lane: `y = requantize(acc, multiplier, shift) + zero`; `None` if the shift is not in -20 to -1.
     ///
     /// The rule of [`sdp3_core::fixed::requantize`] for |acc| < 2^30 with one floor less. With m the multiplier and
     /// e = -shift, `round(m acc / 2^31)` is `(m acc + 2^30) >> 31` as m is not negative. Rounding halves away from zero

@@ -1,11 +1,11 @@
-//! What the scheduler promises, checked from outside on every period.
+//! The scheduler's properties, checked from outside on every period.
 //!
-//! Slots add up; sensing slots lie where the plan says, up to where sensing was ended; without an end every receiver has exactly its
-//! share; nobody there goes without a slot; no wait is longer than its bound, which where plans meet is both plans' together.
+//! Slots add up; sensing slots lie where the plan says, up to where sensing was ended; without an end every user has exactly its
+//! share; every user that is present gets a slot; no wait is longer than its bound, which where plans meet is both plans' together.
 
 use sdp3_core::scheduler::{Plan, USERS};
 
-/// Failures named in full; more are only counted by their number.
+/// Violations described in full; more are only counted.
 const NAMED: usize = 20;
 
 /// A running check.
@@ -13,7 +13,7 @@ const NAMED: usize = 20;
 pub struct Invariants {
     /// Slots played.
     now: u64,
-    /// Slot of each receiver's last turn; `None` after a period in which it had no share.
+    /// Slot of each user's last turn; `None` after a period in which it had no share.
     last: [Option<u64>; USERS],
     /// Longest wait of the period, and of all.
     waited: [u64; USERS],
@@ -66,7 +66,7 @@ impl Invariants {
         self.sensed += 1;
     }
 
-    /// A slot of receiver `k` at `position`, from 1.
+    /// A slot of user `k` at `position`, from 1.
     pub fn serve(&mut self, k: usize, position: u32) {
         let now = self.start + u64::from(position);
         if let Some(last) = self.last[k].replace(now) {
@@ -101,29 +101,29 @@ impl Invariants {
         }
         let present = plan.shares().iter().filter(|&&share| share > 0).count() as u32;
         if idle > 0 && present > 0 {
-            fail(format!("{idle} idle slots with {present} receivers"));
+            fail(format!("{idle} idle slots with {present} users"));
         }
         for k in 0..USERS {
             let share = plan.shares().get(k).copied().unwrap_or(0);
             if !ended && served[k] != share {
-                fail(format!("receiver {} had {} slots instead of {share}", k + 1, served[k]));
+                fail(format!("user {} had {} slots instead of {share}", k + 1, served[k]));
             }
             if share > 0 && served[k] == 0 {
-                fail(format!("receiver {} starved", k + 1));
+                fail(format!("user {} starved", k + 1));
             }
             let (now, before) = self.bounds[k];
-            // dealt anew where sensing ends: turns may be twice as far apart there
+            // the shares are reassigned where sensing ends: a user's slots may be twice as far apart there
             let bound = if ended { 2 * now + before + 1 } else { now + before + 1 };
             let wait = self.waited[k];
             if wait > u64::from(bound) {
-                fail(format!("receiver {} waited {wait} slots, bound {bound}", k + 1));
+                fail(format!("user {} waited {wait} slots, bound {bound}", k + 1));
             }
             self.longest[k].0 = self.longest[k].0.max(wait as u32);
             self.longest[k].1 = self.longest[k].1.max(bound);
         }
     }
 
-    /// Longest wait of every receiver and the largest bound that held.
+    /// Longest wait of every user and the largest bound that held.
     pub fn waits(&self) -> [(u32, u32); USERS] {
         self.longest
     }

@@ -1,24 +1,24 @@
-//! Thousands of periods of the core's scheduler in a world that changes: fading channels, traffic, receivers that come and go, lost
-//! slots, other targets, and people before the radar.
+//! Thousands of periods of the core's scheduler with fading channels, traffic, users that join and leave, lost
+//! slots, other targets, and people in front of the radar.
 //!
-//! Every slot's decision is the core's. What the scheduler promises is checked in every period; whatever does not hold is counted
-//! and named.
+//! Every slot's decision is the core's. The scheduler's properties are checked in every period; violations are counted
+//! and described.
 
+pub mod environment;
 pub mod invariants;
 pub mod plain;
 pub mod radar;
 pub mod trace;
-pub mod world;
 
 use crate::optimizer::playback::lengthen;
 use crate::optimizer::shares::integer_rates;
 use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
+use environment::Environment;
 use invariants::Invariants;
 use radar::Radar;
 use sdp3_core::scheduler::{PlanError, Scheduler, SensingLayout, SlotUse, USERS};
 use trace::Trace;
-use world::World;
 
 /// What happens, per period unless it says otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,11 +27,11 @@ pub struct Settings {
     pub periods: u32,
     /// N_s at the start.
     pub sensing_slots: u32,
-    /// Mean time a channel stays as it is, in s.
+    /// Mean time between changes of a channel, in s.
     pub coherence_s: f64,
-    /// Mean arrivals of each receiver over its fair share of the start; `None`: always something to send.
+    /// Mean arrivals of each user over its fair share of the start; `None`: always something to send.
     pub load: Option<f64>,
-    /// Probability that a receiver joins or leaves.
+    /// Probability that a user joins or leaves.
     pub churn: f64,
     /// Probability that a slot is lost, per slot.
     pub loss: f64,
@@ -39,7 +39,7 @@ pub struct Settings {
     pub retarget: f64,
     /// Periods drawn slot by slot in the trace.
     pub traced: u32,
-    /// Every so many periods somebody moves before the radar; 0: never.
+    /// A recognition every so many periods; 0: never.
     pub recognise_every: u32,
 }
 
@@ -74,21 +74,25 @@ impl Loop<'_, '_> {
     }
 }
 
-/// A scheduler at the start of a world.
+/// A scheduler at the start of the simulation.
 ///
 /// # Errors
 ///
 /// [`PlanError`] if N_s does not fit.
-pub fn scheduler(scenario: &Scenario, settings: &Settings, world: &World) -> Result<Scheduler, PlanError> {
+pub fn scheduler(
+    scenario: &Scenario,
+    settings: &Settings,
+    environment: &Environment,
+) -> Result<Scheduler, PlanError> {
     let f = &scenario.frame;
     let sensing = SensingLayout::new(f.period_slots, f.spacing_slots, settings.sensing_slots)?;
-    Ok(Scheduler::new(sensing, rates(world)))
+    Ok(Scheduler::new(sensing, rates(environment)))
 }
 
-/// The present receivers' bits per slot in the core's units.
-fn rates(world: &World) -> [u32; USERS] {
-    let present: Vec<usize> = (0..USERS).filter(|&k| world.present[k]).collect();
-    let bits: Vec<f64> = present.iter().map(|&k| world.slot_bit[k]).collect();
+/// The present users' bits per slot in the core's units.
+fn rates(environment: &Environment) -> [u32; USERS] {
+    let present: Vec<usize> = (0..USERS).filter(|&k| environment.present[k]).collect();
+    let bits: Vec<f64> = present.iter().map(|&k| environment.slot_bit[k]).collect();
     let mut rates = [0; USERS];
     present.into_iter().zip(integer_rates(&bits)).for_each(|(k, rate)| rates[k] = rate);
     rates
@@ -98,7 +102,7 @@ fn rates(world: &World) -> [u32; USERS] {
 pub fn play(
     scenario: &Scenario,
     settings: &Settings,
-    mut world: World,
+    mut environment: Environment,
     mut slots: Loop,
     trace: &mut Trace,
     progress: &dyn Fn(u64, u64),
@@ -116,12 +120,12 @@ pub fn play(
     };
     let mut recognitions = Recognitions::default();
     let mut invariants = Invariants::new();
-    let mut until_loss = world.slots_until_loss(settings.loss);
+    let mut until_loss = environment.slots_until_loss(settings.loss);
     for period in 0..settings.periods {
-        world.arrive(settings);
-        let somebody = settings.recognise_every > 0 && period % settings.recognise_every == 0;
+        environment.arrive(settings);
+        let person = settings.recognise_every > 0 && period % settings.recognise_every == 0;
         if let Loop::Station(radar) = &mut slots {
-            radar.prepare(somebody, period);
+            radar.prepare(person, period);
         }
         let traced = period < settings.traced;
         invariants.begin();
@@ -138,14 +142,14 @@ pub fn play(
                 trace.boundary(period, scheduler.report(), scheduler.plan());
             }
             let lost = until_loss == 0;
-            until_loss = if lost { world.slots_until_loss(settings.loss) } else { until_loss - 1 };
+            until_loss = if lost { environment.slots_until_loss(settings.loss) } else { until_loss - 1 };
             match slot {
                 SlotUse::Communication(k) => {
                     let k = usize::from(k) % USERS;
                     served[k] += 1;
                     invariants.serve(k, position);
                     if !lost {
-                        world.deliver(k);
+                        environment.deliver(k);
                     }
                 }
                 SlotUse::Sensing => {
@@ -186,16 +190,16 @@ pub fn play(
         found.idle_slots += u64::from(idle);
         for (k, r) in found.receivers.iter_mut().enumerate() {
             r.slots += u64::from(served[k]);
-            r.periods += u64::from(world.present[k]);
+            r.periods += u64::from(environment.present[k]);
         }
-        trace.period(period, &world.drain(&mut found.receivers));
+        trace.period(period, &environment.drain(&mut found.receivers));
         if period % 64 == 0 {
             progress(u64::from(period), u64::from(settings.periods));
         }
-        let changed = world.change(settings, scenario);
+        let changed = environment.change(settings, scenario);
         let scheduler = slots.scheduler();
         if changed.rates {
-            rates(&world)
+            rates(&environment)
                 .into_iter()
                 .enumerate()
                 .for_each(|(k, rate)| scheduler.planner_mut().set_rate(k, rate));
@@ -247,16 +251,16 @@ mod tests {
     fn campaign(settings: &Settings, seed: u64) -> (Campaign, String) {
         let mut scenario = Scenario::default();
         scenario.communication.draws = 20;
-        let world = World::new(&scenario, settings, seed);
-        let scheduler = scheduler(&scenario, settings, &world).unwrap();
+        let environment = Environment::new(&scenario, settings, seed);
+        let scheduler = scheduler(&scenario, settings, &environment).unwrap();
         let mut trace = Trace::new(&scenario.frame);
         let slots = Loop::Schedule(Box::new(scheduler));
-        let found = play(&scenario, settings, world, slots, &mut trace, &|_, _| ());
+        let found = play(&scenario, settings, environment, slots, &mut trace, &|_, _| ());
         (found, trace.finish())
     }
 
     #[test]
-    fn promises_hold_and_everything_happens() {
+    fn properties_hold_and_everything_happens() {
         let (found, trace) = campaign(&settings(400), 1);
         assert!(found.broken.is_empty(), "{:?}", found.broken);
         assert_eq!(found.decisions, 400 * 4000);

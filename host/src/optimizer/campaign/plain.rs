@@ -1,10 +1,10 @@
-//! The same job by the plainest loop, to measure the core's beside it: every slot asks the definition and every receiver's lag.
+//! The same schedule by a plain loop, to compare speeds: every slot evaluates the definition and every user's lag.
 
 use sdp3_core::scheduler::{Plan, SlotUse};
 
 /// Plays `periods` of a plan; `each` sees every slot.
 ///
-/// Slot j senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1); the others go to the receiver that lags its proportion most.
+/// Slot j senses iff j mod (N_m + 1) = 1 and j <= N_s (N_m + 1); the others go to the user that lags its proportion most.
 pub fn play(plan: &Plan, periods: u32, mut each: impl FnMut(SlotUse)) {
     let (step, slots) = (plan.spacing() + 1, plan.sensing());
     let others = f64::from(plan.period() - slots);

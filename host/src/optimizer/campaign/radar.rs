@@ -85,10 +85,10 @@ impl<'m, 'b> Radar<'m, 'b> {
         }
     }
 
-    /// Somebody moves through the next period, or nobody.
-    pub fn prepare(&mut self, somebody: bool, period: u32) {
+    /// A person moves in the next period, or none.
+    pub fn prepare(&mut self, person: bool, period: u32) {
         (self.truth, self.found, self.signal) = (None, None, None);
-        if somebody {
+        if person {
             let class = Class::ALL[(self.random.uniform() * Class::ALL.len() as f64) as usize];
             let slots = self.scenario.frame.period_slots / (self.scenario.frame.spacing_slots + 1);
             let found = recording(self.scenario, self.rho, self.seed, Set::Demo, class, 100 + period, slots);

@@ -18,10 +18,10 @@ pub struct Trace {
     open: Option<(u32, u64, u64)>,
 }
 
-/// Periods that a trace tells of.
+/// Most periods in a trace.
 pub const PERIODS: u32 = 10_000;
 
-/// Track of sensing slots; receivers' follow, then idle slots'.
+/// Track of sensing slots; users' follow, then idle slots'.
 const SENSING: u32 = 1;
 
 impl Trace {
@@ -36,7 +36,7 @@ impl Trace {
         let name = |track: u32| match track {
             0 => "plan".to_owned(),
             SENSING => "sensing".to_owned(),
-            k if k as usize <= USERS + 1 => format!("receiver {}", k - SENSING),
+            k if k as usize <= USERS + 1 => format!("user {}", k - SENSING),
             _ => "idle".to_owned(),
         };
         trace.events += "{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":1,\"tid\":0,\"args\":{\"name\":\"base station\"}}";
@@ -112,7 +112,7 @@ impl Trace {
         );
     }
 
-    /// A period ends, having delivered so many bits to each receiver.
+    /// A period ends, having delivered so many bits to each user.
     pub fn period(&mut self, period: u32, delivered_bit: &[f64; USERS]) {
         if period >= PERIODS {
             return;

@@ -29,11 +29,11 @@ pub fn gallery(
     if models.is_empty() || models.len() > EXITS {
         return Ok(None);
     }
-    let answers = collect(scenario, rho, seed, models, (Part::Calibration, per_class), progress)?;
-    let policy = Policy::new(&answers.slots, weights(&answers));
+    let exit_logits = collect(scenario, rho, seed, models, (Part::Calibration, per_class), progress)?;
+    let policy = Policy::new(&exit_logits.slots, weights(&exit_logits));
     let last = models.len() - 1;
-    let courses = policy.courses(&answers);
-    let (threshold, last) = policy.cheapest(&courses, &answers.truth, accuracy).unwrap_or((2.0, last));
+    let courses = policy.courses(&exit_logits);
+    let (threshold, last) = policy.cheapest(&courses, &exit_logits.truth, accuracy).unwrap_or((2.0, last));
     let classified = |&class: &Class| -> Result<AnytimeRecording, AccuracyError> {
         let exits = classify(scenario, rho, seed, models, &policy, class)?;
         let stop = exits[..last].iter().find(|exit| exit.confidence >= f64::from(threshold as f32));
@@ -43,7 +43,7 @@ pub fn gallery(
     Ok(Some(AnytimeGallery {
         threshold,
         most_sensing_slots: policy.exits[last].sensing_slots,
-        calibrated_on: answers.truth.len() as u32,
+        calibrated_on: exit_logits.truth.len() as u32,
         recordings: Class::ALL.iter().map(classified).collect::<Result<_, _>>()?,
     }))
 }

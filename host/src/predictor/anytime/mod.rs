@@ -1,12 +1,13 @@
-//! Anytime sensing, learnt: how much each exit's logits count, and what a threshold brings.
+//! Early exits, trained: the weight of each exit's logits, and the effect of a threshold.
 //!
-//! [`answers`] runs recordings through every exit's network, [`calibration`] fits the weights of evidence, [`policy`] plays
-//! thresholds, [`gallery`] lets the core hear the gallery's recordings. What is stopped by is the core's own arithmetic ([`sdp3_core::early_exit`]).
+//! [`exit_logits`] runs recordings through every exit's network, [`calibration`] fits the weights of evidence, [`policy`] plays
+//! thresholds, [`gallery`] classifies the gallery's recordings with the core. The decision to
+//! stop is the core's own arithmetic ([`sdp3_core::early_exit`]).
 
-pub mod answers;
 pub mod calibration;
+pub mod exit_logits;
 pub mod gallery;
 pub mod policy;
 
-pub use answers::{Answers, Part, collect};
+pub use exit_logits::{ExitLogits, Part, collect};
 pub use policy::Policy;

@@ -1,6 +1,6 @@
-//! What a threshold brings: accuracy, sensing slots, and where recordings stop.
+//! The effect of a threshold: accuracy, sensing slots, and where recordings stop.
 
-use super::answers::Answers;
+use super::exit_logits::ExitLogits;
 use crate::results::{AnytimeExit, AnytimePoint};
 use sdp3_core::early_exit::{add_evidence, decide};
 
@@ -15,7 +15,7 @@ pub struct Policy {
 pub type Course = Vec<(u8, f32)>;
 
 impl Policy {
-    /// Of weights fitted to answers.
+    /// Of weights fitted to logits of the exits.
     pub fn new(slots: &[u32], weights: Vec<Vec<i32>>) -> Self {
         let exits = slots.iter().zip(weights);
         let exits = exits.map(|(&sensing_slots, weights)| AnytimeExit { sensing_slots, weights });
@@ -23,7 +23,7 @@ impl Policy {
     }
 
     /// Verdicts of every exit for every recording.
-    pub fn courses(&self, answers: &Answers) -> Vec<Course> {
+    pub fn courses(&self, exit_logits: &ExitLogits) -> Vec<Course> {
         let verdict = |logits: &Vec<Vec<i8>>, exit: usize| {
             let mut evidence = vec![0; logits[exit].len()];
             for (logits, &weight) in logits.iter().zip(&self.exits[exit].weights) {
@@ -32,7 +32,7 @@ impl Policy {
             decide(&evidence)
         };
         let course = |logits| (0..self.exits.len()).map(|exit| verdict(logits, exit)).collect();
-        answers.logits.iter().map(course).collect()
+        exit_logits.logits.iter().map(course).collect()
     }
 
     /// Stops at `threshold`, at `last` at the latest.

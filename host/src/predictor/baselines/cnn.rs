@@ -1,7 +1,9 @@
 //! A plain convolutional network: the deep spectrogram network's convolutions, as many and as wide, without skips and without
-//! normalisation. Trained by the same recipe on the same images, through the trunk's own passes.
+//! normalisation. Trained by the same recipe on the same images, through the backbone's own passes.
 
 use super::{apart, folds, right};
+use crate::predictor::backbone::operation::backbone;
+use crate::predictor::backbone::{BlockKind, Shape, Workspace};
 use crate::predictor::float_network::first_maximum;
 use crate::predictor::network::Maker;
 use crate::predictor::parameters::{Architecture, Images, Parameters, shuffled};
@@ -9,8 +11,6 @@ use crate::predictor::training::TrainingError;
 use crate::predictor::training::augmentation::{augment, stream};
 use crate::predictor::training::batches::{Batch, batches};
 use crate::predictor::training::steps::{optimizer, rate};
-use crate::predictor::trunk::operation::trunk;
-use crate::predictor::trunk::{Shape, Wiring, Workspace};
 use crate::scenario::Learning;
 use burn::module::{Module, Param};
 use burn::optim::GradientsParams;
@@ -76,7 +76,8 @@ impl Cnn {
         let [batch, _, rows, frames] = images.dims();
         let [channels, ..] = self.stem.val().dims();
         let (blocks, stem_stride) = (self.blocks.len(), self.stride);
-        let shape = Shape { batch, rows, frames, channels, blocks, stem_stride, wiring: Wiring::Plain };
+        let shape =
+            Shape { batch, rows, frames, channels, blocks, stem_stride, block_kind: BlockKind::Plain };
         let device = images.device();
         let (one, none) = (Tensor::<1>::ones([channels], &device), Tensor::<1>::zeros([channels], &device));
         let mut parameters = vec![self.stem.val().flatten(0, 3), self.stem_bias.val()];
@@ -85,7 +86,7 @@ impl Cnn {
             parameters.extend([one.clone(), none.clone(), b.conv1.val().flatten(0, 3)]);
             parameters.extend([one.clone(), b.bias1.val(), b.conv2.val().flatten(0, 3), b.bias2.val()]);
         }
-        let (features, _) = trunk(images, Tensor::cat(parameters, 0), shape, workspace);
+        let (features, _) = backbone(images, Tensor::cat(parameters, 0), shape, workspace);
         features.matmul(self.head.val().transpose()) + self.head_bias.val().unsqueeze()
     }
 
@@ -119,9 +120,9 @@ impl Cnn {
                 let (epoch, index) = (step / batches.len(), step % batches.len());
                 let order = shuffled(images.len(), seed, epoch as u64);
                 let batch = &order[batches[index].clone()];
-                let mut shown = Batch::of(images, batch, classes);
-                augment(&mut shown, settings, &mut stream(seed, epoch, index));
-                let (input, truth) = shown.tensors(&device);
+                let mut augmented = Batch::of(images, batch, classes);
+                augment(&mut augmented, settings, &mut stream(seed, epoch, index));
+                let (input, truth) = augmented.tensors(&device);
                 let logits = network.forward(input, &workspace);
                 let loss = (log_softmax(logits, 1) * truth).sum() / -(batch.len() as f64);
                 let gradients = GradientsParams::from_grads(loss.backward(), &network);

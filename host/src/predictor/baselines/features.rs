@@ -1,6 +1,6 @@
 //! Features of a spectrogram that do not depend on when a step begins: what every Doppler row shows over time.
 //!
-//! Mean, standard deviation, largest and smallest grey level of each row: where the torso's line lies, how far and how often
+//! Mean, standard deviation, largest and smallest intensity of each row: where the torso's line lies, how far and how often
 //! limbs leave it.
 
 use crate::predictor::parameters::Images;
@@ -59,8 +59,8 @@ mod tests {
     fn rows_are_described_whatever_the_moment_a_step_begins() {
         let image = |pixels: [i8; 8]| Images { rows: 2, frames: 4, pixels: pixels.to_vec(), labels: vec![0] };
         let a = features(&image([-128, -128, 127, 127, 0, 0, 0, 0]));
-        let grey = 128.0 / 255.0;
-        let expected = [0.5, 0.5, 1.0, 0.0, grey, 0.0, grey, grey];
+        let mid = 128.0 / 255.0;
+        let expected = [0.5, 0.5, 1.0, 0.0, mid, 0.0, mid, mid];
         assert!(a[0].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?}");
         assert_eq!(a, features(&image([127, -128, -128, 127, 0, 0, 0, 0])));
     }

@@ -1,4 +1,4 @@
-//! What the deep spectrogram network is held against: a support vector machine and a plain convolutional network.
+//! What the deep spectrogram network is compared with: a support vector machine and a plain convolutional network.
 //!
 //! Paper, section I: recognition by a support vector machine on spectrograms, then by a convolutional network in its place. Both
 //! learn from the same images as the deep spectrogram network, and both have what they cannot know chosen for them on the

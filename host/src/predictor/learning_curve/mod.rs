@@ -34,7 +34,7 @@ pub fn predict(points: &[CurvePoint], seed: u64) -> Result<Prediction, FitError>
     Ok(prediction)
 }
 
-/// A at `sensing_slots`, clamped to 0..=1, 0 below the model's domain; `None` if the curve's model is unknown.
+/// A at `sensing_slots`, clamped to 0 to 1, 0 below the model's domain; `None` if the curve's model is unknown.
 pub fn evaluate(curve: &Curve, sensing_slots: f64) -> Option<f64> {
     Some(within(Model::by_name(&curve.model)?.at(&curve.parameters, sensing_slots)))
 }

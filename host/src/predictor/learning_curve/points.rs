@@ -49,7 +49,7 @@ pub fn check(points: &[CurvePoint]) -> Result<usize, FitError> {
             return refuse("sensing_slots", p.sensing_slots, "a number above 1");
         }
         if !(0.0..=1.0).contains(&p.accuracy) {
-            return refuse("accuracy", p.accuracy, "0..=1");
+            return refuse("accuracy", p.accuracy, "0 to 1");
         }
         if let Some(tested) = p.tested.filter(|n| !(n.is_finite() && *n >= 1.0)) {
             return refuse("tested", tested, "at least 1");

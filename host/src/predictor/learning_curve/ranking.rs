@@ -119,7 +119,7 @@ mod tests {
         let model = Model::by_name("vapor_pressure").unwrap();
         let truth = paper();
         let (parameters, _) = fit(model, &truth);
-        // seventy points of one curve and one that is 0.1 off: nobody foretells that one
+        // seventy points of one curve and one that is 0.1 off: no curve predicts that one
         let point = |k: u32| {
             let sensing_slots = 200.0 + 10.0 * f64::from(k);
             let accuracy = model.at(&parameters, sensing_slots) - if k == 35 { 0.1 } else { 0.0 };

@@ -60,7 +60,7 @@ impl Shape {
         }
     }
 
-    /// The shape at `t`, each 0..=1, in the box of a curve whose least N_s is `low`.
+    /// The shape at `t`, each 0 to 1, in the box of a curve from N_s = `low` on.
     pub fn at(model: Model, low: f64, t: [f64; 2]) -> Self {
         let [s, t] = t.map(|t| t.clamp(0.0, 1.0));
         let least = low.min(LEAST);

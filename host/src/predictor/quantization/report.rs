@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-use crate::predictor::calibration::{Grid, Grids, Rule, assemble, position};
+use crate::predictor::calibration::{Grids, QuantParams, Rule, assemble, position};
 use crate::predictor::float_network::{Activation, FloatNetwork};
 use crate::predictor::parameters::Images;
 
@@ -20,10 +20,10 @@ pub struct LayerReport {
     /// Largest number its grid holds.
     pub high: f64,
     /// Its grid.
-    pub grid: Grid,
+    pub grid: QuantParams,
     /// Power of the float activation over the power of its error, all earlier layers in int8 too, in dB.
     pub sqnr_db: f64,
-    /// Share of its values beyond the grid's ends, 0..=1.
+    /// Share of its values beyond the grid's ends, 0 to 1.
     pub clipped: f64,
 }
 
@@ -58,7 +58,7 @@ impl QuantizationReport {
 
     /// The grids that were kept.
     pub fn grids(&self) -> Grids {
-        let grids: Vec<Grid> = self.layers.iter().map(|layer| layer.grid).collect();
+        let grids: Vec<QuantParams> = self.layers.iter().map(|layer| layer.grid).collect();
         assemble(&grids, (grids.len() - 4) / 4)
     }
 
@@ -87,7 +87,7 @@ impl QuantizationReport {
 /// Float and rehearsed activations side by side.
 pub(super) fn compare(
     float: &FloatNetwork,
-    rehearsal: &FloatNetwork,
+    fake_quantised: &FloatNetwork,
     grids: &Grids,
     images: &Images,
 ) -> Vec<LayerReport> {
@@ -102,7 +102,7 @@ pub(super) fn compare(
             order.push(activation);
             exact.push(values.to_vec());
         });
-        rehearsal.forward(images.image(i), images.rows, &mut |activation, values| {
+        fake_quantised.forward(images.image(i), images.rows, &mut |activation, values| {
             let at = position(activation, blocks);
             tallies[at].round(grids.of(activation), values, &exact[at]);
         });
@@ -121,7 +121,7 @@ struct Tally {
 
 impl Tally {
     /// Rounds int8's values to their grid and compares them with the float ones.
-    fn round(&mut self, grid: Grid, values: &mut [f32], exact: &[f32]) {
+    fn round(&mut self, grid: QuantParams, values: &mut [f32], exact: &[f32]) {
         let (low, high) = grid.range();
         let half = 0.5 * grid.scale;
         for (v, &e) in values.iter_mut().zip(exact) {

@@ -32,7 +32,7 @@ pub fn augment(batch: &mut Batch, settings: &Learning, random: &mut Random) {
     }
 }
 
-/// Uniform in 0..=most.
+/// Uniform in 0 to most.
 fn up_to(random: &mut Random, most: usize) -> usize {
     ((most + 1) as f64 * random.uniform()) as usize
 }
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use crate::predictor::synthetic::stripes;
 
-    fn shown(mask_rows: u32, mixup: f64, epoch: usize) -> Batch {
+    fn augmented(mask_rows: u32, mixup: f64, epoch: usize) -> Batch {
         let images = stripes(24, 4, 1);
         let mut batch = Batch::of(&images, &[3, 0, 8, 15, 1], 5);
         let settings = Learning { mask_rows, mixup, ..Learning::default() };
@@ -71,15 +71,15 @@ mod tests {
 
     #[test]
     fn nothing_changes_where_both_are_off() {
-        assert_eq!(shown(0, 0.0, 0), Batch::of(&stripes(24, 4, 1), &[3, 0, 8, 15, 1], 5));
+        assert_eq!(augmented(0, 0.0, 0), Batch::of(&stripes(24, 4, 1), &[3, 0, 8, 15, 1], 5));
     }
 
     #[test]
     fn a_mask_darkens_one_band_of_whole_rows() {
-        let plain = shown(0, 0.0, 0);
+        let plain = augmented(0, 0.0, 0);
         let mut widths = Vec::new();
         for epoch in 0..40 {
-            let masked = shown(12, 0.0, epoch);
+            let masked = augmented(12, 0.0, epoch);
             assert_eq!(masked.truth, plain.truth);
             let images = |b: &Batch| -> Vec<Vec<f32>> { b.pixels.chunks(24).map(<[f32]>::to_vec).collect() };
             for (masked, plain) in images(&masked).chunks(plain.rows).zip(images(&plain).chunks(plain.rows)) {
@@ -94,10 +94,10 @@ mod tests {
 
     #[test]
     fn mixed_images_and_classes_have_the_same_shares() {
-        let plain = shown(0, 0.0, 0);
+        let plain = augmented(0, 0.0, 0);
         let mut shares = Vec::new();
         for epoch in 0..200 {
-            let mixed = shown(0, 0.4, epoch);
+            let mixed = augmented(0, 0.4, epoch);
             for row in mixed.truth.chunks(5) {
                 assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-6);
             }
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_same_batch_of_the_same_epoch_is_the_same_again() {
-        assert_eq!(shown(12, 0.4, 3), shown(12, 0.4, 3));
-        assert_ne!(shown(12, 0.4, 3), shown(12, 0.4, 4));
+        assert_eq!(augmented(12, 0.4, 3), augmented(12, 0.4, 3));
+        assert_ne!(augmented(12, 0.4, 3), augmented(12, 0.4, 4));
     }
 }

@@ -17,7 +17,7 @@ pub fn split(labels: &[u8], share: f64) -> (Vec<usize>, Vec<usize>) {
 /// What one step learns from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batch {
-    /// Grey levels 0..=1, `[image, row, frame]`.
+    /// Intensities 0 to 1, `[image, row, frame]`.
     pub pixels: Vec<f32>,
     /// Share of every class, `[image, class]`.
     pub truth: Vec<f32>,

@@ -18,11 +18,11 @@ use augmentation::{augment, stream};
 use batches::{Batch, batches, split};
 use steps::{optimizer, rate};
 
+use super::backbone::Workspace;
 use super::checkpoint::{Best, Bits, Checkpoint, CheckpointError, Identity, decode, encode};
 use super::float_network::first_maximum;
 use super::network::Network;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
-use super::trunk::Workspace;
 use crate::results::Epoch;
 use crate::scenario::Learning;
 
@@ -62,7 +62,7 @@ pub struct Trained {
 /// Where a training runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// The processor, through the trunk's own passes.
+    /// The processor, through the backbone's own passes.
     #[default]
     Flex,
     /// A GPU through Vulkan, Metal, DirectX 12 or WebGPU.
@@ -186,7 +186,7 @@ pub fn train_all(
 /// The result does not depend on `threads`, nor on how often it was interrupted and resumed.
 ///
 /// # Errors
-/// Images whose size or labels do not fit; a checkpoint of another training; what `watch` says; no thread.
+/// Images with a size or labels that do not fit; a checkpoint of another training; what `watch` says; no thread.
 pub fn train(
     images: &Images,
     settings: &Learning,
@@ -202,18 +202,18 @@ pub fn train(
 }
 
 fn check(images: &Images, settings: &Learning, classes: usize) -> Result<(), TrainingError> {
-    let demand = |field, value: usize, good: bool, legal: String| match good {
+    let ensure = |field, value: usize, good: bool, legal: String| match good {
         true => Ok(()),
         false => Err(TrainingError::Images { field, value: value.to_string(), legal }),
     };
     let stride = usize::from(settings.stem_stride);
     let pixels = images.len() * images.rows * images.frames;
-    demand("number", images.len(), images.len() >= 2, "at least 2".into())?;
-    demand("pixels", images.pixels.len(), images.pixels.len() == pixels, format!("{pixels}"))?;
-    demand("rows", images.rows, images.rows > stride, format!("more than {stride}"))?;
-    demand("frames", images.frames, images.frames > stride, format!("more than {stride}"))?;
+    ensure("number", images.len(), images.len() >= 2, "at least 2".into())?;
+    ensure("pixels", images.pixels.len(), images.pixels.len() == pixels, format!("{pixels}"))?;
+    ensure("rows", images.rows, images.rows > stride, format!("more than {stride}"))?;
+    ensure("frames", images.frames, images.frames > stride, format!("more than {stride}"))?;
     let largest = usize::from(images.labels.iter().copied().max().unwrap_or(0));
-    demand("largest label", largest, largest < classes, format!("below {classes}"))
+    ensure("largest label", largest, largest < classes, format!("below {classes}"))
 }
 
 /// A training under way.
@@ -308,9 +308,9 @@ impl<'a> Learner<'a> {
         let (mut loss_sum, mut right) = (0.0, 0);
         for (index, range) in batches.iter().enumerate() {
             let batch: Vec<usize> = order[range.clone()].iter().map(|&i| self.train[i]).collect();
-            let mut shown = Batch::of(self.images, &batch, classes);
-            augment(&mut shown, self.settings, &mut stream(self.identity.seed, number, index));
-            let (input, truth) = shown.tensors(&device);
+            let mut augmented = Batch::of(self.images, &batch, classes);
+            augment(&mut augmented, self.settings, &mut stream(self.identity.seed, number, index));
+            let (input, truth) = augmented.tensors(&device);
             let logits = match self.backend {
                 Backend::Flex => self.network.forward_batch(input, &self.workspace),
                 #[cfg(any(feature = "wgpu", feature = "cuda"))]

@@ -1,4 +1,4 @@
-// Calibration: the KL curve and the grey levels, read point by point.
+// Calibration: the KL curve and the intensities, read point by point.
 
 function klPanel() {
   const curve = figures.calibration.curve;
@@ -10,18 +10,18 @@ function klPanel() {
     ["KL", digits(point.kl, 4)],
     ["KL without black", digits(point.kl_without_black, 4)],
   ];
-  walk(plotOf("kl-curve"), { label: "memory of the room", series, say, start: { s: 0, k: least } });
+  walk(plotOf("kl-curve"), { label: "channel correlation", series, say, start: { s: 0, k: least } });
 }
 
 function greyPanel() {
   const { measured_pmf: measured, simulated_pmf: simulated } = figures.calibration;
   const series = [measured, simulated].map((shares) => shares.map((share, level) => ({ x: level, y: share })).slice(1));
   const say = (point) => [
-    ["grey level", String(point.x)],
+    ["intensity", String(point.x)],
     ["measured", percent(measured[point.x])],
     ["simulated", percent(simulated[point.x])],
   ];
-  walk(plotOf("grey-levels"), { label: "grey level", series, say, start: { s: 0, k: Math.floor(series[0].length / 4) } });
+  walk(plotOf("grey-levels"), { label: "intensity", series, say, start: { s: 0, k: Math.floor(series[0].length / 4) } });
 }
 
 if (figures.calibration.curve.length) klPanel();

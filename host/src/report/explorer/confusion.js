@@ -7,9 +7,9 @@ function matrix(own, other, read) {
       const differs = n !== other?.counts[truth][answer];
       const cell = html("td", { class: `${truth === answer ? "right" : "wrong"}${differs ? " differs" : ""}`, tabindex: -1 }, String(n));
       cell.style.setProperty("--share", total ? n / total : 0);
-      const tell = () => read({ truth, answer, total });
-      cell.addEventListener("pointerenter", tell);
-      cell.addEventListener("focus", tell);
+      const report = () => read({ truth, answer, total });
+      cell.addEventListener("pointerenter", report);
+      cell.addEventListener("focus", report);
       cell.addEventListener("keydown", (event) => {
         const [down, right] = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key] ?? [0, 0];
         const next = cells[truth + down]?.[answer + right];

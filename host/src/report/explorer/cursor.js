@@ -1,11 +1,11 @@
-// A cursor that walks along the series of a plot: by mouse, by touch, by keyboard.
+// A cursor that moves along the series of a plot: by mouse, by touch, by keyboard.
 
 const BY_KEY = { ArrowRight: 1, ArrowLeft: -1, PageUp: 10, PageDown: -10, Home: -Infinity, End: Infinity };
 
 /**
  * Puts a ring on the point chosen, which can be focused and dragged: left and right go along the series, Page by ten, Home and
  * End to its ends, up and down to another series. Pointing without pressing only reads. `series` are lists of `{x, y, ...}`;
- * `say(point)` are the pairs of the readout; `choose(point)` hears of every choice. Returns what chooses from outside.
+ * `say(point)` are the pairs of the readout; `choose(point)` is called with every choice. Returns a function that chooses.
  */
 function walk(figure, { label, series, say, choose = () => {}, start }) {
   const picture = figure.querySelector("svg");
@@ -32,7 +32,7 @@ function walk(figure, { label, series, say, choose = () => {}, start }) {
     hair.setAttribute("d", `M${x.toFixed(1)} ${scale.y.from}V${scale.y.to}`);
     fillReadout(readout, say(point));
   };
-  const go = (to, told = true) => {
+  const go = (to, notify = true) => {
     chosen = to;
     const point = at(to);
     const [x, y] = pixels(point);
@@ -41,7 +41,7 @@ function walk(figure, { label, series, say, choose = () => {}, start }) {
     handle.setAttribute("aria-valuenow", to.k);
     handle.setAttribute("aria-valuetext", say(point).map((pair) => pair.join(" ")).join(", "));
     show(point);
-    if (told) choose(point);
+    if (notify) choose(point);
   };
   const nearest = (event, own) => {
     const [px, py] = placeOf(picture, event);

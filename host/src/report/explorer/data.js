@@ -11,10 +11,10 @@ const megabit = (bit) => `${digits(bit / 1e6, 3)} Mbit`;
 const grouped = (n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 const words = (name) => name.replaceAll("-", " ");
 
-/** Name of a use of a slot: -2 nobody, -1 sensing, else the receiver's index. */
-const useName = (code) => (code === -2 ? "nobody" : code === -1 ? "sensing" : `receiver ${code + 1}`);
+/** Name of a use of a slot: -2 idle, -1 sensing, else the user's index. */
+const useName = (code) => (code === -2 ? "idle" : code === -1 ? "sensing" : `user ${code + 1}`);
 
-/** Its colour; the eighth receiver's is the ninth of the palette's. */
+/** Its colour; the eighth user's is the ninth of the palette's. */
 const useColour = (code) => {
   if (code === -2) return "#e6e6e6";
   if (code === -1) return "var(--ink)";

@@ -1,9 +1,9 @@
-// The gallery: what anytime sensing says of a recording after so many slots, and where it stops at a threshold.
+// The gallery: the classification at every early exit of a recording, and where it stops at a threshold.
 
 /** The picture's box in a spectrogram: left edge, width, top, bottom. */
 const PICTURE = { left: 48, width: 232, top: 8, bottom: 208 };
 
-/** The exit at which a recording stops: the first that is sure enough, or the last that is waited for. */
+/** The exit at which a recording stops: the first that is sure enough, or the last in use. */
 function stopOf(recording, threshold) {
   const last = recording.exits.findIndex((exit) => exit.sensing_slots === figures.anytime.most_sensing_slots);
   const sure = recording.exits.findIndex((exit) => exit.confidence >= Math.fround(threshold));
@@ -27,14 +27,14 @@ function exhibit(figure, recording, spectrogram) {
   figure.querySelector("svg").append(line);
   const verdict = html("p", { class: "verdict" });
   const bars = html("ul", { class: "bars", "aria-label": `class probabilities of ${recording.truth}` });
-  const tell = (k) => {
+  const select = (k) => {
     bars.replaceChildren(...probabilityBars(recording.exits[k], recording.truth));
     buttons.forEach((button, own) => button.setAttribute("aria-pressed", own === k));
   };
   const buttons = recording.exits.map((exit, k) =>
-    html("button", { type: "button", onclick: () => tell(k), "aria-label": `after ${exit.sensing_slots} slots` }, String(exit.sensing_slots)),
+    html("button", { type: "button", onclick: () => select(k), "aria-label": `after ${exit.sensing_slots} slots` }, String(exit.sensing_slots)),
   );
-  const group = html("div", { class: "exits", role: "group", "aria-label": "sensing slots heard" }, ...buttons);
+  const group = html("div", { class: "exits", role: "group", "aria-label": "sensing slots used" }, ...buttons);
   figure.append(verdict, group, bars);
   return (threshold) => {
     const k = stopOf(recording, threshold);
@@ -47,7 +47,7 @@ function exhibit(figure, recording, spectrogram) {
     const stops = html("b", { "data-value": "stops after" }, String(exit.sensing_slots));
     const word = right ? "right" : "wrong";
     verdict.replaceChildren("stops after ", stops, ` slots: ${exit.class}, ${percent(exit.confidence)} (${word})`);
-    tell(k);
+    select(k);
   };
 }
 

@@ -1,7 +1,7 @@
 //! The explorer: the script of the report page and the data it reads.
 //!
 //! Every file beside this one has one reason: `data` reads the JSON, `marks` makes elements, `cursor` lets pointer and keyboard
-//! walk along a plot, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
+//! move along a plot, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
 //! allows this script by its hash and nothing else: no request, no other script.
 
 use super::plot::COLOURS;

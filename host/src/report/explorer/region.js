@@ -38,7 +38,7 @@ function regionPanel() {
   choose(cursor.chosen());
 }
 
-/** A slider over the weights w_A for which the results hold the optimum, and the receiver placement they are of. */
+/** A slider over the weights w_A for which the results hold the optimum, and the user placement they are of. */
 function weightControl(go) {
   const of = (number) => figures.weighted.filter((point) => point.case === number);
   let placement = run.operating_point.case;
@@ -78,7 +78,7 @@ function weightControl(go) {
   return { element, show };
 }
 
-/** Slots, bits and waits of every receiver, and the period as the core's scheduler plays it. */
+/** Slots, bits and waits of every user, and the period as the core's scheduler plays it. */
 function fillPlan(element, point) {
   const { period_slots: period, spacing_slots: spacing } = run.operating_point;
   const prices = figures.cases.find((one) => one.case === point.case);

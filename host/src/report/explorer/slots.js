@@ -11,7 +11,7 @@ function oneByOne([x, y, width, height], codes) {
   return codes.map((code, k) => block(x + k * each, y, each, height, code));
 }
 
-/** Columns of a period: slots of `[sensing, receiver 0, ..]` in each. */
+/** Columns of a period: slots of `[sensing, user 0, ..]` in each. */
 function inColumns([x, y, width, height], columns) {
   const each = width / columns.length;
   return columns.flatMap((uses, column) => {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// What is true of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Truth {
+pub struct GroundTruth {
     /// The motion.
     pub class: Class,
     /// Whether a child moves.
@@ -56,7 +56,7 @@ enum Motion {
 #[derive(Debug, Clone)]
 pub struct Person {
     /// What is true of it.
-    pub truth: Truth,
+    pub truth: GroundTruth,
     motion: Motion,
     gait: Gait,
     segments: Segments,
@@ -96,7 +96,7 @@ impl Person {
         let heading_deg = towards + target.heading_spread_deg * (2.0 * random.uniform() - 1.0);
         let phase = random.uniform();
         let speed_m_s = if class.on_the_spot() { 0.0 } else { stride_m_s };
-        let truth = Truth { class, child, height_m, speed_m_s, heading_deg, phase, start_m: [x, y] };
+        let truth = GroundTruth { class, child, height_m, speed_m_s, heading_deg, phase, start_m: [x, y] };
         let mut person = Self::striding(truth, stride_m_s, room, target.turns, random);
         if target.waypoints_m.len() > 1 && speed_m_s > 0.0 {
             person.trajectory = Trajectory::through(&target.waypoints_m, speed_m_s);
@@ -107,7 +107,7 @@ impl Person {
     }
 
     /// A person of whom everything is known but the sway, in a room of this size.
-    pub fn new(truth: Truth, room: Vec3, random: &mut Random) -> Self {
+    pub fn new(truth: GroundTruth, room: Vec3, random: &mut Random) -> Self {
         let stride =
             if truth.class.on_the_spot() { pace(truth.class) * truth.height_m } else { truth.speed_m_s };
         Self::striding(truth, stride, room, true, random)
@@ -115,11 +115,11 @@ impl Person {
 
     /// As [`Person::new`], with the limbs of a gait of another speed: who brakes or runs in a small room moves them faster than
     /// the body.
-    pub fn paced(truth: Truth, stride_m_s: f64, room: Vec3, random: &mut Random) -> Self {
+    pub fn paced(truth: GroundTruth, stride_m_s: f64, room: Vec3, random: &mut Random) -> Self {
         Self::striding(truth, stride_m_s, room, true, random)
     }
 
-    fn striding(truth: Truth, stride_m_s: f64, room: Vec3, turns: bool, random: &mut Random) -> Self {
+    fn striding(truth: GroundTruth, stride_m_s: f64, room: Vec3, turns: bool, random: &mut Random) -> Self {
         let gait = Gait::new(truth.height_m, stride_m_s / (0.491 * truth.height_m));
         let mut wave = |low: f64, high: f64| (low + (high - low) * random.uniform(), random.uniform());
         let (breath, first, second) = (wave(0.2, 0.35), wave(0.15, 0.4), wave(0.4, 0.9));
@@ -147,7 +147,7 @@ impl Person {
     }
 
     /// A person that moves as a file says; the joints' first base stands at `truth.start_m`.
-    pub fn captured(mut truth: Truth, capture: Arc<Capture>) -> Self {
+    pub fn captured(mut truth: GroundTruth, capture: Arc<Capture>) -> Self {
         truth.height_m = capture.height_m();
         let gait = Gait::new(truth.height_m, 1.0);
         let base = capture.at(0.0).0[joint::BASE];
@@ -225,7 +225,7 @@ mod tests {
     use super::*;
 
     fn person(class: Class, speed_m_s: f64) -> Person {
-        let truth = Truth {
+        let truth = GroundTruth {
             class,
             child: false,
             height_m: 1.75,

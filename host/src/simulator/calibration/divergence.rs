@@ -1,9 +1,9 @@
-//! Kullback-Leibler divergence of grey-level distributions, and its minimum over rho.
+//! Kullback-Leibler divergence of intensity distributions, and its minimum over rho.
 //!
 //! Eq. (fitting) of the paper: D(measured || simulated) over F = 64 levels. One count is added to every simulated level; the black
-//! level, which holds all that is weaker than the range, is counted or left out, and both are told.
+//! level, which holds all that is weaker than the range, is counted or left out, and both are reported.
 
-use super::grey::LEVELS;
+use super::intensity::LEVELS;
 use crate::results::KlPoint;
 
 /// Counts of each level.

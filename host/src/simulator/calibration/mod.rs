@@ -1,11 +1,11 @@
-//! Calibration: the rho whose simulated grey levels are nearest to the measured ones.
+//! Calibration: the rho at which simulated intensities are nearest to the measured ones.
 //!
-//! [`conditioning`] treats measured and simulated signals alike, [`grey`] makes levels of them, [`mod@divergence`] compares and searches,
+//! [`conditioning`] treats measured and simulated signals alike, [`intensity`] makes levels of them, [`mod@divergence`] compares and searches,
 //! [`stored`] keeps what was found. The same random draws serve every rho, so the curve is smooth.
 
 pub mod conditioning;
 pub mod divergence;
-pub mod grey;
+pub mod intensity;
 pub mod resample;
 pub mod stored;
 
@@ -19,7 +19,7 @@ use crate::results::{Calibration, Spectrogram};
 use crate::scenario::{Class, Radar, Scenario};
 use conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
 use divergence::{Counts, EVALUATIONS, divergence, search, shares};
-use grey::{Grey, LEVELS, RANGE_DB, histogram};
+use intensity::{Intensity, LEVELS, RANGE_DB, histogram};
 use rayon::prelude::*;
 use resample::resample;
 use sdp3_core::config::RadarConfig;
@@ -85,10 +85,10 @@ pub struct Bench<'a> {
     class: Class,
     /// A real, AC-coupled signal instead of a complex one.
     real: bool,
-    /// One range cell whose mean is removed, instead of the beat matrix.
+    /// One range cell, its mean removed, instead of the beat matrix.
     single_cell: bool,
     slots: u32,
-    grey: Grey,
+    intensity: Intensity,
     hop: usize,
 }
 
@@ -97,8 +97,8 @@ impl<'a> Bench<'a> {
     pub fn new(scenario: &'a Scenario, seed: u64, class: Class, real: bool, slots: u32) -> Self {
         let settings = &scenario.spectrogram;
         let hop = usize::from(settings.hop);
-        let grey = Grey::new(usize::from(settings.window), hop);
-        Bench { scenario, seed, class, real, single_cell: false, slots, grey, hop }
+        let intensity = Intensity::new(usize::from(settings.window), hop);
+        Bench { scenario, seed, class, real, single_cell: false, slots, intensity, hop }
     }
 
     /// One person's slow-time signal: clutter removed, as the measured one has it.
@@ -121,9 +121,9 @@ impl<'a> Bench<'a> {
         clutter_free(&beats)
     }
 
-    /// Grey levels of `people` recordings of a set, together.
+    /// Intensities of `people` recordings of a set, together.
     pub fn counts(&self, rho: f64, set: Set, people: u32) -> Counts {
-        let one = |index| histogram(&self.grey.decibels(&self.signal(rho, set, index), self.real));
+        let one = |index| histogram(&self.intensity.decibels(&self.signal(rho, set, index), self.real));
         let each: Vec<Counts> = (0..people).into_par_iter().map(one).collect();
         let mut counts = [0_u64; LEVELS];
         each.iter().for_each(|one| counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n));
@@ -178,19 +178,19 @@ pub fn slots_without_clutter(slots: &Slots, radar: RadarConfig) -> Option<Vec<Co
 }
 
 /// A measured signal, conditioned and counted, and the bench that simulated ones are compared on.
-struct Facing {
+struct Comparison {
     at_carrier: Scenario,
     signal: Vec<Complex64>,
     rate_hz: f64,
     real: bool,
     single_cell: bool,
     slots: usize,
-    /// Windows with motion, and the grey levels of them all.
+    /// Windows with motion, and the intensities of them all.
     windows: usize,
     counts: Counts,
 }
 
-impl Facing {
+impl Comparison {
     fn new(scenario: &Scenario, measured: &Signal) -> Result<Self, CalibrationError> {
         let (mut signal, rate_hz, real) = slow_time(measured, &scenario.radar)?;
         let slots = ((rate_hz.round() as usize).max(FEWEST)).min(signal.len());
@@ -200,7 +200,7 @@ impl Facing {
         }
         let mut at_carrier = scenario.clone();
         if !matches!(measured.samples, Samples::Slots(_)) {
-            // a sensor without range cells, or one whose cell holds a body
+            // a sensor without range cells, or one with a body in its cell
             at_carrier.radar = scenario.radar.with_sweep_of(&Radar::default());
         }
         at_carrier.radar.carrier_hz = measured.carrier_hz;
@@ -210,23 +210,23 @@ impl Facing {
         if single_cell {
             signal.chunks_mut(slots).for_each(remove_mean);
         }
-        let grey = Grey::new(WINDOW, HOP);
+        let intensity = Intensity::new(WINDOW, HOP);
         let mut counts = [0; LEVELS];
         let windows = moving_windows(&signal, slots);
         for window in &windows {
-            let one = histogram(&grey.decibels(window, real));
+            let one = histogram(&intensity.decibels(window, real));
             counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n);
         }
         let windows = windows.len();
         if windows == 0 {
             return Err(CalibrationError::Still { title: measured.title.clone() });
         }
-        Ok(Facing { at_carrier, signal, rate_hz, real, single_cell, slots, windows, counts })
+        Ok(Comparison { at_carrier, signal, rate_hz, real, single_cell, slots, windows, counts })
     }
 
     fn bench(&self, seed: u64, class: Class) -> Bench<'_> {
         let mut bench = Bench::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
-        bench.grey = Grey::new(WINDOW, HOP);
+        bench.intensity = Intensity::new(WINDOW, HOP);
         bench.hop = HOP;
         bench.single_cell = self.single_cell;
         bench
@@ -245,12 +245,12 @@ pub fn divergence_measured(
     seed: u64,
     rho: f64,
 ) -> Result<(f64, Vec<f64>), CalibrationError> {
-    let facing = Facing::new(scenario, measured)?;
-    let simulated = facing.bench(seed, class).counts(rho, Set::Calibration, PEOPLE);
-    Ok((divergence(&facing.counts, &simulated, 0), shares(&simulated)))
+    let comparison = Comparison::new(scenario, measured)?;
+    let simulated = comparison.bench(seed, class).counts(rho, Set::Calibration, PEOPLE);
+    Ok((divergence(&comparison.counts, &simulated, 0), shares(&simulated)))
 }
 
-/// Calibrates on a measured signal of somebody who moves as `class` says.
+/// Calibrates on a measured signal of a person who moves as `class` says.
 ///
 /// # Errors
 ///
@@ -262,27 +262,27 @@ pub fn calibrate_measured(
     seed: u64,
     progress: Progress,
 ) -> Result<Calibration, CalibrationError> {
-    let facing = Facing::new(scenario, measured)?;
-    let bench = facing.bench(seed, class);
-    let (curve, simulated, best) = bench.search(&facing.counts, progress);
-    let shown = moving_windows(&facing.signal, facing.slots)[0];
+    let comparison = Comparison::new(scenario, measured)?;
+    let bench = comparison.bench(seed, class);
+    let (curve, simulated, best) = bench.search(&comparison.counts, progress);
+    let shown = moving_windows(&comparison.signal, comparison.slots)[0];
     let picture_of = bench.signal(curve[best].rho, Set::Demo, 0);
-    let (slots, rate_hz) = (facing.slots, facing.rate_hz);
+    let (slots, rate_hz) = (comparison.slots, comparison.rate_hz);
     let seconds = slots as f64 / rate_hz;
     let (title, carrier_hz) = (&measured.title, measured.carrier_hz);
     Ok(Calibration {
         source: format!(
             "measured: {title}, {:.4} GHz, {} windows of {seconds:.1} s with motion at {rate_hz} Hz",
             carrier_hz / 1e9,
-            facing.windows
+            comparison.windows
         ),
         carrier_hz,
         rho: curve[best].rho,
         kl: Some(curve[best].kl),
         kl_without_uncertainty: curve.last().map(|p| p.kl),
-        curve_of: format!("grey levels of {title} against {PEOPLE} simulated recordings of {}", class.name()),
+        curve_of: format!("intensities of {title} against {PEOPLE} simulated recordings of {}", class.name()),
         curve,
-        measured_pmf: shares(&facing.counts),
+        measured_pmf: shares(&comparison.counts),
         simulated_pmf: shares(&simulated),
         measured: Some(picture(&bench, title, shown)),
         simulated: Some(picture(&bench, &format!("simulated {}", class.name()), &picture_of)),
@@ -293,7 +293,7 @@ pub fn calibrate_measured(
 pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress: Progress) -> Calibration {
     let class = Class::AdultWalking;
     let bench = Bench::new(scenario, seed, class, false, scenario.largest_sensing_slots());
-    let measured = bench.counts(rho, Set::Stand, STAND_INS);
+    let measured = bench.counts(rho, Set::Surrogate, STAND_INS);
     let (curve, simulated_counts, best) = bench.search(&measured, progress);
     let simulated = bench.signal(rho, Set::Demo, 0);
     Calibration {
@@ -316,10 +316,10 @@ pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress:
 }
 
 fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram {
-    let decibels = bench.grey.decibels(signal, bench.real);
+    let decibels = bench.intensity.decibels(signal, bench.real);
     let rows = decibels.first().map_or(0, Vec::len);
     let row_hz = 1.0 / (256.0 * bench.scenario.interval_s());
-    let grey =
+    let pixel =
         |row: usize| decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8);
     Spectrogram {
         title: title.to_owned(),
@@ -329,7 +329,7 @@ fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram {
         row_hz,
         frame_s: bench.hop as f64 * bench.scenario.interval_s(),
         carrier_hz: bench.scenario.radar.carrier_hz,
-        grey: (0..rows).flat_map(grey).collect(),
+        grey: (0..rows).flat_map(pixel).collect(),
     }
 }
 
@@ -347,7 +347,7 @@ mod tests {
         let mut samples = Vec::new();
         for index in 0..6 {
             let mut simulation =
-                Simulation::new(&scenario, 0.993, 11, Set::Stand, Class::AdultWalking, index);
+                Simulation::new(&scenario, 0.993, 11, Set::Surrogate, Class::AdultWalking, index);
             samples.extend(simulation.advance_blocks(2000).iter().map(|b| b[BLOCKS / 2].re));
         }
         let samples = Samples::Real(resample(&samples, 2000.0, 8000.0));
@@ -399,7 +399,7 @@ mod tests {
         let best = |room: &Scenario| {
             let stands = Bench::new(room, 8, Class::AdultWalking, false, 1000);
             let bench = Bench::new(&single, 8, Class::AdultWalking, false, 1000);
-            let measured = stands.counts(0.997, Set::Stand, STAND_INS);
+            let measured = stands.counts(0.997, Set::Surrogate, STAND_INS);
             let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
             curve[best].rho
         };

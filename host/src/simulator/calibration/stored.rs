@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// First lines of the table's file.
 pub const HEADER: &str = "\
-# Memory of the room channel, rho, by carrier, slot interval, scenario and motion.
+# AR(1) coefficient rho of the room channel, by carrier, slot interval, scenario and motion.
 # `sdp3 calibrate --table FILE` writes it again: rows that rest on experiments stay, computed ones are computed.
 
 ";
@@ -28,7 +28,7 @@ pub struct Stored {
     pub interferer: bool,
     /// The motion: a class, or `any`.
     pub motion: String,
-    /// Memory of the room channel.
+    /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// Divergence at this rho and at rho = 1, where a curve was computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -72,7 +72,7 @@ const COMPUTED: &str = "computed: ";
 /// Motions of the computed rows.
 const MOTIONS: [Class; 3] = [Class::AdultWalking, Class::AdultPacing, Class::AdultStepping];
 
-/// The table anew: rows that rest on experiments are kept, computed ones are computed again.
+/// The table, recomputed: rows from experiments are kept, computed ones are computed again.
 ///
 /// A computed row says which rho makes the one-person channel of scenario 1 look most like recordings of `motion` in a room
 /// with memory 0.997, without (scenario 1) and with (scenario 2) a second person walking in it.
@@ -95,7 +95,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 room.channel.interferer = interferer;
                 let stands = Bench::new(&room, seed, class, false, 1000);
                 let bench = Bench::new(&single, seed, class, false, 1000);
-                let measured = stands.counts(PAPER_RHO, Set::Stand, STAND_INS);
+                let measured = stands.counts(PAPER_RHO, Set::Surrogate, STAND_INS);
                 let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;

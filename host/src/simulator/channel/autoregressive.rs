@@ -1,4 +1,4 @@
-//! The room's response with memory: v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
+//! The room's response as an AR(1) process: v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
 //!
 //! Eq. (vit) in three modes, once per sensing slot or once per slot. Upsilon is a sum of rays with fixed delays and redrawn
 //! phases (802.11ay) or complex Gaussian taps (802.11ax), so the recursion runs on one complex number per ray.
@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 /// How a new innovation is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Law {
+pub enum Innovation {
     /// Amplitude 1, uniform phase: a ray.
     Phase,
     /// Complex Gaussian of unit power: a tap.
@@ -22,9 +22,9 @@ pub enum Law {
 
 /// The room between two points, slot after slot.
 #[derive(Debug, Clone)]
-pub struct Memory {
+pub struct Ar1Process {
     rays: Vec<Ray>,
-    law: Law,
+    innovation_kind: Innovation,
     state: Vec<Complex64>,
     draw: Vec<Complex64>,
     /// Range samples of each ray at the amplitudes 1 and j, once they are asked for.
@@ -37,15 +37,21 @@ pub struct Memory {
     started: bool,
 }
 
-impl Memory {
+impl Ar1Process {
     /// A room of `rays`; with `spacing_slots` between two sensing slots.
-    pub fn new(channel: &Channel, rays: Vec<Ray>, law: Law, rho: f64, spacing_slots: u32) -> Self {
-        Memory {
+    pub fn new(
+        channel: &Channel,
+        rays: Vec<Ray>,
+        innovation_kind: Innovation,
+        rho: f64,
+        spacing_slots: u32,
+    ) -> Self {
+        Ar1Process {
             parts: Vec::new(),
             state: vec![Complex64::default(); rays.len()],
             draw: vec![Complex64::default(); rays.len()],
             rays,
-            law,
+            innovation_kind,
             rho,
             innovation: match channel.mode {
                 ArMode::Paper | ArMode::Consistent => 1.0 - rho,
@@ -62,11 +68,11 @@ impl Memory {
     }
 
     fn draw(&mut self, random: &mut Random) {
-        match self.law {
-            Law::Gaussian => self.draw.iter_mut().for_each(|z| {
+        match self.innovation_kind {
+            Innovation::Gaussian => self.draw.iter_mut().for_each(|z| {
                 *z = Complex64::new(random.gaussian(), random.gaussian()) * FRAC_1_SQRT_2;
             }),
-            Law::Phase => {
+            Innovation::Phase => {
                 for group in self.draw.chunks_mut(LANES) {
                     let mut turns = [0.0; LANES];
                     turns.iter_mut().take(group.len()).for_each(|t| *t = random.uniform());
@@ -90,7 +96,7 @@ impl Memory {
         if !self.started {
             self.started = true;
             self.draw(random);
-            // what the recursion forgets of Upsilon's power in the long run
+            // what the recursion loses of Upsilon's power in the long run
             let settled = self.innovation / (1.0 - self.rho * self.rho).max(f64::MIN_POSITIVE).sqrt();
             for ((state, draw), ray) in self.state.iter_mut().zip(&self.draw).zip(&self.rays) {
                 let kept = self.mode == ArMode::Consistent && ray.fixed.is_some();
@@ -142,9 +148,9 @@ mod tests {
         Ray { amplitude: 1.0, delay_s: 20e-9, arrival: [1.0, 0.0, 0.0], fixed }
     }
 
-    fn memory(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Memory {
+    fn memory(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Ar1Process {
         let channel = Channel { mode, stationary_start, ..Default::default() };
-        Memory::new(&channel, vec![ray(fixed)], Law::Phase, rho, 3)
+        Ar1Process::new(&channel, vec![ray(fixed)], Innovation::Phase, rho, 3)
     }
 
     /// Mean powers of one ray over `runs` runs of `slots` slots.

@@ -3,7 +3,7 @@
 //! u is geometry (sixteen primitives per person), v the room's response with memory; rho is calibrated on data. The beats of
 //! a recording are formed several slots at a time.
 
-use super::autoregressive::{Law, Memory};
+use super::autoregressive::{Ar1Process, Innovation};
 use super::ieee80211ax::taps;
 use super::ieee80211ay::rays;
 use super::response::Response;
@@ -22,18 +22,19 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug, Clone)]
 pub struct Dahc {
     lambda: f64,
-    room: Memory,
+    room: Ar1Process,
     random: Random,
 }
 
 impl Dahc {
     /// Draws a room between two points.
     pub fn new(scenario: &Scenario, ends: (Vec3, Vec3), rho: f64, mut random: Random) -> Self {
-        let (rays, law) = match scenario.channel.clusters {
-            Clusters::Ieee80211ax => (taps(scenario, ends), Law::Gaussian),
-            Clusters::Ieee80211ay => (rays(scenario, ends, &mut random), Law::Phase),
+        let (rays, innovation_kind) = match scenario.channel.clusters {
+            Clusters::Ieee80211ax => (taps(scenario, ends), Innovation::Gaussian),
+            Clusters::Ieee80211ay => (rays(scenario, ends, &mut random), Innovation::Phase),
         };
-        let room = Memory::new(&scenario.channel, rays, law, rho, scenario.frame.spacing_slots);
+        let room =
+            Ar1Process::new(&scenario.channel, rays, innovation_kind, rho, scenario.frame.spacing_slots);
         Dahc { lambda: wavelength(scenario.radar.carrier_hz), room, random }
     }
 }
@@ -94,7 +95,7 @@ fn wide_echo(
 /// the ends of the sweep, 0.22^4 / 24 = -80 dB.
 const TERMS: usize = 4;
 
-/// The same for the paper's radar, whose range cells are larger than a room.
+/// The same for the paper's radar, with range cells larger than a room.
 ///
 /// With tau_0 the torso's delay, block b at kappa_b = 2 pi S (t_b - t_mid) sees
 /// sum_p a_p exp(-j kappa_b tau_p) = exp(-j kappa_b tau_0) sum_q (-j kappa_b)^q / q! M_q with M_q = sum_p a_p (tau_p - tau_0)^q:

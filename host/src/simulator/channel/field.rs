@@ -1,6 +1,6 @@
 //! Random fields over the room: Gaussian, of unit variance, with exponential correlation exp(-d / D).
 //!
-//! A sum of plane waves whose wave numbers follow the spectrum of that correlation in two dimensions,
+//! A sum of plane waves with wave numbers from the spectrum of that correlation in two dimensions,
 //! F(k) = 1 - 1 / sqrt(1 + (D k)^2) (as QuaDRiGa's sum of sinusoids does).
 
 use crate::simulator::body::Vec3;

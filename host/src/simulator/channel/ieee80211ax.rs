@@ -1,10 +1,10 @@
 //! `80211ax`: TGn channel models B to D, which TGac and TGax keep for indoor rooms up to 40 MHz.
 //!
 //! 11-03/940r4 with 11-09/0308 and 11-14/0882: overlapping clusters on 10 ns taps, a line of sight on the first tap within the
-//! break point, Rayleigh taps whose bell spectrum 1 / (1 + 9 (f / f_d)^2) is that of a first-order recursion with
+//! break point, Rayleigh taps; their bell spectrum 1 / (1 + 9 (f / f_d)^2) is that of a first-order recursion with
 //! rho = exp(-2 pi f_d T / 3).
 
-use super::autoregressive::{Law, Memory};
+use super::autoregressive::{Ar1Process, Innovation};
 use super::ieee80211ay::Ray;
 use super::room::{conference_room, free_space, mean_power};
 use super::target::direct;
@@ -161,7 +161,7 @@ const PERSON_M_S: f64 = 1.2 / 3.6;
 pub struct Indoor {
     lambda: f64,
     direct: f64,
-    room: Memory,
+    room: Ar1Process,
     person: Complex64,
     person_rho: f64,
     ends: (Vec3, Vec3),
@@ -179,7 +179,7 @@ impl Indoor {
             stationary_start: false,
             ..scenario.channel.clone()
         };
-        let room = Memory::new(&channel, taps(scenario, ends), Law::Gaussian, rho(ROOM_M_S), 0);
+        let room = Ar1Process::new(&channel, taps(scenario, ends), Innovation::Gaussian, rho(ROOM_M_S), 0);
         Indoor {
             lambda,
             direct: (direct_share(scenario, ends) * mean_gain(scenario, ends)).sqrt(),

@@ -1,7 +1,7 @@
 //! `80211ay`: the quasi-deterministic conference room of IEEE 802.11ad/ay.
 //!
 //! 11-09/0334r8, 11-15/1150: image-method clusters with lognormal losses and blockage, each a bundle of rays before and after
-//! its central one. The room's phases are drawn once; a person is one more cluster whose phase the model does not move.
+//! its central one. The room's phases are drawn once; a person is one more cluster of fixed phase.
 
 use super::room::{LOSS_DB, Reflection, conference_room, free_space};
 use super::target::direct;
@@ -88,7 +88,7 @@ pub fn turned([x, y, z]: Vec3, [azimuth, elevation]: [f64; 2]) -> Vec3 {
 /// Extra loss in dB of each reflection by people and furniture in its way: which reflections may be blocked and how
 /// often is the standard's table for stations at table height.
 fn blockage_db(room: &[Reflection], random: &mut Random) -> Vec<f64> {
-    let lucky = |random: &mut Random, p: f64| random.uniform() < p;
+    let bernoulli = |random: &mut Random, p: f64| random.uniform() < p;
     let (mut wall, mut edge) = (0, 0);
     // one of the four walls, one of the four wall-ceiling edges
     let chosen = [(4.0 * random.uniform()) as usize, (4.0 * random.uniform()) as usize];
@@ -106,11 +106,11 @@ fn blockage_db(room: &[Reflection], random: &mut Random) -> Vec<f64> {
                 }
                 (_, false) => 0.825,
             };
-            if lucky(random, unblocked) {
+            if bernoulli(random, unblocked) {
                 0.0
             } else if r.ceiling {
                 truncated(-18.4, 8.8, 0.0, random)
-            } else if lucky(random, 0.83) {
+            } else if bernoulli(random, 0.83) {
                 truncated(-18.2, 8.3, 0.0, random)
             } else {
                 truncated(-47.2, 10.0, 0.0, random)

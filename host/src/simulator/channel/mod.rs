@@ -9,7 +9,7 @@
 //! | `dahc` | [`dahc`] | the paper's: sixteen primitives and a room with memory, eqs. (DAHC), (uit), (vit) |
 //! | `primitive` | [`primitive`] | the same with a perfect memory (rho = 1): no uncertainty |
 //! | `ray-tracing` | [`ray_tracing`] | images up to second order, Fresnel materials, a body that moves: the paper's baseline |
-//! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, drawn anew wherever something moves |
+//! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, redrawn wherever something moves |
 //! | `80211ay` | [`ieee80211ay`] | quasi-deterministic conference room |
 //! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax taps with their bell spectrum |
 //! | `38901` | [`tr38901`] | 3GPP indoor office, spatially consistent, with the sensing additions' human |
@@ -82,13 +82,13 @@ impl Scene<'_> {
     }
 }
 
-/// A channel model of one link in one recording: it remembers, and draws from its own stream of random numbers.
+/// A channel model of one link in one recording: it has a state, and draws from its own stream of random numbers.
 pub trait ChannelModel: Send {
     /// Appends the paths of `scene`. Scenes come in the order of their slots, every slot once.
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>);
 
     /// The range samples of consecutive slots by a radar's response, added to `beats`; `scene` is the first, the others follow
-    /// `interval_s` apart. Models whose sums can be formed faster than path by path do so; the result agrees with
+    /// `interval_s` apart. Models with sums that can be formed faster than path by path do so; the result agrees with
     /// [`ChannelModel::paths`] to -80 dB. A model keeps to the response it is first asked for.
     fn beats(&mut self, scene: &Scene, interval_s: f64, response: &Response, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
@@ -144,7 +144,7 @@ pub const SWEEP_RATE: f64 = 10e6 / 100e-6;
 pub const SWEEP_S: f64 = 100e-6;
 /// Time between two block centres in s.
 pub const BLOCK_S: f64 = SWEEP_S / BLOCKS as f64;
-/// Time of the sweep's middle in s: samples are taken at n / f_s, n = 1..=1000.
+/// Time of the sweep's middle in s: samples are taken at n / f_s, n = 1 to 1000.
 pub const MIDDLE_S: f64 = SWEEP_S / 2.0 + 0.05e-6;
 
 /// Time of a node in s.

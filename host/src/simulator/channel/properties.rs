@@ -7,7 +7,7 @@ use super::{ChannelModel, Complex64, Path, Scene, model, phasor, wavelength};
 use crate::results::{ChannelTable, ModelRow, Property};
 use crate::scenario::{Class, Model, Scenario};
 use crate::simulator::body::gait::joint;
-use crate::simulator::body::motion::{Person, Truth};
+use crate::simulator::body::motion::{GroundTruth, Person};
 use crate::simulator::body::{Vec3, dot, norm, scale, sub};
 use crate::simulator::channel::ieee80211ay::unit;
 use crate::simulator::channel::target::Target;
@@ -339,7 +339,7 @@ fn motion(scenario: &Scenario, seed: u64) -> f64 {
     let errors = (0..PEOPLE).into_par_iter().map(|index| {
         let mut random = Random::new(seed, STREAM, 1, index);
         let radar = scenario.radar.position_m;
-        let truth = Truth {
+        let truth = GroundTruth {
             class: Class::Standing,
             child: false,
             height_m: 1.75,

@@ -29,7 +29,7 @@ pub struct Table {
     radar: Radar,
     /// conj(E(f)) at f = k / [`STEPS`] bins, from the sweep's middle, periodic.
     transfer: Vec<Blocks>,
-    /// Lower triangle whose product with white noise has the covariance of the range samples' noise.
+    /// Lower triangle; its product with white noise has the covariance of the range samples' noise.
     noise: [Blocks; super::BLOCKS],
 }
 

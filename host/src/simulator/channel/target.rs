@@ -116,7 +116,7 @@ pub fn amplitude(power: f64) -> Complex64 {
 mod tests {
     use super::*;
     use crate::scenario::Class;
-    use crate::simulator::body::motion::Truth;
+    use crate::simulator::body::motion::GroundTruth;
 
     #[test]
     fn a_sphere_at_two_metres_echoes_by_the_radar_equation() {
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_mean_echo_is_that_of_the_primitives_within_three_decibels() {
-        let truth = Truth {
+        let truth = GroundTruth {
             class: Class::Standing,
             child: false,
             height_m: 1.75,
@@ -145,7 +145,7 @@ mod tests {
         let mut random = Random::new(1, 0, 0, 0);
         let (mut whole, mut limbs) = (0.0, 0.0);
         for degrees in (0..360).step_by(10) {
-            let truth = Truth { heading_deg: f64::from(degrees), ..truth.clone() };
+            let truth = GroundTruth { heading_deg: f64::from(degrees), ..truth.clone() };
             let target = Target::new(Person::new(truth, [3.0, 4.5, 3.0], &mut random), &mut random);
             let radar = [1.5, 1.0, 1.0];
             let scene = Scene { slot: 0, time_s: 0.0, from: radar, to: radar, people: &[] };

@@ -82,7 +82,7 @@ struct Messages {
     plan_needed: bool,
     /// Losses that no plan gives back yet.
     counts: PeriodCounts,
-    /// The period whose sensing ends early.
+    /// The period in which sensing ends early.
     release: u32,
     /// Totals of the users then, and whether processing has computed them.
     totals: Option<(u32, [u32; USERS])>,

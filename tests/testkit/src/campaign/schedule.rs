@@ -56,7 +56,7 @@ pub(super) fn one_bit(rng: &mut impl Rng) -> (u32, u32) {
 }
 
 impl<const VALUES: usize> Schedule<VALUES> {
-    /// Contexts made with these settings on `retained`, whose model needs `need` sensing slots. The counter is about to wrap.
+    /// Contexts made with these settings on `retained`, for a model that needs `need` sensing slots. The counter is about to wrap.
     pub fn new(
         contexts: Contexts<VALUES>,
         settings: &Settings,

@@ -16,7 +16,7 @@ use std::path::Path;
 use std::str::{Lines, SplitWhitespace};
 
 /// Units in m a file may be in: metres, centimetres, inches, and CMU's and ACCAD's 1/0.45 inches. Where none is given it
-/// is the one that makes the person of the first frame, whose height its limbs tell, nearest to [`HEIGHT_M`].
+/// is the one that makes the person of the first frame, with its height from its limbs, nearest to [`HEIGHT_M`].
 pub const UNITS_M: [f64; 4] = [1.0, 0.01, 0.0254, 0.0254 / 0.45];
 /// Height in m of the person whom an unknown unit is guessed by.
 pub const HEIGHT_M: f64 = 1.7;
@@ -44,7 +44,7 @@ pub fn read(file: &Path, unit_m: Option<f64>) -> Result<Capture, CaptureError> {
 /// [`CaptureError`] names line or frame, field, value and legal range.
 pub fn parse(text: &str, unit_m: Option<f64>) -> Result<Capture, CaptureError> {
     if let Some(unit) = unit_m.filter(|unit| !(1e-6..=1e3).contains(unit)) {
-        return Err(refuse("reader", "unit_m", unit, "0.000001..=1000"));
+        return Err(refuse("reader", "unit_m", unit, "0.000001 to 1000"));
     }
     let mut words = Words::new(text);
     let (bones, moves) = hierarchy(&mut words)?;
@@ -127,7 +127,7 @@ impl<'a> Words<'a> {
     }
 
     fn count(&mut self, field: &str, least: usize, most: usize) -> Result<usize, CaptureError> {
-        let legal = format!("{least}..={most}");
+        let legal = format!("{least} to {most}");
         let word = self.some(field, &legal)?;
         let count = word.parse().ok().filter(|n| (least..=most).contains(n));
         count.ok_or_else(|| self.refuse(field, word, &legal))
@@ -229,7 +229,7 @@ fn motion(
     words.expect("Time:")?;
     let step = words.number("Frame Time")?;
     if !(STEP_S[0]..=STEP_S[1]).contains(&step) {
-        let legal = format!("{}..={} s", STEP_S[0], STEP_S[1]);
+        let legal = format!("{} to {} s", STEP_S[0], STEP_S[1]);
         return Err(words.refuse("Frame Time", &step.to_string(), &legal));
     }
     let mut frames = Vec::new();

@@ -1,6 +1,6 @@
 //! A motion as CSV: `time,joint,x,y,z` in s and m, one row for each of the seventeen joints at each time.
 //!
-//! The rows of a time follow one another, in any order of the joints, whose names are [`JOINT_NAMES`] in any case.
+//! The rows of a time follow one another, in any order of the joints; their names are [`JOINT_NAMES`] in any case.
 
 use super::super::Vec3;
 use super::super::gait::JOINTS;
@@ -40,7 +40,7 @@ impl From<CaptureError> for Refused {
     }
 }
 
-/// The frame whose rows are being read.
+/// The frame being read.
 struct Group {
     time: f64,
     joints: [Option<Vec3>; JOINTS],

@@ -123,7 +123,7 @@ impl Capture {
     pub fn new(times: Vec<f64>, joints: Vec<[Vec3; JOINTS]>) -> Result<Self, CaptureError> {
         let [fewest, most] = FRAMES;
         if !(fewest..=most).contains(&times.len()) {
-            return Err(refuse("motion", "frames", times.len(), format!("{fewest}..={most}")));
+            return Err(refuse("motion", "frames", times.len(), format!("{fewest} to {most}")));
         }
         if joints.len() != times.len() {
             return Err(refuse(
@@ -231,14 +231,14 @@ fn check(frame: &[Vec3; JOINTS]) -> Result<(), (String, f64, String)> {
         let length = norm(sub(frame[a], frame[b]));
         if !(LIMB_M[0]..=LIMB_M[1]).contains(&length) {
             let field = format!("limb {}-{}", JOINT_NAMES[a], JOINT_NAMES[b]);
-            return Err((field, length, format!("{}..={} m", LIMB_M[0], LIMB_M[1])));
+            return Err((field, length, format!("{} to {} m", LIMB_M[0], LIMB_M[1])));
         }
     }
     Ok(())
 }
 
 fn coordinate_range() -> String {
-    format!("a number of metres in -{COORDINATE_M}..={COORDINATE_M}")
+    format!("a number of metres in -{COORDINATE_M} to {COORDINATE_M}")
 }
 
 fn height(s: &Segments) -> f64 {
@@ -323,24 +323,27 @@ mod tests {
             message(Capture::new(motion.0, motion.1))
         };
         for (found, parts) in [
-            (with(&|(t, j)| (t.truncate(3), j.truncate(3)).0), ["motion: frames = \"3\"", "4..=1000000"]),
-            (with(&|(t, _)| t.resize(1_000_001, 0.0)), ["frames = \"1000001\"", "4..=1000000"]),
+            (with(&|(t, j)| (t.truncate(3), j.truncate(3)).0), ["motion: frames = \"3\"", "4 to 1000000"]),
+            (with(&|(t, _)| t.resize(1_000_001, 0.0)), ["frames = \"1000001\"", "4 to 1000000"]),
             (with(&|(t, _)| t.truncate(9)), ["frames = \"10\"", "9, one for each time"]),
             (with(&|(t, _)| t[4] = t[3]), ["frame 5: time = \"0.03\"", "after the frame before"]),
             (with(&|(t, _)| t[4] = f64::NAN), ["frame 5: time = \"NaN\"", "after the frame before"]),
             (with(&|(t, _)| t[9] = f64::INFINITY), ["frame 10: time = \"inf\"", "after the frame before"]),
             (
                 with(&|(_, j)| j[1][joint::TOE + 1][1] = f64::NAN),
-                ["frame 2: right_toe y = \"NaN\"", "-1000..=1000"],
+                ["frame 2: right_toe y = \"NaN\"", "-1000 to 1000"],
             ),
-            (with(&|(_, j)| j[1][joint::HEAD][2] = 1000.1), ["frame 2: head z = \"1000.1\"", "-1000..=1000"]),
+            (
+                with(&|(_, j)| j[1][joint::HEAD][2] = 1000.1),
+                ["frame 2: head z = \"1000.1\"", "-1000 to 1000"],
+            ),
             (
                 with(&|(_, j)| j[2][joint::ELBOW + 1] = j[2][joint::SHOULDER + 1]),
-                ["frame 3: limb right_shoulder-right_elbow = \"0\"", "0.01..=2 m"],
+                ["frame 3: limb right_shoulder-right_elbow = \"0\"", "0.01 to 2 m"],
             ),
             (
                 with(&|(_, j)| j.iter_mut().for_each(|f| *f = f.map(|p| super::super::scale(p, 100.0)))),
-                ["frame 1: limb base-neck = \"50.", "0.01..=2 m"],
+                ["frame 1: limb base-neck = \"50.", "0.01 to 2 m"],
             ),
         ] {
             assert!(parts.iter().all(|part| found.contains(part)), "{found}");

@@ -1,4 +1,4 @@
-//! The trunk's backward pass: two sweeps over the batch for every block, from the last to the first, then the input
+//! The backbone's backward pass: two sweeps over the batch for every block, from the last to the first, then the input
 //! convolution. Activations are computed again from what the forward pass kept.
 
 use super::elementwise::{NormGradient, Sums, gate, moments};
@@ -6,7 +6,7 @@ use super::forward::{Forward, HalfPass, affine};
 use super::planes::{Geometry, Padded, backward_weights};
 use super::products::{Convolve, Correlate, LANES};
 use super::stem::Stem;
-use super::{Half, Shape, Statistics, Wiring, total};
+use super::{BlockKind, PreActConv, Shape, Statistics, total};
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -74,8 +74,8 @@ fn weights<'a>(parts: impl Iterator<Item = &'a [f32]>, inputs: usize, outputs: u
 
 /// Gradients of gamma and beta, and the coefficients of the input's, from the sums over `count` values.
 fn norm(
-    wiring: Wiring,
-    half: &Half,
+    block_kind: BlockKind,
+    half: &PreActConv,
     norms: &[Statistics],
     sums: &[Sums],
     count: f64,
@@ -84,9 +84,9 @@ fn norm(
         let scale = s.scale();
         let outer = f64::from(gamma) * scale;
         // what comes back through the batch's statistics
-        let (slope, constant) = match wiring {
-            Wiring::Residual => (-outer * scale * scale * sums.1 / count, -outer * sums.0 / count),
-            Wiring::Plain => (0.0, 0.0),
+        let (slope, constant) = match block_kind {
+            BlockKind::Residual => (-outer * scale * scale * sums.1 / count, -outer * sums.0 / count),
+            BlockKind::Plain => (0.0, 0.0),
         };
         let input = NormGradient {
             outer: outer as f32,
@@ -102,7 +102,7 @@ fn norm(
 }
 
 /// One over the number of pixels times the features' gradient, at every pixel.
-fn spread(geometry: &Geometry, features: &[f32], g: &mut [f32]) {
+fn global_pool_backward(geometry: &Geometry, features: &[f32], g: &mut [f32]) {
     let area = (geometry.height * geometry.width) as f32;
     for (plane, &feature) in g.chunks_exact_mut(geometry.pixels()).zip(features) {
         geometry.fill(plane, feature / area);
@@ -146,7 +146,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
                 for (((t, x), (outer, inner)), features) in saved.zip(gradients).zip(features.chunks_exact(c))
                 {
                     match &behind {
-                        None => spread(&geometry, features, outer),
+                        None => global_pool_backward(&geometry, features, outer),
                         Some(norms) => through_norm(arch, &shape, norms, inner, x, outer),
                     }
                     for (i, plane) in outer.chunks_exact(pixels).enumerate() {
@@ -161,7 +161,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
         let conv2 = weights(parts.iter().map(|p| &p.weights[..]), c, c);
         let bias2 = total(parts.iter().map(|p| p.bias.clone())).iter().map(|s| s.0 as f32).collect();
         let sums2 = total(parts.into_iter().map(|p| p.norm));
-        let (gamma2, beta2, middle) = norm(shape.wiring, second, between, &sums2, count);
+        let (gamma2, beta2, middle) = norm(shape.block_kind, second, between, &sums2, count);
 
         let (mirrored, scale) = (backward_weights(first.conv, c, c), affine(first, before));
         let saved =
@@ -186,33 +186,33 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
             .collect();
         let conv1 = weights(parts.iter().map(|p| &p.weights[..]), c, c);
         let sums1 = total(parts.into_iter().map(|p| p.norm));
-        let (gamma1, beta1, input) = norm(shape.wiring, first, before, &sums1, count);
+        let (gamma1, beta1, input) = norm(shape.block_kind, first, before, &sums1, count);
         gradient.push([gamma1, beta1, conv1, gamma2, beta2, conv2, bias2].concat());
         behind = Some(input);
     }
 
     let gradients =
         outer.values.par_chunks_mut(chunk * image).zip(inner.values.par_chunks_mut(chunk * image));
-    let saved = forward.x[0].values.par_chunks(chunk * image).zip(forward.winners.par_chunks(chunk * image));
+    let saved = forward.x[0].values.par_chunks(chunk * image).zip(forward.argmax.par_chunks(chunk * image));
     let parts: Vec<(Vec<f32>, Vec<Sums>)> = images
         .par_chunks(chunk * shape.rows * shape.frames)
         .zip(saved.zip(gradients).zip(features.par_chunks(chunk * c)))
         .map_init(
             || (Stem::new(&shape, arch), vec![0.0; 9 * c * LANES]),
-            |(stem, lanes), (images, (((x, winners), (outer, inner)), features))| {
+            |(stem, lanes), (images, (((x, argmax), (outer, inner)), features))| {
                 lanes.fill(0.0);
                 let mut bias = sums();
-                let saved = x.chunks_exact(image).zip(winners.chunks_exact(image));
+                let saved = x.chunks_exact(image).zip(argmax.chunks_exact(image));
                 let gradients = outer.chunks_exact_mut(image).zip(inner.chunks_exact(image));
                 let all = saved.zip(gradients).zip(features.chunks_exact(c));
-                for (source, (((x, winners), (outer, inner)), features)) in
+                for (source, (((x, argmax), (outer, inner)), features)) in
                     images.chunks_exact(shape.rows * shape.frames).zip(all)
                 {
                     match &behind {
-                        None => spread(&geometry, features, outer),
+                        None => global_pool_backward(&geometry, features, outer),
                         Some(norms) => through_norm(arch, &shape, norms, inner, x, outer),
                     }
-                    stem.backward(source, outer, winners, lanes, &mut bias);
+                    stem.backward(source, outer, argmax, lanes, &mut bias);
                 }
                 (reduced(lanes), bias)
             },
@@ -231,9 +231,9 @@ fn through_norm(arch: Arch, shape: &Shape, norms: &[NormGradient], g: &[f32], x:
     let pixels = geometry.pixels();
     let planes = outer.chunks_exact_mut(pixels).zip(g.chunks_exact(pixels)).zip(x.chunks_exact(pixels));
     for (((outer, g), x), norm) in planes.zip(norms) {
-        match shape.wiring {
-            Wiring::Residual => norm.add(arch, g, x, outer),
-            Wiring::Plain => norm.set(arch, g, x, outer),
+        match shape.block_kind {
+            BlockKind::Residual => norm.add(arch, g, x, outer),
+            BlockKind::Plain => norm.set(arch, g, x, outer),
         }
         geometry.clear(outer);
     }

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 /// Firmware to be held to this machine.
 #[derive(Debug)]
-pub struct Proof<'a> {
+pub struct Verification<'a> {
     suite: &'a Suite,
     here: Digests,
     /// Files for the emulators lie here; their names begin with this process's number.
@@ -23,17 +23,17 @@ pub struct Proof<'a> {
     limit: Duration,
 }
 
-impl<'a> Proof<'a> {
+impl<'a> Verification<'a> {
     /// Computes what this machine makes of the suite. An emulator gets `limit` for it.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if a case cannot be run.
     pub fn new(suite: &'a Suite, folder: &'a Path, limit: Duration) -> Result<Self, CaseError> {
-        Ok(Proof { suite, here: digests(suite)?, folder, limit })
+        Ok(Verification { suite, here: digests(suite)?, folder, limit })
     }
 
-    /// The verdict on every machine, in their order; `done` hears of each.
+    /// The verdict on every machine, in their order; `done` is called with each.
     ///
     /// # Errors
     ///

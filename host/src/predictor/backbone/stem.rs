@@ -1,4 +1,4 @@
-//! The input convolution with its pooling, as four convolutions whose maximum is taken, and its gradient.
+//! The input convolution with its pooling, as the maximum of four convolutions, and its gradient.
 //!
 //! Pixel (r, c) of the pooled image is the maximum of the convolution at (2r, 2c), (2r, 2c+1), (2r+1, 2c), (2r+1, 2c+1):
 //! its four phases. All taps of all phases are planes of every (2 stride)-th pixel of the image, gathered once.
@@ -73,7 +73,7 @@ impl Stem {
         weights: &[f32],
         bias: &[f32],
         x: &mut [f32],
-        winners: &mut [u8],
+        argmax: &mut [u8],
         sums: &mut [Sums],
     ) {
         self.gather(image);
@@ -88,10 +88,10 @@ impl Stem {
             #[inline(always)]
             || {
                 let phases = a.iter().zip(b).zip(c.iter().zip(d));
-                for ((x, winner), ((&a, &b), (&c, &d))) in x.iter_mut().zip(winners).zip(phases) {
+                for ((x, argmax_index), ((&a, &b), (&c, &d))) in x.iter_mut().zip(argmax).zip(phases) {
                     let (top, first) = if b > a { (b, 1) } else { (a, 0) };
                     let (low, second) = if d > c { (d, 3) } else { (c, 2) };
-                    (*x, *winner) = if low > top { (low, second) } else { (top, first) };
+                    (*x, *argmax_index) = if low > top { (low, second) } else { (top, first) };
                 }
             },
         );
@@ -106,7 +106,7 @@ impl Stem {
         &mut self,
         image: &[f32],
         g: &[f32],
-        winners: &[u8],
+        argmax: &[u8],
         lanes: &mut [f32],
         bias: &mut [Sums],
     ) {
@@ -118,8 +118,8 @@ impl Stem {
             arch.dispatch(
                 #[inline(always)]
                 || {
-                    for ((y, &g), &winner) in chosen.iter_mut().zip(g).zip(winners) {
-                        *y = if winner == phase as u8 { g } else { 0.0 };
+                    for ((y, &g), &argmax_index) in chosen.iter_mut().zip(g).zip(argmax) {
+                        *y = if argmax_index == phase as u8 { g } else { 0.0 };
                     }
                 },
             );

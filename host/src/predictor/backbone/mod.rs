@@ -1,9 +1,9 @@
-//! The network's trunk, from the image to the mean of every channel, with its gradient: what training spends its time on.
+//! The network's backbone, from the image to the mean of every channel, with its gradient: what training spends its time on.
 //!
 //! Forward and backward passes are written out for this one topology (paper, section V; He et al., 2016, for the
 //! pre-activation block) on the CPU, because burn 0.22's CPU backend derives a convolution's gradients from transposed
 //! and swapped convolutions. Nothing between the convolutions is stored that can be computed again from two tensors
-//! per block. Images are shared among threads in chunks whose number depends on the batch alone, and sums of chunks are
+//! per block. Images are shared among threads in chunks; their number depends on the batch alone, and sums of chunks are
 //! added in their order: the bits do not depend on the number of threads.
 
 mod backward;
@@ -28,14 +28,14 @@ const CHUNKS: usize = 24;
 
 /// How the blocks are wired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wiring {
+pub enum BlockKind {
     /// Normalised by the batch, the input added to the output: the deep spectrogram network's.
     Residual,
     /// Neither: gamma and beta act on the values as they are. Means are 0 and variances 1 wherever statistics are given.
     Plain,
 }
 
-/// Sizes of a trunk and of its batch.
+/// Sizes of a backbone and of its batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
     /// Images.
@@ -51,7 +51,7 @@ pub struct Shape {
     /// Stride of the input convolution.
     pub stem_stride: usize,
     /// How the blocks are wired.
-    pub wiring: Wiring,
+    pub block_kind: BlockKind,
 }
 
 impl Shape {
@@ -77,9 +77,9 @@ impl Shape {
 
     /// What the normalisations take off: the statistics of the `count` values behind the sums, or nothing.
     fn statistics_of(&self, sums: &[Sums], count: f64) -> Vec<Statistics> {
-        match self.wiring {
-            Wiring::Residual => Statistics::new(sums, count),
-            Wiring::Plain => vec![Statistics::NONE; sums.len()],
+        match self.block_kind {
+            BlockKind::Residual => Statistics::new(sums, count),
+            BlockKind::Plain => vec![Statistics::NONE; sums.len()],
         }
     }
 
@@ -102,8 +102,8 @@ impl Shape {
             });
             Block {
                 halves: [
-                    Half { gamma: gamma1, beta: beta1, conv: conv1 },
-                    Half { gamma: gamma2, beta: beta2, conv: conv2 },
+                    PreActConv { gamma: gamma1, beta: beta1, conv: conv1 },
+                    PreActConv { gamma: gamma2, beta: beta2, conv: conv2 },
                 ],
                 bias: bias2,
             }
@@ -114,12 +114,12 @@ impl Shape {
 
 /// Parameters of a residual block.
 struct Block<'a> {
-    halves: [Half<'a>; 2],
+    halves: [PreActConv<'a>; 2],
     bias: &'a [f32],
 }
 
 /// Batch normalisation and the convolution after it.
-struct Half<'a> {
+struct PreActConv<'a> {
     gamma: &'a [f32],
     beta: &'a [f32],
     conv: &'a [f32],

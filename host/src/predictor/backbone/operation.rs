@@ -1,4 +1,4 @@
-//! The trunk as an operation of burn's CPU backend: one node of the autodiff graph instead of hundreds.
+//! The backbone as an operation of burn's CPU backend: one node of the autodiff graph instead of hundreds.
 //!
 //! Its inputs are the images, which have no gradient, and all parameters in one tensor, which has.
 
@@ -12,25 +12,25 @@ use burn::backend::{Autodiff, Backend, Dispatch, ExtensionType, Flex, backend_ex
 use burn::tensor::{Tensor, TensorData};
 use std::sync::Arc;
 
-/// What the trunk gives.
+/// What the backbone gives.
 #[derive(ExtensionType)]
-pub struct Trunk<B: Backend> {
+pub struct Backbone<B: Backend> {
     /// Mean of every channel, `[batch, C]`.
     pub features: FloatTensor<B>,
     /// Statistics of the normalisations, in the order of [`Forward::statistics`]; without gradient.
     pub statistics: FloatTensor<B>,
 }
 
-/// Backends that have the trunk as an operation.
+/// Backends that have the backbone as an operation.
 #[backend_extension(Flex, Autodiff)]
-pub trait TrunkBackend: Backend {
-    /// Trunk of `images` `[batch, 1, rows, frames]` under `parameters`, in the order of [`Shape::parameters`].
-    fn trunk(
+pub trait BackboneBackend: Backend {
+    /// Backbone of `images` `[batch, 1, rows, frames]` under `parameters`, in the order of [`Shape::parameters`].
+    fn backbone(
         images: FloatTensor<Self>,
         parameters: FloatTensor<Self>,
         shape: Shape,
         workspace: Workspace,
-    ) -> Trunk<Self>;
+    ) -> Backbone<Self>;
 }
 
 type Values = FloatTensor<Flex>;
@@ -39,7 +39,7 @@ fn tensor<const D: usize>(values: Vec<f32>, shape: [usize; D]) -> Values {
     Values::from_data(TensorData::new(values, shape))
 }
 
-/// The pass and its inputs, whose values lie in a row.
+/// The pass and its inputs, values contiguous.
 fn run(images: &Values, parameters: &Values, shape: Shape, workspace: &Workspace) -> (Forward, Saved) {
     let saved = Saved { images: images.to_contiguous(), parameters: parameters.to_contiguous() };
     let pass = forward(shape, values(&saved.images), values(&saved.parameters), workspace);
@@ -56,10 +56,10 @@ fn outputs(pass: &Forward, shape: &Shape) -> (Values, Values) {
     (features, tensor(pass.statistics(), [shape.statistics()]))
 }
 
-impl TrunkBackend for Flex {
-    fn trunk(images: Values, parameters: Values, shape: Shape, workspace: Workspace) -> Trunk<Flex> {
+impl BackboneBackend for Flex {
+    fn backbone(images: Values, parameters: Values, shape: Shape, workspace: Workspace) -> Backbone<Flex> {
         let (features, statistics) = outputs(&run(&images, &parameters, shape, &workspace).0, &shape);
-        Trunk { features, statistics }
+        Backbone { features, statistics }
     }
 }
 
@@ -70,9 +70,9 @@ struct Saved {
 }
 
 #[derive(Debug)]
-struct TrunkBackward;
+struct BackboneBackward;
 
-impl Backward<Flex, 1> for TrunkBackward {
+impl Backward<Flex, 1> for BackboneBackward {
     type State = Arc<(Forward, Saved)>;
 
     fn backward(self, ops: Ops<Self::State, 1>, gradients: &mut Gradients, _: &mut Checkpointer) {
@@ -87,21 +87,21 @@ impl Backward<Flex, 1> for TrunkBackward {
     }
 }
 
-impl<C: CheckpointStrategy> TrunkBackend for Autodiff<Flex, C> {
-    fn trunk(
+impl<C: CheckpointStrategy> BackboneBackend for Autodiff<Flex, C> {
+    fn backbone(
         images: FloatTensor<Self>,
         parameters: FloatTensor<Self>,
         shape: Shape,
         workspace: Workspace,
-    ) -> Trunk<Self> {
+    ) -> Backbone<Self> {
         let (pass, saved) = run(images.primitive(), parameters.primitive(), shape, &workspace);
         let (features, statistics) = outputs(&pass, &shape);
-        let node = TrunkBackward.prepare::<C>([parameters.node()]).compute_bound().stateful();
+        let node = BackboneBackward.prepare::<C>([parameters.node()]).compute_bound().stateful();
         let features = match node {
             OpsKind::Tracked(prepared) => prepared.finish(Arc::new((pass, saved)), features),
             OpsKind::UnTracked(prepared) => prepared.finish(features),
         };
-        Trunk { features, statistics: FloatTensor::<Self>::new(statistics) }
+        Backbone { features, statistics: FloatTensor::<Self>::new(statistics) }
     }
 }
 
@@ -110,7 +110,7 @@ impl<C: CheckpointStrategy> TrunkBackend for Autodiff<Flex, C> {
 /// # Panics
 ///
 /// If the images or the parameters are not of the shape's size, or lie on another backend than `flex`.
-pub fn trunk(
+pub fn backbone(
     images: Tensor<4>,
     parameters: Tensor<1>,
     shape: Shape,
@@ -119,6 +119,6 @@ pub fn trunk(
     assert_eq!(images.dims(), [shape.batch, 1, shape.rows, shape.frames]);
     assert_eq!(parameters.dims(), [shape.parameters()]);
     let (images, parameters) = (images.into_dispatch(), parameters.into_dispatch());
-    let found = <Dispatch as TrunkBackend>::trunk(images, parameters, shape, workspace.clone());
+    let found = <Dispatch as BackboneBackend>::backbone(images, parameters, shape, workspace.clone());
     (Tensor::from_dispatch(found.features), Tensor::from_dispatch(found.statistics))
 }

@@ -1,11 +1,11 @@
-//! The trunk's forward pass: two sweeps over the batch for every block, one for each half, with the batch's statistics
+//! The backbone's forward pass: two sweeps over the batch for every block, one for each half, with the batch's statistics
 //! of the next half gathered on the way.
 
 use super::elementwise::{Sums, add, affine_relu, moments};
 use super::planes::{Geometry, Padded, forward_weights};
 use super::products::Convolve;
 use super::stem::Stem;
-use super::{Buffer, Half, Shape, Statistics, Wiring, Workspace, total};
+use super::{BlockKind, Buffer, PreActConv, Shape, Statistics, Workspace, total};
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ pub struct Forward {
     /// Statistics of `x` and of `t` in every block.
     pub(super) norms: Vec<[Vec<Statistics>; 2]>,
     /// Phase of every maximum of the pooling.
-    pub(super) winners: Vec<u8>,
+    pub(super) argmax: Vec<u8>,
 }
 
 impl Forward {
@@ -66,7 +66,7 @@ impl HalfPass {
     }
 }
 
-pub(super) fn affine(half: &Half, norms: &[Statistics]) -> Vec<(f32, f32)> {
+pub(super) fn affine(half: &PreActConv, norms: &[Statistics]) -> Vec<(f32, f32)> {
     norms.iter().zip(half.gamma.iter().zip(half.beta)).map(|(s, (&g, &b))| s.affine(g, b)).collect()
 }
 
@@ -81,18 +81,18 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
     let buffer = || workspace.take(shape.batch * image);
 
     let mut x = vec![buffer()];
-    let mut winners = vec![0; shape.batch * image];
+    let mut argmax = vec![0; shape.batch * image];
     let stem = forward_weights(stem, 1, c);
     let source = images.par_chunks(chunk * shape.rows * shape.frames);
     let sums: Vec<Vec<Sums>> = source
-        .zip(x[0].values.par_chunks_mut(chunk * image).zip(winners.par_chunks_mut(chunk * image)))
+        .zip(x[0].values.par_chunks_mut(chunk * image).zip(argmax.par_chunks_mut(chunk * image)))
         .map_init(
             || Stem::new(&shape, arch),
-            |pass, (source, (x, winners))| {
+            |pass, (source, (x, argmax))| {
                 let mut sums = vec![Sums::default(); c];
-                let targets = x.chunks_exact_mut(image).zip(winners.chunks_exact_mut(image));
-                for (source, (x, winners)) in source.chunks_exact(shape.rows * shape.frames).zip(targets) {
-                    pass.forward(source, &stem, stem_bias, x, winners, &mut sums);
+                let targets = x.chunks_exact_mut(image).zip(argmax.chunks_exact_mut(image));
+                for (source, (x, argmax)) in source.chunks_exact(shape.rows * shape.frames).zip(targets) {
+                    pass.forward(source, &stem, stem_bias, x, argmax, &mut sums);
                 }
                 sums
             },
@@ -144,9 +144,9 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
                     for ((x, t), (y, features)) in inputs.zip(outputs) {
                         pass.activate(t, &scale);
                         pass.convolve(&weights, block.bias, convolved);
-                        match shape.wiring {
-                            Wiring::Residual => add(arch, x, convolved, y),
-                            Wiring::Plain => y.copy_from_slice(convolved),
+                        match shape.block_kind {
+                            BlockKind::Residual => add(arch, x, convolved, y),
+                            BlockKind::Plain => y.copy_from_slice(convolved),
                         }
                         for (i, plane) in y.chunks_exact_mut(pixels).enumerate() {
                             geometry.clear(plane);
@@ -164,5 +164,5 @@ pub fn forward(shape: Shape, images: &[f32], parameters: &[f32], workspace: &Wor
         t.push(middle);
         x.push(output);
     }
-    Forward { features, shape, workspace: workspace.clone(), x, t, norms, winners }
+    Forward { features, shape, workspace: workspace.clone(), x, t, norms, argmax }
 }

@@ -20,7 +20,7 @@ pub enum Part {
 
 /// What the exits' networks say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answers {
+pub struct ExitLogits {
     /// Number of sensing slots of every exit, ascending.
     pub slots: Vec<u32>,
     /// What a logit step is worth, in nat, for every exit.
@@ -31,8 +31,8 @@ pub struct Answers {
     pub logits: Vec<Vec<Vec<i8>>>,
 }
 
-impl Answers {
-    /// Share of the recordings whose class an exit's own network recognises.
+impl ExitLogits {
+    /// Share of the recordings that an exit's own network classifies correctly.
     pub fn alone(&self, exit: usize) -> f64 {
         let right = |(logits, &truth): (&Vec<Vec<i8>>, &u8)| {
             sdp3_core::dsn::head::arg_max(&logits[exit]) == usize::from(truth)
@@ -54,7 +54,7 @@ pub fn collect(
     models: &[Vec<u8>],
     (part, per_class): (Part, u32),
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Answers, AccuracyError> {
+) -> Result<ExitLogits, AccuracyError> {
     let slots = scenario.frame.sensing_slots.clone();
     let parsed = models
         .iter()
@@ -85,5 +85,10 @@ pub fn collect(
     };
     let classifiers = || parsed.iter().copied().map(Classifier::new).collect();
     let (truth, logits) = (0..count).into_par_iter().map_init(classifiers, answer).unzip();
-    Ok(Answers { slots, scales: parsed.iter().map(|m| f64::from(m.logit_scale())).collect(), truth, logits })
+    Ok(ExitLogits {
+        slots,
+        scales: parsed.iter().map(|m| f64::from(m.logit_scale())).collect(),
+        truth,
+        logits,
+    })
 }

@@ -1,4 +1,4 @@
-//! Spectrogram grey levels in f64 for calibration, where signals may be real and rates arbitrary.
+//! Spectrogram intensities in f64 for calibration, where signals may be real and rates arbitrary.
 //!
 //! Section III-C of the paper: Kaiser window, 256-point FFT, a range of 50 dB quantised into F levels.
 
@@ -20,13 +20,13 @@ pub const BETA: f64 = 10.0;
 const FFT: usize = 256;
 
 /// Window, transform and hop.
-pub struct Grey {
+pub struct Intensity {
     window: Vec<f64>,
     hop: usize,
     fft: Arc<dyn Fft<f64>>,
 }
 
-impl Grey {
+impl Intensity {
     /// A Kaiser window of `length` samples, moved by `hop`.
     pub fn new(length: usize, hop: usize) -> Self {
         let centre = (length as f64 - 1.0) / 2.0;
@@ -35,10 +35,10 @@ impl Grey {
             bessel_i0(BETA * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(BETA)
         };
         let fft = FftPlannerScalar::new().plan_fft_forward(FFT);
-        Grey { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
+        Intensity { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
     }
 
-    /// Decibels below the reference, `[frame][bin]`, negative frequencies first; `half` keeps 0..=128 only.
+    /// Decibels below the reference, `[frame][bin]`, negative frequencies first; `half` keeps 0 to 128 only.
     pub fn decibels(&self, signal: &[Complex<f64>], half: bool) -> Vec<Vec<f64>> {
         let mut frames = Vec::new();
         let mut start = 0;
@@ -73,7 +73,7 @@ pub fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Grey level 0..LEVELS of a value in dB below the reference; 0 is black, what is brighter than it is brightest.
+/// Intensity 0..LEVELS of a value in dB below the reference; 0 is black, what is brighter than it is brightest.
 pub fn level(db: f64) -> usize {
     let share = 1.0 + db / RANGE_DB;
     ((share * LEVELS as f64) as isize).clamp(0, LEVELS as isize - 1) as usize

@@ -1,8 +1,8 @@
-//! Commands that trade: `predict`, `optimize`, `anytime`, `schedule`.
+//! Commands of the optimizer: `predict`, `optimize`, `anytime`, `schedule`.
 
 mod schedule;
 
-use super::context::{Context, stored_models};
+use super::context::{Context, count, stored_models};
 use super::{job, simulator};
 use clap::Args;
 use sdp3::formats::points;
@@ -16,7 +16,7 @@ use sdp3::scenario::Scenario;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-pub use schedule::{WorldArgs, schedule};
+pub use schedule::{ScheduleArgs, schedule};
 
 /// Accuracies to fit.
 #[derive(Debug, Clone, Args)]
@@ -37,16 +37,16 @@ pub struct OptimizeArgs {
     pub curve: Option<String>,
     #[command(flatten)]
     pub rule: RuleArgs,
-    /// Vary carrier_hz, power_w, receivers (K) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
+    /// Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
     #[arg(long, value_name = "AXIS=VALUES")]
     pub sweep: Vec<Sweep>,
 }
 
-/// Anytime sensing to fit.
+/// Early exits to fit.
 #[derive(Debug, Clone, Args)]
 pub struct AnytimeArgs {
-    /// Recordings of each class to fit and choose on, behind those trained on.
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    /// Recordings of each class to fit and choose on. They follow those trained on.
+    #[arg(long, default_value_t = 200, value_parser = count(2..=100_000))]
     pub calibrate_per_class: u32,
     #[command(flatten)]
     pub rule: RuleArgs,
@@ -56,13 +56,13 @@ pub struct AnytimeArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[group(multiple = false)]
 pub struct RuleArgs {
-    /// Accuracy of at least this, 0..=1.
+    /// Accuracy of at least this, 0 to 1.
     #[arg(long)]
     pub accuracy: Option<f64>,
     /// Throughput of at least this, in bits per period.
     #[arg(long)]
     pub throughput: Option<f64>,
-    /// Weight of accuracy, 0..=1; throughput has the rest, both over their span on the boundary.
+    /// Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary.
     #[arg(long)]
     pub weight: Option<f64>,
     /// w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period.
@@ -100,7 +100,7 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
 fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
-        false => Err(format!("command line: {name} = {value} is outside its legal range: 0..=1")),
+        false => Err(format!("command line: {name} = {value} is outside its legal range: 0 to 1")),
     };
     let positive = |name: &str, value: f64| match value.is_finite() && value >= 0.0 {
         true => Ok(value),
@@ -152,7 +152,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
         context.print(&rows, || sweep_table(&rows, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
-    let outcome = job.trade(&curve, &points, rule)?;
+    let outcome = job.optimize(&curve, &points, rule)?;
     let value = Optimum {
         curve,
         region: outcome.region,
@@ -208,7 +208,7 @@ fn words(found: &Optimum) -> String {
                 let band =
                     found.region.iter().find(|r| r.case == p.case && r.sensing_slots == p.sensing_slots);
                 let band =
-                    band.and_then(|r| Some(format!(" ({:.3}..={:.3})", r.accuracy_low?, r.accuracy_high?)));
+                    band.and_then(|r| Some(format!(" ({:.3} to {:.3})", r.accuracy_low?, r.accuracy_high?)));
                 let _ = writeln!(
                     text,
                     "case {}: N_s = {}, N_c = {:?}, accuracy {:.4}{}, {:.0} bit per period, {}",

@@ -6,7 +6,7 @@ use super::graph::{Graph, Operator, Tensor};
 use super::schema::{self, ACTIVATIONS, INT8, INT32, Kind, SAME, VALID};
 use super::{TfliteError, require};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
-use crate::formats::model_file::{Add, Weighted};
+use crate::formats::model_file::{Add, QuantizedLayer};
 
 /// Smallest and largest int8 value a fused activation lets pass; `None` for one the radar module does not have.
 pub fn activation_range(activation: u8, scale: f32, zero: i8) -> Option<(i8, i8)> {
@@ -31,12 +31,12 @@ pub fn grid(tensor: &Tensor<'_>) -> Result<(f32, i8), TfliteError> {
     };
     require(scale.is_normal() && *scale > 0.0, &field("scale"), scale, "finite and above 0")?;
     let zero =
-        i8::try_from(*zero).map_err(|_| TfliteError::value(field("zero point"), zero, "-128..=127"))?;
+        i8::try_from(*zero).map_err(|_| TfliteError::value(field("zero point"), zero, "-128 to 127"))?;
     Ok((*scale, zero))
 }
 
-/// Where the walk through the graph is.
-pub struct Walk<'g, 'a> {
+/// Where the traversal of the graph is.
+pub struct Traversal<'g, 'a> {
     /// The graph.
     pub graph: &'g Graph<'a>,
     /// The next operator.
@@ -47,7 +47,7 @@ pub struct Walk<'g, 'a> {
     pub shape: [usize; 3],
 }
 
-impl<'g, 'a> Walk<'g, 'a> {
+impl<'g, 'a> Traversal<'g, 'a> {
     /// A tensor by its index.
     pub fn tensor(&self, index: i32, field: &str) -> Result<&'g Tensor<'a>, TfliteError> {
         let tensors = &self.graph.tensors;
@@ -100,7 +100,7 @@ impl<'g, 'a> Walk<'g, 'a> {
     }
 
     /// A layer with weights `[O][k][k][I]`, or `[1][1][1][O]` of a depthwise one; also its stride.
-    pub fn conv(&mut self, name: &str, kind: Kind, k: usize) -> Result<(Weighted, usize), TfliteError> {
+    pub fn conv(&mut self, name: &str, kind: Kind, k: usize) -> Result<(QuantizedLayer, usize), TfliteError> {
         let (in_scale, in_zero) = grid(self.tensor(self.x, name)?)?;
         let (input, inputs) = (self.x, self.shape[2]);
         let (operator, (out_scale, out_zero)) = self.take(name, kind)?;
@@ -136,7 +136,7 @@ impl<'g, 'a> Walk<'g, 'a> {
             _ => (0, vec![0, k, k, inputs], 0),
         };
         let legal = match outputs {
-            0 => format!("[1..={MOST_CHANNELS}, {k}, {k}, {inputs}]"),
+            0 => format!("[1 to {MOST_CHANNELS}, {k}, {k}, {inputs}]"),
             _ => format!("{expected:?}"),
         };
         require(
@@ -151,7 +151,7 @@ impl<'g, 'a> Walk<'g, 'a> {
         require(bytes == count, &field("bytes of the weights"), bytes, &count.to_string())?;
         let biases = self.biases(bias, name, outputs, in_scale, scales)?;
 
-        let mut layer = Weighted {
+        let mut layer = QuantizedLayer {
             in_scale,
             out_scale,
             in_zero,

@@ -29,7 +29,7 @@ pub fn fit<'py>(py: Python<'py>, points: Vec<Vec<f64>>, seed: u64) -> PyResult<B
 fn rule(accuracy: Option<f64>, throughput: Option<f64>, weight: Option<f64>, default: f64) -> PyResult<Rule> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
-        false => Err(refused(format!("{name} = {value} is outside its legal range: 0..=1"))),
+        false => Err(refused(format!("{name} = {value} is outside its legal range: 0 to 1"))),
     };
     match (accuracy, throughput, weight) {
         (Some(accuracy), None, None) => Ok(Rule::AccuracyAtLeast(share("accuracy", accuracy)?)),

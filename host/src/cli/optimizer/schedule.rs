@@ -1,15 +1,16 @@
-//! The command `schedule`: one period of the run's operating point, or many in a world that changes.
+//! The command `schedule`: one period of the run's operating point, or many with traffic, churn, fading and loss.
 
 use super::models;
-use crate::cli::context::Context;
+use crate::cli::context::{Context, count};
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
 use sdp3::optimizer::campaign::{
-    self, Loop, Settings, plain,
+    self, Loop, Settings,
+    environment::Environment,
+    plain,
     radar::{Radar, Station},
     trace::Trace,
-    world::World,
 };
 use sdp3::optimizer::playback;
 use sdp3::pipeline::{Failure, Job};
@@ -23,22 +24,22 @@ use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
 use std::fmt::Write;
 use std::time::Instant;
 
-/// A world for the scheduler. With --periods its promises are checked in every one.
+/// Conditions for the scheduler. With --periods its properties are checked in every period.
 #[derive(Debug, Clone, Args)]
-pub struct WorldArgs {
-    /// Periods; absent: one, in a world that does not change.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+pub struct ScheduleArgs {
+    /// Periods; absent: one, in which nothing changes.
+    #[arg(long, value_parser = count(1..=10_000_000))]
     pub periods: Option<u32>,
     /// N_s; absent: that of the run's operating point.
     #[arg(long, value_name = "N", requires = "periods")]
     pub sensing_slots: Option<u32>,
-    /// Mean time in s that a channel stays as it is.
+    /// Mean time in s between changes of a channel (fading).
     #[arg(long, value_name = "S", default_value_t = 5.0, requires = "periods")]
     pub coherence: f64,
-    /// Mean arrivals of a receiver over its fair share; absent: always something to send.
+    /// Mean arrivals of a user over its fair share; absent: always something to send.
     #[arg(long, value_name = "SHARE", requires = "periods")]
     pub load: Option<f64>,
-    /// Probability that a receiver joins or leaves in a period.
+    /// Probability that a user joins or leaves in a period.
     #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
     pub churn: f64,
     /// Probability that a slot is lost.
@@ -47,41 +48,41 @@ pub struct WorldArgs {
     /// Probability that N_s becomes another of the scenario's in a period.
     #[arg(long, value_name = "P", default_value_t = 0.02, requires = "periods")]
     pub retarget: f64,
-    /// Every so many periods somebody moves before the radar: raw I/Q through the core with the models of --out; 0: never.
-    #[arg(long, value_name = "PERIODS", default_value_t = 0, requires = "periods")]
+    /// Run a recognition every N periods (0 disables it): raw I/Q through the core with the models of --out.
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "periods")]
     pub recognise_every: u32,
     /// Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out.
     #[arg(long, value_name = "CONFIDENCE", requires = "recognise_every")]
     pub threshold: Option<f64>,
-    /// Periods drawn slot by slot in trace.json, which Perfetto opens.
+    /// Periods written slot by slot to trace.json, for Perfetto.
     #[arg(long, value_name = "PERIODS", default_value_t = 3, requires = "periods")]
     pub traced: u32,
 }
 
-fn settings(world: &WorldArgs, scenario: &Scenario, sensing_slots: u32) -> Result<Settings, Failure> {
+fn settings(args: &ScheduleArgs, scenario: &Scenario, sensing_slots: u32) -> Result<Settings, Failure> {
     let within = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
         true => Ok(value),
-        false => Err(format!("command line: {name} = {value} is outside its legal range: {low}..={high}")),
+        false => Err(format!("command line: {name} = {value} is outside its legal range: {low} to {high}")),
     };
     let most = scenario.frame.period_slots / (scenario.frame.spacing_slots + 1);
     within("--sensing-slots", f64::from(sensing_slots), 0.0, f64::from(most))?;
-    if let Some(threshold) = world.threshold {
+    if let Some(threshold) = args.threshold {
         within("--threshold", threshold, 0.0, 1.0)?;
     }
     Ok(Settings {
-        periods: world.periods.unwrap_or(1),
+        periods: args.periods.unwrap_or(1),
         sensing_slots,
-        coherence_s: within("--coherence", world.coherence, 1e-3, 1e12)?,
-        load: world.load.map(|load| within("--load", load, 0.0, 1e3)).transpose()?,
-        churn: within("--churn", world.churn, 0.0, 1.0)?,
-        loss: within("--loss", world.loss, 0.0, 1.0)?,
-        retarget: within("--retarget", world.retarget, 0.0, 1.0)?,
-        traced: world.traced,
-        recognise_every: world.recognise_every,
+        coherence_s: within("--coherence", args.coherence, 1e-3, 1e12)?,
+        load: args.load.map(|load| within("--load", load, 0.0, 1e3)).transpose()?,
+        churn: within("--churn", args.churn, 0.0, 1.0)?,
+        loss: within("--loss", args.loss, 0.0, 1.0)?,
+        retarget: within("--retarget", args.retarget, 0.0, 1.0)?,
+        traced: args.traced,
+        recognise_every: args.recognise_every,
     })
 }
 
-pub fn schedule(context: &Context, args: &WorldArgs) -> Result<bool, Failure> {
+pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure> {
     let mut job = context.job()?;
     if args.periods.is_none() {
         let schedule = playback::play(&stored(&job)?.operating_point)?;
@@ -114,11 +115,11 @@ fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn play(job: &Job, args: &WorldArgs, settings: &Settings) -> Result<(Campaign, String), Failure> {
+fn play(job: &Job, args: &ScheduleArgs, settings: &Settings) -> Result<(Campaign, String), Failure> {
     let scenario = &job.scenario;
     let stage = job.progress.stage("schedule", "periods");
-    let world = World::new(scenario, settings, job.seed);
-    let scheduler = campaign::scheduler(scenario, settings, &world)?;
+    let environment = Environment::new(scenario, settings, job.seed);
+    let scheduler = campaign::scheduler(scenario, settings, &environment)?;
     let plan = scheduler.plan().clone();
     let mut trace = Trace::new(&scenario.frame);
     let bytes = if settings.recognise_every > 0 { models(job)? } else { Vec::new() };
@@ -138,9 +139,9 @@ fn play(job: &Job, args: &WorldArgs, settings: &Settings) -> Result<(Campaign, S
     };
     let begun = Instant::now();
     let found =
-        campaign::play(scenario, settings, world, slots, &mut trace, &|done, all| stage.at(done, all));
+        campaign::play(scenario, settings, environment, slots, &mut trace, &|done, all| stage.at(done, all));
     let took = begun.elapsed().as_secs_f64();
-    stage.finish(&format!("{} decisions, {} promises broken", found.decisions, found.broken.len()));
+    stage.finish(&format!("{} decisions, {} violations", found.decisions, found.broken.len()));
     if settings.recognise_every == 0 {
         job.progress.note("schedule", &speeds(&plan, &found, took));
     }
@@ -181,20 +182,20 @@ fn speeds(plan: &Plan, found: &Campaign, took: f64) -> String {
     let most = u64::from(u32::MAX / plan.period()).min(10_000);
     let periods = (found.decisions / u64::from(plan.period())).clamp(1, most) as u32;
     let count = f64::from(periods) * f64::from(plan.period());
-    let mut heard = 0_u64;
-    let mut hear = |slot: SlotUse| {
+    let mut digest = 0_u64;
+    let mut count_slot = |slot: SlotUse| {
         if let SlotUse::Communication(k) = slot {
-            heard = heard.wrapping_mul(31).wrapping_add(u64::from(k));
+            digest = digest.wrapping_mul(31).wrapping_add(u64::from(k));
         }
     };
     let begun = Instant::now();
     let mut sequencer = Sequencer::new(plan);
-    (0..periods * plan.period()).for_each(|_| hear(sequencer.next_slot()));
+    (0..periods * plan.period()).for_each(|_| count_slot(sequencer.next_slot()));
     let core = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
-    plain::play(plan, periods, &mut hear);
+    plain::play(plan, periods, &mut count_slot);
     let plain = begun.elapsed().as_secs_f64();
-    std::hint::black_box(heard);
+    std::hint::black_box(digest);
     let million = |count: f64, s: f64| count / s / 1e6;
     format!(
         "million decisions a second, one core: the whole simulation {:.1}, the scheduler {:.1}, a plain loop {:.1}; the scheduler \
@@ -230,7 +231,7 @@ fn campaign_words(found: &Campaign) -> String {
         r.lost_slots,
         r.lost_sensing_slots,
         r.released_slots,
-        "receiver",
+        "user",
         "periods",
         "slots",
         "bit a period",
@@ -255,7 +256,7 @@ fn campaign_words(found: &Campaign) -> String {
     if let Some(n) = &found.recognitions {
         let _ = writeln!(
             text,
-            "{} of {} people recognised, {} without a verdict, {:.0} sensing slots each",
+            "{} of {} people recognised, {} without a classification, {:.0} sensing slots each",
             n.right,
             n.count,
             n.silent,
@@ -263,7 +264,7 @@ fn campaign_words(found: &Campaign) -> String {
         );
     }
     match found.broken.first() {
-        None => text += "every promise held",
+        None => text += "every property held",
         Some(first) => {
             let _ = write!(text, "BROKEN, {} times or more: {first}", found.broken.len());
         }

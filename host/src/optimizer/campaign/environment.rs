@@ -11,23 +11,23 @@ use sdp3_core::scheduler::USERS;
 /// Stream number of everything random here.
 const STREAM: u64 = 203;
 
-/// Different channels of a receiver that are drawn from.
+/// Different channels of a user that are drawn from.
 const CHANNELS: u32 = 64;
 
-/// Packets that make up a receiver's mean arrivals of a period.
+/// Packets that make up a user's mean arrivals of a period.
 const PACKETS: f64 = 20.0;
 
-/// Receivers, their channels and queues.
+/// Users, their channels and queues.
 ///
 /// A channel is one of the channel model's draws and is drawn again with probability 1 - exp(-T / coherence) in a period T: its
 /// correlation falls exponentially and every draw follows the model.
 #[derive(Debug, Clone)]
-pub struct World {
+pub struct Environment {
     /// Who is there.
     pub present: [bool; USERS],
-    /// Bits one slot carries to each receiver now.
+    /// Bits one slot carries to each user now.
     pub slot_bit: [f64; USERS],
-    /// Bits per slot of the channels that are drawn from, `[receiver][draw]`.
+    /// Bits per slot of the channels that are drawn from, `[user][draw]`.
     channels: Vec<Vec<f64>>,
     random: Random,
     queue: [f64; USERS],
@@ -47,8 +47,8 @@ pub struct Changed {
     pub sensing_slots: Option<u32>,
 }
 
-impl World {
-    /// The receivers of case `trade.case` are there, links that are stated do not fade; further ones, placed at random, may come.
+impl Environment {
+    /// The users of case `trade.case` are there, links that are stated do not fade; further ones, placed at random, may come.
     pub fn new(scenario: &Scenario, settings: &Settings, seed: u64) -> Self {
         let mut random = Random::new(seed, STREAM, 0, 0);
         let (room, station) = (scenario.room.size_m, scenario.radar.position_m);
@@ -80,7 +80,7 @@ impl World {
         slot_bit.iter_mut().zip(&channels).for_each(|(bit, all)| *bit = draw(all, &mut random));
         let others = f64::from(scenario.frame.period_slots - settings.sensing_slots);
         let fair_bit = others / slot_bit.iter().take(there).map(|bit| 1.0 / bit).sum::<f64>();
-        World {
+        Environment {
             present,
             slot_bit,
             channels,
@@ -113,7 +113,7 @@ impl World {
         }
     }
 
-    /// A slot for receiver `k`.
+    /// A slot for user `k`.
     pub fn deliver(&mut self, k: usize) {
         let bits = if self.full { self.slot_bit[k] } else { self.slot_bit[k].min(self.queue[k]) };
         self.queue[k] -= bits;
@@ -121,9 +121,9 @@ impl World {
     }
 
     /// Bits delivered in the period that ends, taken over into the totals.
-    pub fn drain(&mut self, receivers: &mut [CampaignReceiver]) -> [f64; USERS] {
+    pub fn drain(&mut self, users: &mut [CampaignReceiver]) -> [f64; USERS] {
         let delivered = std::mem::take(&mut self.delivered);
-        for (k, r) in receivers.iter_mut().enumerate() {
+        for (k, r) in users.iter_mut().enumerate() {
             r.delivered_bit += delivered[k];
             r.offered_bit += if self.full { delivered[k] } else { self.offered[k] };
             self.offered[k] = 0.0;
@@ -131,7 +131,7 @@ impl World {
         delivered
     }
 
-    /// Channels fade, receivers come and go, the target changes.
+    /// Channels fade, users come and go, the target changes.
     pub fn change(&mut self, settings: &Settings, scenario: &Scenario) -> Changed {
         let period_s = scenario.frame.slot_s * f64::from(scenario.frame.period_slots);
         let fades = -libm::expm1(-period_s / settings.coherence_s);
