@@ -86,7 +86,7 @@ pub struct SvdRange {
 /// The projection vector w in Q3.28: y = w^H b.
 pub(crate) type Projection = [Complex<i32>; BEATS];
 
-/// Fraction bits of a [`Projection`]; |w| <= sqrt(8) < 4.
+/// Fraction bits of a `Projection`; |w| <= sqrt(8) < 4.
 pub const PROJECTION_BITS: u32 = 28;
 
 /// The projection that keeps everything (w = 1).

@@ -26,7 +26,7 @@ pub(crate) type Sums = [[[i32; 4]; 2]; 4];
 
 /// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {
-    /// Whether a [`Tile`] is in the wide order; then there are an even number of groups.
+    /// Whether a `Tile` is in the wide order; then there are an even number of groups.
     const WIDE: bool = false;
     /// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does: some 40 000 instructions, here 120 000 on RV32IMAC.
     const BLOCKS: [usize; 3] = [4, 2, 1];

@@ -6,8 +6,8 @@ use std::string::ToString;
 #[test]
 fn what_does_not_fit_is_said() {
     for (error, words) in [
-        (PlanError::Period { period: 0 }, "period 0 is not in 1..=16777216"),
-        (PlanError::Users { users: 9 }, "9 users; legal are 1..=8"),
+        (PlanError::Period { period: 0 }, "period 0 is not in 1 to 16777216"),
+        (PlanError::Users { users: 9 }, "9 users; legal are 1 to 8"),
         (
             PlanError::Spacing { need: 12, period: 10 },
             "sensing slots with their spacing need 12 slots; the period has 10",

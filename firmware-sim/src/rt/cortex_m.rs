@@ -89,9 +89,9 @@ const COUNTER: Counter = {
 const COUNTER: Counter =
     Counter { control: 0x5810_0000 as *mut u32, reload: None, value: 0x5800_0000 as *const u32, invert: 0 };
 
-/// The counter when it was last read, and its turns up to then.
+/// The counter when it was last read, and its overflows up to then.
 static LAST: AtomicU32 = AtomicU32::new(0);
-static TURNS: AtomicU32 = AtomicU32::new(0);
+static WRAPS: AtomicU32 = AtomicU32::new(0);
 
 #[unsafe(no_mangle)]
 extern "C" fn firmware_systick() {
@@ -134,14 +134,14 @@ pub fn start_counter() {
     }
 }
 
-/// The counter, its turns added, in ticks. To be called with interrupts masked, at least once a turn: SysTick's interrupt does.
+/// The counter with its overflows, in ticks. To be called with interrupts masked, at least once per overflow: SysTick's interrupt does.
 pub fn ticks() -> u64 {
     // SAFETY: reads the counter.
     let now = unsafe { COUNTER.value.read_volatile() } ^ COUNTER.invert;
-    let turns = TURNS.load(Ordering::Relaxed) + u32::from(now < LAST.load(Ordering::Relaxed));
+    let wraps = WRAPS.load(Ordering::Relaxed) + u32::from(now < LAST.load(Ordering::Relaxed));
     LAST.store(now, Ordering::Relaxed);
-    TURNS.store(turns, Ordering::Relaxed);
-    u64::from(turns) << 32 | u64::from(now)
+    WRAPS.store(wraps, Ordering::Relaxed);
+    u64::from(wraps) << 32 | u64::from(now)
 }
 
 /// The next interrupt, at a value of the counter; before it, if that is too far. To be called with interrupts masked.

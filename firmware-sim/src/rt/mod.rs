@@ -169,7 +169,7 @@ pub fn pending() -> bool {
 
 /// Instructions executed since [`start_counter`], those in interrupts and the time asleep included.
 ///
-/// The counter has 64 bits; on Cortex-M an interrupt of some sixty instructions every 2^24 ticks counts the turns of its low word.
+/// The counter has 64 bits; on Cortex-M an interrupt of some sixty instructions every 2^24 ticks counts the overflows of its low word.
 pub fn instructions() -> u64 {
     from_ticks(family::masked(family::ticks))
 }

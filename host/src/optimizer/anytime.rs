@@ -1,4 +1,4 @@
-//! The anytime region: threshold and last exit as variables beside N_s.
+//! The region with early exits: threshold and last exit as variables beside N_s.
 //!
 //! What a recording does not sense goes to the users in the same period, so the expected throughput of a policy is Theorem 1's
 //! at its expected number of sensing slots: R is linear in N_s.
@@ -72,7 +72,7 @@ pub fn region(
         .collect()
 }
 
-/// Everything `sdp3 anytime` states. `rule` chooses among the anytime points of case `trade.case`.
+/// Everything `sdp3 anytime` states. `rule` chooses among the points of case `trade.case`.
 ///
 /// # Errors
 ///

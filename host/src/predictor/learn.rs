@@ -138,7 +138,7 @@ impl Job {
         Ok(Trained { parameters: trained.into_iter().map(|t| t.parameters).collect(), training })
     }
 
-    /// Turns networks into model files, ranges measured on training images.
+    /// Converts networks into model files, ranges measured on training images.
     ///
     /// # Errors
     ///

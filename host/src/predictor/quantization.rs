@@ -47,7 +47,7 @@ pub enum QuantizationError {
     NoImages,
 }
 
-/// Turns a trained network into int8; ranges are measured on `images`, of which at most
+/// Converts a trained network into int8; ranges are measured on `images`, of which at most
 /// [`CALIBRATION_IMAGES`] are used.
 ///
 /// # Errors

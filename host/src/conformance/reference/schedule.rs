@@ -1,8 +1,8 @@
 //! A whole period of the schedule in a `Vec`, slot by slot, by its definition.
 //!
 //! Slot j = 1 to N senses iff j mod (N_m + 1) = 1 (every slot for N_m = 0) and j <= N_s (N_m + 1). Of the other C slots, counted
-//! t = 0, 1, ..., turn i = 0, 1, ... of a user with n of them may be played from floor(i C / n) on and is due before
-//! ceil((i + 1) C / n); the turn due first is played, of equals the first user's.
+//! t = 0, 1, ..., slot i = 0, 1, ... of a user with n of them may be played from floor(i C / n) on and is due before
+//! ceil((i + 1) C / n); the slot due first is played, of equals the first user's.
 
 /// Use of every slot: `None` sensing, else the user.
 pub fn period(period: u32, spacing: u32, sensing: u32, shares: &[u32]) -> Vec<Option<usize>> {

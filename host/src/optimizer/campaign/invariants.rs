@@ -13,7 +13,7 @@ const NAMED: usize = 20;
 pub struct Invariants {
     /// Slots played.
     now: u64,
-    /// Slot of each user's last turn; `None` after a period in which it had no share.
+    /// Number of each user's last slot; `None` after a period in which it had no share.
     last: [Option<u64>; USERS],
     /// Longest wait of the period, and of all.
     waited: [u64; USERS],

@@ -12,7 +12,7 @@ use crate::dims::{Complex, FFT_LEN, FixedBins, ROWS};
 use crate::probe::Probe;
 use crate::signal::logarithm::{FLOOR, level_u64};
 use crate::simd::mulh::{mla_h, mulh};
-use twiddles::{RADIX4_TWIDDLES, TURNS_16, TURNS_64, to_q31};
+use twiddles::{RADIX4_TWIDDLES, TWIDDLES_16, TWIDDLES_64, to_q31};
 
 /// Parts of the transform.
 const PARTS: usize = 4;
@@ -72,7 +72,7 @@ type Part = [Complex<i32>; PART];
 
 /// Half the product of a number and a twiddle.
 #[inline(always)]
-fn turn(a: Complex<i32>, w: Complex<i32>) -> Complex<i32> {
+fn twiddle_mul(a: Complex<i32>, w: Complex<i32>) -> Complex<i32> {
     let re = mulh(a.re, w.re).wrapping_sub(mulh(a.im, w.im));
     Complex::new(re, mla_h(mulh(a.re, w.im), a.im, w.re))
 }
@@ -122,11 +122,11 @@ fn store<const SPAN: usize, const N: usize>(
     part: &mut [Complex<i32>; N],
     n: usize,
     sums: [Complex<i32>; 4],
-    turns: &[Complex<i32>; 3],
+    twiddles: &[Complex<i32>; 3],
 ) {
     part[n % N] = half(sums[0]);
     for k in [2, 1, 3] {
-        part[(n + SPAN * k) % N] = turn(sums[k], turns[k - 1]);
+        part[(n + SPAN * k) % N] = twiddle_mul(sums[k], twiddles[k - 1]);
     }
 }
 
@@ -136,11 +136,11 @@ fn stage1_half(signal: &[Complex<i32>; 128], window: &[i32; FFT_LEN], r: usize, 
     let (signal, _) = signal.as_chunks::<PARTS>();
     let (window, _) = window.as_chunks::<PARTS>();
     let r = r % PARTS;
-    for (n, turns) in TURNS_64.iter().enumerate() {
+    for (n, twiddles) in TWIDDLES_64.iter().enumerate() {
         let a = sample::<HALF_SHIFT>(signal[n][r], window[n][r]);
         let b = sample::<HALF_SHIFT>(signal[n + 16][r], window[n + 16][r]);
         let (u, v) = rotate_j(a, b);
-        store::<16, PART>(part, n, [add(a, b), u, sub(a, b), v], turns);
+        store::<16, PART>(part, n, [add(a, b), u, sub(a, b), v], twiddles);
     }
 }
 
@@ -150,9 +150,9 @@ fn stage1_full(signal: &[Complex<i32>; FFT_LEN], window: &[i32; FFT_LEN], r: usi
     let (signal, _) = signal.as_chunks::<PARTS>();
     let (window, _) = window.as_chunks::<PARTS>();
     let r = r % PARTS;
-    for (n, turns) in TURNS_64.iter().enumerate() {
+    for (n, twiddles) in TWIDDLES_64.iter().enumerate() {
         let at = |k: usize| sample::<FULL_SHIFT>(signal[n + 16 * k][r], window[n + 16 * k][r]);
-        store::<16, PART>(part, n, butterfly([at(0), at(1), at(2), at(3)]), turns);
+        store::<16, PART>(part, n, butterfly([at(0), at(1), at(2), at(3)]), twiddles);
     }
 }
 
@@ -161,9 +161,9 @@ fn stage1_full(signal: &[Complex<i32>; FFT_LEN], window: &[i32; FFT_LEN], r: usi
 fn second(part: &mut Part) {
     let (blocks, _) = part.as_chunks_mut::<16>();
     for block in blocks {
-        for (n, turns) in TURNS_16.iter().enumerate() {
+        for (n, twiddles) in TWIDDLES_16.iter().enumerate() {
             let sums = butterfly([block[n], block[n + 4], block[n + 8], block[n + 12]]);
-            store::<4, 16>(block, n, sums, turns);
+            store::<4, 16>(block, n, sums, twiddles);
         }
     }
 }

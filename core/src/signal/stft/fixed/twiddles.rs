@@ -23,20 +23,20 @@ pub const fn to_q31(x: f64) -> i32 {
     (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32 // saturates
 }
 
-/// Turns W^n, W^2n and W^3n of a transform of length 4 `N`, for n in 0..`N`.
-pub(super) type Turns<const N: usize> = [[Complex<i32>; 3]; N];
+/// Twiddles W^n, W^2n and W^3n of a transform of length 4 `N`, for n in 0..`N`.
+pub(super) type Twiddles<const N: usize> = [[Complex<i32>; 3]; N];
 
-pub static TURNS_64: Turns<16> = turns();
-pub static TURNS_16: Turns<4> = turns();
+pub static TWIDDLES_64: Twiddles<16> = radix4_twiddles();
+pub static TWIDDLES_16: Twiddles<4> = radix4_twiddles();
 /// The same for the whole transform, for every bin.
-pub static RADIX4_TWIDDLES: Turns<FFT_LEN> = turns_of(1);
+pub static RADIX4_TWIDDLES: Twiddles<FFT_LEN> = twiddles_of(1);
 
-const fn turns<const N: usize>() -> Turns<N> {
-    turns_of(FFT_LEN / 4 / N)
+const fn radix4_twiddles<const N: usize>() -> Twiddles<N> {
+    twiddles_of(FFT_LEN / 4 / N)
 }
 
 /// Powers of W_256^`step`.
-const fn turns_of<const N: usize>(step: usize) -> Turns<N> {
+const fn twiddles_of<const N: usize>(step: usize) -> Twiddles<N> {
     let mut table = [[Complex::new(0, 0); 3]; N];
     let mut n = 0;
     while n < 3 * N {
