@@ -209,7 +209,7 @@ fn trades_that_cannot_be() {
     let silent = trade("[communication]\nslot_bit = [[1500, 0, 3000], [1500, 2500, 3000]]\n");
     refused(&optimize(&[]), silent, &["s.toml", "communication.slot_bit[0][1] = 0", "1 to 1000000000"]);
     let fewer = trade("[communication]\nslot_bit = [[1500, 2500], [1500, 2500, 3000]]\n");
-    refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (receivers) = [2, 3]", "[3, 3]"]);
+    refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (users) = [2, 3]", "[3, 3]"]);
     let short = trade("[frame]\nperiod_slots = 500\n");
     refused(&optimize(&[]), short, &["s.toml", "frame.period_slots = 500", "at least 512", "STFT window"]);
     refused(

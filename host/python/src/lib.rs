@@ -1,6 +1,6 @@
 //! sdp3 on numpy arrays.
 //!
-//! One file for what is simulated, one for what is traded, one for the radar module. Every function calls what the command of its name
+//! One file for what is simulated, one for what is optimized, one for the radar module. Every function calls what the command of its name
 //! calls; answers that are no arrays are the commands' JSON as Python objects. Bad input is a `ValueError` with the command's words.
 
 mod radar;
