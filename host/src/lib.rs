@@ -10,6 +10,8 @@
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
 pub mod conformance;
+pub mod dataset;
+pub mod error;
 pub mod formats;
 pub mod inference;
 pub mod limited;

@@ -3,7 +3,7 @@
 //! The folder `schemas` holds them, one file each; `tests/schemas.rs` keeps the files equal to the types, and the command
 //! `tests/schemas` holds every command's real output to them.
 
-use crate::formats::dataset::Written;
+use crate::dataset::Written;
 use crate::formats::model_file::{Summary, Verdict};
 use crate::predictor::interchange::Exchanged;
 use crate::results::{

@@ -3,9 +3,9 @@
 use super::context::{Context, count};
 use super::trainer;
 use clap::Args;
-use sdp3::formats::dataset::Shard;
+use sdp3::dataset::Shard;
+use sdp3::error::Failure;
 use sdp3::output::Output;
-use sdp3::pipeline::Failure;
 use sdp3::results::{Merged, Submitted, Swept};
 use sdp3::sweep::plan::Sweep;
 use sdp3::sweep::{kubernetes, shard, slurm};

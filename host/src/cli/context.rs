@@ -1,9 +1,10 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
 use clap::{Args, ValueEnum};
+use sdp3::error::Failure;
 use sdp3::formats::model_file::check_use;
 use sdp3::output::{Output, OutputError, to_json};
-use sdp3::pipeline::{Failure, Job};
+use sdp3::pipeline::Job;
 use sdp3::progress::Progress;
 use sdp3::results::Files;
 use sdp3::resume::difference;

@@ -17,7 +17,7 @@ mod training;
 
 use clap::{Parser, Subcommand};
 use context::{Common, Context};
-use sdp3::pipeline::Failure;
+use sdp3::error::Failure;
 
 /// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
 #[derive(Debug, Parser)]

@@ -2,11 +2,11 @@
 
 use super::context::{Context, folder_of, name_of};
 use clap::{Args, Subcommand};
+use sdp3::error::Failure;
 use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use sdp3::formats::model_file::{Summary, Verdict};
 use sdp3::limited;
 use sdp3::output::Output;
-use sdp3::pipeline::Failure;
 use sdp3::predictor::interchange::{self, Conversion};
 use std::path::{Path, PathBuf};
 

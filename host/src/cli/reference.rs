@@ -4,7 +4,7 @@ use super::Cli;
 use super::context::{Context, say};
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use sdp3::pipeline::Failure;
+use sdp3::error::Failure;
 use sdp3::schemas::PUBLISHED;
 use std::path::PathBuf;
 

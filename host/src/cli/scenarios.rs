@@ -2,8 +2,8 @@
 
 use super::context::{Context, say};
 use clap::{Args, Subcommand};
+use sdp3::error::Failure;
 use sdp3::output::to_json;
-use sdp3::pipeline::Failure;
 use sdp3::results::{Checked, Listed};
 use sdp3::scenario::{Scenario, builtin};
 use std::io::Write;

@@ -2,10 +2,11 @@
 
 use super::context::{Context, count, folder_of, name_of};
 use clap::Args;
-use sdp3::formats::dataset::{self, PER_CLASS, Shard};
+use sdp3::dataset::{self, PER_CLASS, Shard};
+use sdp3::error::Failure;
 use sdp3::formats::measured::Stated;
 use sdp3::output::Output;
-use sdp3::pipeline::{Failure, Measured};
+use sdp3::pipeline::Measured;
 use sdp3::report;
 use sdp3::scenario::{Class, Model, Scenario};
 use sdp3::simulator::calibration;

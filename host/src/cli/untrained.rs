@@ -3,8 +3,8 @@
 use super::context::Context;
 use super::job::RunArgs;
 use super::training::{QuantizeArgs, StudyArgs, TrainArgs};
-use sdp3::formats::dataset::Shard;
-use sdp3::pipeline::Failure;
+use sdp3::dataset::Shard;
+use sdp3::error::Failure;
 use sdp3::results::Swept;
 use sdp3::sweep::plan::Sweep;
 

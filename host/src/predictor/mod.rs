@@ -14,8 +14,6 @@ pub mod float_network;
 #[cfg(test)]
 mod integer;
 pub mod interchange;
-#[cfg(feature = "train")]
-pub mod learn;
 pub mod learning_curve;
 pub mod memory;
 #[cfg(feature = "train")]

@@ -6,7 +6,7 @@
 use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
-use crate::pipeline::Failure;
+use crate::error::Failure;
 use crate::predictor::baselines::accuracy;
 use crate::predictor::baselines::cnn::{Cnn, rates, validate};
 use crate::predictor::baselines::svm::{Machine, Settings, choose};

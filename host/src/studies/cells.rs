@@ -4,8 +4,8 @@
 //! are the same study: what is known of a seed is kept.
 
 use super::Request;
+use crate::error::Failure;
 use crate::output::{Output, OutputError};
-use crate::pipeline::Failure;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -10,7 +10,7 @@ use super::recordings::{LeftOut, Measured};
 use super::sim_to_real::{self, SimToReal};
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
-use crate::pipeline::Failure;
+use crate::error::Failure;
 use crate::scenario::{ArMode, Class, Clusters, Model, Scenario};
 use crate::simulator::calibration::conditioning::clutter_free;
 use crate::simulator::calibration::divergence::{Counts, EVALUATIONS, divergence, search, shares};

@@ -5,7 +5,7 @@
 use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
-use crate::pipeline::Failure;
+use crate::error::Failure;
 use crate::predictor::learning_curve::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
 use crate::simulator::calibration::stored_rho;

@@ -1,7 +1,7 @@
 //! A folder of measured recordings: found in any depth, each with the motion in its name.
 
+use crate::error::Failure;
 use crate::formats::measured::{self, Samples, Signal, Stated};
-use crate::pipeline::Failure;
 use crate::simulator::randomised::Motion;
 use sdp3_core::config::RadarConfig;
 use sha2::{Digest, Sha256};

@@ -6,7 +6,7 @@
 use super::cells::Cells;
 use super::trained::{Trained, images, train};
 use super::{Request, RunContext, Spread};
-use crate::pipeline::Failure;
+use crate::error::Failure;
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::Set;

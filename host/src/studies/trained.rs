@@ -1,8 +1,8 @@
 //! Networks trained in one room and tested in others.
 
 use super::RunContext;
+use crate::error::Failure;
 use crate::inference::Classifier;
-use crate::pipeline::Failure;
 use crate::predictor::float_network::FloatNetwork;
 use crate::predictor::interchange::header;
 use crate::predictor::parameters::{Images, Parameters};

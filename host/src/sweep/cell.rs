@@ -1,8 +1,8 @@
 //! One cell, end to end: simulate, train, quantise, recognise through the core, price the slots left over.
 
+use crate::error::Failure;
 use crate::optimizer::bits_per_slot;
 use crate::optimizer::shares::divide;
-use crate::pipeline::Failure;
 use crate::results::{Cell, Measurement, Throughput};
 use crate::scenario::Scenario;
 use crate::simulator::dataset::Set;

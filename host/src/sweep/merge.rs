@@ -7,9 +7,9 @@
 use super::plan::{PLAN, Sweep};
 use super::store::Store;
 use crate::PROGRAM;
+use crate::error::Failure;
 use crate::optimizer::{Rule, cases};
 use crate::output::Output;
-use crate::pipeline::Failure;
 use crate::predictor::learning_curve::{best_curve, fit_all};
 use crate::results::{Cell, CurvePoint, Group, GroupPoint, Measurement, Merged, Spread};
 use std::fmt::Write;

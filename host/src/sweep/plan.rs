@@ -1,10 +1,10 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
-use crate::formats::dataset::sha256;
+use crate::dataset::sha256;
+use crate::error::Failure;
 use crate::limited;
 use crate::output::{Output, OutputError};
-use crate::pipeline::Failure;
 use crate::results::Cell;
 use crate::resume::ensure_same_config;
 use crate::scenario::{Scenario, syntax_message};

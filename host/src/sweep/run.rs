@@ -3,9 +3,9 @@
 use super::cell::measure;
 use super::plan::Sweep;
 use super::store::{Fault, Store};
-use crate::formats::dataset::Shard;
+use crate::dataset::Shard;
+use crate::error::Failure;
 use crate::output::{Output, OutputError};
-use crate::pipeline::Failure;
 use crate::results::Swept;
 use crate::studies::RunContext;
 

@@ -3,7 +3,7 @@
 //! Slurm: `SLURM_ARRAY_TASK_ID` within `SLURM_ARRAY_TASK_MIN`, `_STEP` and `_COUNT` of an array such as `--array=1-8`.
 //! Kubernetes: `JOB_COMPLETION_INDEX` of an Indexed Job, from 0, and [`COMPLETIONS`], which the job must set: Kubernetes does not.
 
-use crate::formats::dataset::Shard;
+use crate::dataset::Shard;
 
 /// Says how many completions an Indexed Job has.
 pub const COMPLETIONS: &str = "JOB_COMPLETIONS";

@@ -5,8 +5,8 @@
 //! what was interrupted on purpose.
 
 use super::plan::{PLAN, Sweep};
+use crate::error::Failure;
 use crate::output::Output;
-use crate::pipeline::Failure;
 use crate::results::Submitted;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -5,7 +5,7 @@
 
 use super::plan::Sweep;
 use crate::PROGRAM;
-use crate::formats::dataset::sha256;
+use crate::dataset::sha256;
 use crate::limited;
 use crate::output::{Output, OutputError, to_json};
 use crate::results::{Cell, Measurement};

@@ -2,7 +2,7 @@ use super::merge::{CSV, JSON, merge};
 use super::plan::{PLAN, Plan, Sweep};
 use super::store::{CELLS, Fault, Store};
 use super::{kubernetes, slurm};
-use crate::formats::dataset::Shard;
+use crate::dataset::Shard;
 use crate::output::Output;
 use crate::results::{Accuracy, Cell, Measurement, Throughput};
 use crate::scenario::Scenario;

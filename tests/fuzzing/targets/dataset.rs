@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3::formats::dataset::Stored;
+use sdp3::dataset::Stored;
 use sdp3_fuzz::files::Folder;
 use sha2::{Digest, Sha256};
 

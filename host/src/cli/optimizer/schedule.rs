@@ -5,6 +5,7 @@ use crate::cli::context::{Context, count};
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
+use sdp3::error::Failure;
 use sdp3::optimizer::campaign::{
     self, Loop, Settings,
     environment::Environment,
@@ -13,7 +14,7 @@ use sdp3::optimizer::campaign::{
     trace::Trace,
 };
 use sdp3::optimizer::playback;
-use sdp3::pipeline::{Failure, Job};
+use sdp3::pipeline::Job;
 use sdp3::predictor::memory::OwnedMemory;
 use sdp3::report::{plot::on_white, timeline};
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};

@@ -2,16 +2,17 @@
 //!
 //! Section IV of the paper; one network for each N_s of the scenario.
 
-use super::accuracy::{share_right, through_core};
-use super::checkpoint::Checkpoint;
-use super::float_network::FloatNetwork;
-use super::interchange::header;
-use super::parameters::Parameters;
-use super::spectrograms::{Collected, collect, collect_from};
-use super::training::{self, Backend, train_all};
-use super::tuning::quantize_tuned;
-use crate::formats::dataset::Stored;
-use crate::pipeline::{Failure, Job, Learned};
+use super::{Job, Learned};
+use crate::dataset::Stored;
+use crate::error::Failure;
+use crate::predictor::accuracy::{share_right, through_core};
+use crate::predictor::checkpoint::Checkpoint;
+use crate::predictor::float_network::FloatNetwork;
+use crate::predictor::interchange::header;
+use crate::predictor::parameters::Parameters;
+use crate::predictor::spectrograms::{Collected, collect, collect_from};
+use crate::predictor::training::{self, Backend, train_all};
+use crate::predictor::tuning::quantize_tuned;
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
 use crate::simulator::dataset::Set;

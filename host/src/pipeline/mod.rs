@@ -3,11 +3,15 @@
 //! Simulate, calibrate, train, run, verify, optimize, schedule, report. Every stage is also a command of its own and uses the
 //! functions here.
 
+#[cfg(feature = "train")]
+pub mod learn;
+
 use crate::conformance::compare::verify_host;
 use crate::conformance::digests::not_run;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::conformance::verification::Verification;
+use crate::error::Failure;
 use crate::formats::measured;
 use crate::formats::slots::Slots;
 use crate::optimizer::anytime;
@@ -33,9 +37,6 @@ use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::EarlyExit;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Any refusal or failure of a command: exit code 2.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// What every stage needs.
 #[derive(Debug, Clone)]
