@@ -10,7 +10,7 @@ use sdp3::conformance::digests::digests;
 use sdp3::conformance::qemu::{Firmware, machines};
 use sdp3::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use sdp3::conformance::verification::Verification;
-use sdp3::predictor::parameters::Architecture;
+use sdp3::network::parameters::Architecture;
 use sdp3::results::TargetVerdict;
 use sdp3::scenario::{Class, Scenario, builtin::named};
 use sdp3::simulator::calibration::stored_rho;

@@ -6,11 +6,11 @@
 use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rayon::prelude::*;
-use sdp3::predictor::memory::OwnedMemory;
+use sdp3::network::memory::OwnedMemory;
+use sdp3::numerics::random::Random;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
-use sdp3::simulator::random::Random;
 use sdp3_core::dsn::{Model, Shape};
 use sdp3_core::radar::{Event, Progress, RadarModule, Settings, SlotAction};
 use sdp3_core::radar_memory;

@@ -3,7 +3,7 @@
 use sdp3::conformance::qemu::{Firmware, QemuError, machines, run};
 use sdp3::conformance::suite::{ScheduleCase, Suite, stimuli};
 use sdp3::formats::slots::Slots;
-use sdp3::predictor::memory::OwnedMemory;
+use sdp3::network::memory::OwnedMemory;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};

@@ -5,8 +5,8 @@
 //! `INSTRUCTION-SET COUNT` with the nanoseconds of COUNT single inferences, one thread, and the logits of the last.
 
 use sdp3::formats::tflite::export;
-use sdp3::inference::{Isa, VectorKernels};
-use sdp3::predictor::parameters::Architecture;
+use sdp3::network::inference::{Isa, VectorKernels};
+use sdp3::network::parameters::Architecture;
 use sdp3_core::dims::ROWS;
 use sdp3_core::dsn::{Model, infer};
 use sdp3_tests::networks::{images, quantized};

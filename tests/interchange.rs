@@ -4,9 +4,9 @@
 
 use sdp3::formats::model_file::{Preprocessing, QuantizedNetwork};
 use sdp3::formats::tflite::{ImportDefaults, export, import};
-use sdp3::predictor::interchange::header;
-use sdp3::predictor::parameters::Architecture;
-use sdp3::predictor::safetensors;
+use sdp3::network::interchange::header;
+use sdp3::network::parameters::Architecture;
+use sdp3::network::safetensors;
 use sdp3::scenario::Scenario;
 use sdp3_core::dsn::Model;
 use sdp3_tests::networks::{Random, images, layers, parameters, quantized};

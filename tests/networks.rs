@@ -4,9 +4,9 @@
 //! stripes, noise and extremes.
 
 use sdp3::formats::model_file::QuantizedNetwork;
-use sdp3::predictor::interchange::header;
-use sdp3::predictor::parameters::{Architecture, Images, Norm, Parameters};
-use sdp3::predictor::quantization::quantize;
+use sdp3::network::interchange::header;
+use sdp3::network::parameters::{Architecture, Images, Norm, Parameters};
+use sdp3::network::quantization::quantize;
 use sdp3::scenario::Scenario;
 use sdp3_core::dsn::{Model, Portable, infer};
 use sdp3_core::probe::Probe;

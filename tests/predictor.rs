@@ -2,8 +2,8 @@
 //!
 //! The vectors and the program that made them lie in `tests/oracles`.
 
-use sdp3::predictor::learning_curve::fit::{fit, sse};
-use sdp3::predictor::learning_curve::{Model, paper};
+use sdp3::predictor::fit::{fit, sse};
+use sdp3::predictor::{Model, paper};
 use sdp3::results::{CurvePoint, Prediction};
 use sdp3_tests::{call, outcome, program};
 use serde_json::Value;

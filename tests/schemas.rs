@@ -1,7 +1,7 @@
 //! The published JSON Schemas are those of the types. With `SDP3_WRITE_SCHEMAS` set they are written again.
 
-use sdp3::output::to_json;
 use sdp3::schemas::{PUBLISHED, of_types};
+use sdp3::store::output::to_json;
 use std::path::Path;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sdp3::formats::slots::Slots;
-use sdp3::predictor::memory::OwnedMemory;
+use sdp3::network::memory::OwnedMemory;
 use sdp3::scenario::{Class, Scenario};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};

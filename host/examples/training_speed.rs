@@ -4,8 +4,8 @@
 //!
 //! Prints one JSON object: the least and the median time of a step, each averaged over an epoch of about 500 images.
 
-use sdp3::predictor::parameters::Images;
-use sdp3::predictor::training::{Job, train};
+use sdp3::network::parameters::Images;
+use sdp3::network::training::{Job, train};
 use sdp3::scenario::Learning;
 use std::sync::Mutex;
 use std::time::Instant;

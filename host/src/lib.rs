@@ -12,23 +12,22 @@
 pub mod conformance;
 pub mod dataset;
 pub mod error;
+pub mod experiments;
 pub mod formats;
-pub mod inference;
-pub mod limited;
+pub mod network;
+pub mod numerics;
 pub mod optimizer;
-pub mod output;
 pub mod pipeline;
 pub mod predictor;
 pub mod progress;
+pub mod recordings;
 pub mod report;
 pub mod results;
-pub mod resume;
 pub mod scenario;
+pub mod scheduling;
 pub mod schemas;
 pub mod simulator;
-#[cfg(feature = "train")]
-pub mod studies;
-pub mod sweep;
+pub mod store;
 
 /// Name and version, as files say what made them.
 pub const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));

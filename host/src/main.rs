@@ -36,7 +36,7 @@ fn refused(reason: &str) -> ExitCode {
 /// Ctrl-C leaves whole files only, says how to go on, and ends with the code of that signal.
 fn end_on_interrupt(resumption: &'static str) -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(move || {
-        sdp3::output::abandon();
+        sdp3::store::output::abandon();
         let _ = writeln!(std::io::stderr(), "\nsdp3: interrupted, nothing is half-written; {resumption}");
         std::process::exit(130);
     })

@@ -5,7 +5,7 @@
 
 use crate::dataset::Written;
 use crate::formats::model_file::{Summary, Verdict};
-use crate::predictor::interchange::Exchanged;
+use crate::network::interchange::Exchanged;
 use crate::results::{
     AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Files, Listed, Merged, Optimum, Prediction,
     Run, Schedule, Submitted, SweepRow, Swept, Training, Verify,
@@ -87,10 +87,10 @@ enum Scheduled {
 #[serde(untagged)]
 #[allow(dead_code)]
 enum Studied {
-    LearningCurve(Box<crate::studies::learning_curve::LearningCurve>),
-    Robustness(crate::studies::robustness::Robustness),
-    Fidelity(Box<crate::studies::fidelity::Fidelity>),
-    Baselines(crate::studies::baselines::Baselines),
+    LearningCurve(Box<crate::experiments::learning_curve::LearningCurve>),
+    Robustness(crate::experiments::robustness::Robustness),
+    Fidelity(Box<crate::experiments::fidelity::Fidelity>),
+    Baselines(crate::experiments::baselines::Baselines),
 }
 
 /// What a shard did, or with `--slurm` or `--kubernetes` the job's files.

@@ -6,7 +6,7 @@
 
 use sdp3::formats::model_file::QuantizedNetwork;
 use sdp3::formats::tflite::export;
-use sdp3::predictor::parameters::Architecture;
+use sdp3::network::parameters::Architecture;
 use sdp3_tests::networks::{images, layers, quantized};
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 use crate::{object, parsed, refused};
 use pyo3::prelude::*;
 use sdp3::optimizer::{Rule, optimise};
-use sdp3::predictor::learning_curve::bootstrap::replicates;
-use sdp3::predictor::learning_curve::{best_curve, fit_all, predict};
+use sdp3::predictor::bootstrap::replicates;
+use sdp3::predictor::{best_curve, fit_all, predict};
 use sdp3::results::CurvePoint;
 
 /// (sensing slots, accuracy[, tested]).

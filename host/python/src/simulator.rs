@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 use sdp3::dataset::{PER_CLASS, Work, part};
-use sdp3::formats::measured::{Samples, Stated, signal};
+use sdp3::recordings::{Samples, Stated, signal};
 use sdp3::scenario::{Class, Format};
 use sdp3::simulator::calibration::{calibrate_measured, stored_rho};
 

@@ -5,10 +5,10 @@ use super::trainer;
 use clap::Args;
 use sdp3::dataset::Shard;
 use sdp3::error::Failure;
-use sdp3::output::Output;
+use sdp3::experiments::sweep::plan::Sweep;
+use sdp3::experiments::sweep::{kubernetes, shard, slurm};
 use sdp3::results::{Merged, Submitted, Swept};
-use sdp3::sweep::plan::Sweep;
-use sdp3::sweep::{kubernetes, shard, slurm};
+use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
 
 /// Shards of a job where `--shards` does not say, unless there are fewer cells.
@@ -98,7 +98,7 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Fa
 }
 
 pub fn merge(context: &Context, args: &MergeArgs) -> Result<bool, Failure> {
-    let merged = sdp3::sweep::merge::merge(&args.folder)?;
+    let merged = sdp3::experiments::sweep::merge::merge(&args.folder)?;
     context.print(&merged, || table(&merged))?;
     Ok(true)
 }

@@ -3,12 +3,12 @@
 use clap::{Args, ValueEnum};
 use sdp3::error::Failure;
 use sdp3::formats::model_file::check_use;
-use sdp3::output::{Output, OutputError, to_json};
 use sdp3::pipeline::Job;
 use sdp3::progress::Progress;
 use sdp3::results::Files;
-use sdp3::resume::difference;
 use sdp3::scenario::{Override, Scenario};
+use sdp3::store::output::{Output, OutputError, to_json};
+use sdp3::store::resume::difference;
 use serde::Serialize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};

@@ -6,9 +6,9 @@ use clap::Args;
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::conformance::suite::ScheduleCase;
 use sdp3::error::Failure;
-use sdp3::output::OutputError;
 use sdp3::pipeline::{Job, REFERENCE, TARGETS};
 use sdp3::results::{Figures, Run, Verify};
+use sdp3::store::output::OutputError;
 use std::fmt::Write;
 use std::path::PathBuf;
 

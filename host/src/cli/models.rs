@@ -5,9 +5,9 @@ use clap::{Args, Subcommand};
 use sdp3::error::Failure;
 use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use sdp3::formats::model_file::{Summary, Verdict};
-use sdp3::limited;
-use sdp3::output::Output;
-use sdp3::predictor::interchange::{self, Conversion};
+use sdp3::network::interchange::{self, Conversion};
+use sdp3::store::limited;
+use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
 
 /// A network to write for other programs.

@@ -3,9 +3,9 @@
 use super::context::{Context, say};
 use clap::{Args, Subcommand};
 use sdp3::error::Failure;
-use sdp3::output::to_json;
 use sdp3::results::{Checked, Listed};
 use sdp3::scenario::{Scenario, builtin};
+use sdp3::store::output::to_json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -6,20 +6,21 @@ use super::simulator::{measurement, rho};
 use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
 use sdp3::dataset::{Shard, Stored};
 use sdp3::error::Failure;
-use sdp3::formats::measured::Stated;
-use sdp3::optimizer::{Rule, playback};
-use sdp3::output::Output;
+use sdp3::experiments::RunContext;
+use sdp3::experiments::sweep::plan::Sweep;
+use sdp3::network::early_exits::gallery::gallery;
+use sdp3::network::parameters::Parameters;
+use sdp3::network::safetensors;
+use sdp3::network::spectrograms::Collected;
+use sdp3::optimizer::Rule;
 use sdp3::pipeline::Job;
 use sdp3::pipeline::learn::{How, history};
-use sdp3::predictor::anytime::gallery::gallery;
-use sdp3::predictor::parameters::Parameters;
-use sdp3::predictor::safetensors;
-use sdp3::predictor::spectrograms::Collected;
+use sdp3::recordings::Stated;
 use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
+use sdp3::scheduling::playback;
 use sdp3::simulator::calibration;
 use sdp3::simulator::dataset::Set;
-use sdp3::studies::RunContext;
-use sdp3::sweep::plan::Sweep;
+use sdp3::store::output::Output;
 use sdp3_core::early_exit::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
@@ -110,8 +111,8 @@ fn classify_gallery(
 }
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    use sdp3::predictor::recipe::Recipe;
-    use sdp3::predictor::training::Backend;
+    use sdp3::network::recipe::Recipe;
+    use sdp3::network::training::Backend;
     let backend = match args.backend {
         training::Backend::Flex => Backend::Flex,
         #[cfg(feature = "wgpu")]
@@ -199,8 +200,8 @@ pub fn quantize(context: &Context, args: QuantizeArgs) -> Result<bool, Failure> 
 }
 
 pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
-    use sdp3::studies::cells::Cells;
-    use sdp3::studies::{Request, baselines, fidelity, learning_curve, recordings, robustness};
+    use sdp3::experiments::cells::Cells;
+    use sdp3::experiments::{Request, baselines, fidelity, labelled, learning_curve, robustness};
     let StudyArgs { name, seeds, measured, carrier, rate } = args;
     if measured.is_some() && name != Study::Fidelity {
         return Err("command line: --measured belongs to the study fidelity".into());
@@ -227,7 +228,7 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
         Study::Fidelity => {
             let stated = Stated { carrier_hz: carrier, rate_hz: rate, ..Stated::default() };
             let recordings = match measured {
-                Some(folder) => recordings::read(&folder, &stated)?,
+                Some(folder) => labelled::read(&folder, &stated)?,
                 None => Default::default(),
             };
             let found = fidelity::study(&request, &cells, recordings, run_context)?;
@@ -245,5 +246,5 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
 
 pub fn shard(context: &Context, sweep: &Sweep, shard: Shard) -> Result<Swept, Failure> {
     let run_context = RunContext { progress: context.progress, workers: context.workers() };
-    sdp3::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, run_context)
+    sdp3::experiments::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, run_context)
 }

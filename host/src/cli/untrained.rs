@@ -5,8 +5,8 @@ use super::job::RunArgs;
 use super::training::{QuantizeArgs, StudyArgs, TrainArgs};
 use sdp3::dataset::Shard;
 use sdp3::error::Failure;
+use sdp3::experiments::sweep::plan::Sweep;
 use sdp3::results::Swept;
-use sdp3::sweep::plan::Sweep;
 
 fn refusal<T>(what: &str) -> Result<T, Failure> {
     Err(format!("this build cannot {what}: build it with the feature `train`").into())

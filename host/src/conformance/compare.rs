@@ -11,7 +11,7 @@
 
 use super::reference::{network, schedule, signal};
 use super::suite::{Case, Suite, Transform};
-use crate::predictor::memory::OwnedMemory;
+use crate::network::memory::OwnedMemory;
 use crate::results::{StageVerdict, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, Complex, FFT_LEN};

@@ -5,8 +5,8 @@
 use super::record::{FileRecord, Hash, hex};
 use super::{Work, part};
 use crate::PROGRAM;
-use crate::output::{Output, OutputError};
 use crate::scenario::{Class, Scenario};
+use crate::store::output::{Output, OutputError};
 use sdp3_core::config::SampleFormat;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};

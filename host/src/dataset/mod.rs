@@ -14,9 +14,9 @@ mod record;
 mod sigmf;
 mod stored;
 
-use crate::output::{Output, OutputError};
-use crate::resume::ensure_same_config;
 use crate::scenario::{Class, Scenario};
+use crate::store::output::{Output, OutputError};
+use crate::store::resume::ensure_same_config;
 use rayon::prelude::*;
 use record::FileRecord;
 use schemars::JsonSchema;
@@ -159,7 +159,7 @@ impl<'a> Work<'a> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Written, OutputError> {
         self.ensure_same_config(output)?;
-        let request = format!("{}\n", crate::output::to_json(&self.request));
+        let request = format!("{}\n", crate::store::output::to_json(&self.request));
         for (name, text) in [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)] {
             if std::fs::read(output.path(name)).ok().is_none_or(|found| found != text.as_bytes()) {
                 output.write(name, text.as_bytes())?;

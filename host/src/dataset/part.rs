@@ -6,10 +6,10 @@
 use super::record::{FileRecord, TruthRecord};
 use super::{Work, sigmf};
 use crate::formats::slots::Slots;
-use crate::output::{Output, OutputError};
-use crate::predictor::spectrograms::images_of_beats;
+use crate::network::spectrograms::images_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
+use crate::store::output::{Output, OutputError};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
 use sdp3_core::dims::{BEATS, ROWS};

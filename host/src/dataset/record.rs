@@ -1,8 +1,8 @@
 //! What is said of a dataset's files and recordings: length and SHA-256, label and truth.
 
-use crate::output::{Output, OutputError};
 use crate::scenario::Class;
 use crate::simulator::body::motion::GroundTruth;
+use crate::store::output::{Output, OutputError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::File;

@@ -5,8 +5,8 @@
 use super::Work;
 use super::record::{FileRecord, hex};
 use crate::PROGRAM;
-use crate::output::{Output, OutputError, to_json};
 use crate::simulator::body::motion::GroundTruth;
+use crate::store::output::{Output, OutputError, to_json};
 use sdp3_core::config::SampleFormat;
 use serde::Serialize;
 use sha2::{Digest, Sha512};

@@ -101,7 +101,7 @@ fn what_is_missing_or_damaged_is_made_again_and_the_rest_is_kept() {
             None => std::fs::remove_file(&path).unwrap(),
             Some(bytes) => std::fs::write(&path, bytes).unwrap(),
         }
-        let half = format!("{name}.sdp3-partial-{}", crate::output::mark(4_294_967_295));
+        let half = format!("{name}.sdp3-partial-{}", crate::store::output::mark(4_294_967_295));
         std::fs::write(case.path().join(half), b"half").unwrap();
         let written = case.make(3, 21, "1/1").unwrap();
         assert_eq!((written.made, written.kept), (1, 1), "{name}");
@@ -286,7 +286,7 @@ fn raw_slots_of_a_real_sensor_are_stored_and_measured_again() {
     assert_eq!(case.manifest()["arrays"][3]["axes"].as_array().unwrap().len(), 3);
     // what was stored is read as slots of that radar, but for being too short
     let file = case.path().join("recording-00004.sigmf-meta");
-    let short = crate::formats::measured::read(&file, &Default::default()).unwrap_err().to_string();
+    let short = crate::recordings::read(&file, &Default::default()).unwrap_err().to_string();
     assert!(short.contains("length (s)") && short.contains("0.040"), "{short}");
     Stored::open(case.path())
         .unwrap()

@@ -1,6 +1,5 @@
 //! File formats: what other programs write and read.
 
-pub mod measured;
 pub mod model_file;
 pub mod numpy;
 pub mod points;

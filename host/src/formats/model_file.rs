@@ -372,7 +372,7 @@ fn padded(values: &[i8], out: &mut Vec<u8>) {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::predictor::interchange::header;
+    use crate::network::interchange::header;
     use crate::scenario::Scenario;
 
     fn weighted(outputs: usize, inputs: usize, seed: i32) -> QuantizedLayer {

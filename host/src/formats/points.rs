@@ -1,8 +1,8 @@
 //! Accuracy points: CSV `sensing_slots,accuracy[,tested]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
-use crate::limited;
 use crate::results::CurvePoint;
+use crate::store::limited;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

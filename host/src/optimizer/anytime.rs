@@ -7,8 +7,8 @@ use super::operating_point::{Rule, choose};
 use super::region::Point;
 use super::theorem::Theorem;
 use super::{OptimizerError, bits_per_slot};
-use crate::predictor::anytime::ExitLogits;
-use crate::predictor::anytime::policy::{Course, Policy};
+use crate::network::early_exits::ExitLogits;
+use crate::network::early_exits::policy::{Course, Policy};
 use crate::results::{AnytimeGain, AnytimeRegionPoint, AnytimeResult, StaticPoint};
 use crate::scenario::Scenario;
 

@@ -6,9 +6,7 @@
 //! thousands of periods.
 
 pub mod anytime;
-pub mod campaign;
 pub mod operating_point;
-pub mod playback;
 pub mod region;
 pub mod shares;
 pub mod spacings;
@@ -20,7 +18,7 @@ pub mod zones;
 
 pub use operating_point::Rule;
 
-use crate::predictor::learning_curve::bootstrap::interval;
+use crate::predictor::bootstrap::interval;
 use crate::results::{Case, Curve, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
@@ -311,27 +309,5 @@ mod tests {
         let error =
             throughput::slot_bits(&Scenario::default(), &[vec![1e-9; 64], vec![0.0; 64]]).unwrap_err();
         assert!(error.to_string().contains("user 1 gets 0 bits"), "{error}");
-    }
-
-    #[test]
-    fn the_scheduler_plays_the_point_exactly() {
-        let point = outcome(Rule::AccuracyAtLeast(0.93)).unwrap().operating_point;
-        assert!(point.accuracy >= 0.93);
-        let played = playback::play(&point).unwrap();
-        assert_eq!(played.communication_slots, point.communication_slots);
-        assert_eq!(played.sensing_slots, point.sensing_slots);
-        let found = outcome(Rule::Weighted(0.5)).unwrap();
-        for weighted in &found.weighted {
-            let own = |p: &&RegionPoint| (p.case, p.sensing_slots) == (weighted.case, weighted.sensing_slots);
-            let shown = found.region.iter().find(own).unwrap();
-            let plan = playback::plan(shown, &found.operating_point).unwrap();
-            let slots = |uses: usize| plan.columns.iter().map(|column| column[uses]).sum::<u32>();
-            assert_eq!(slots(0), shown.sensing_slots);
-            let shares: Vec<u32> = (1..=shown.communication_slots.len()).map(slots).collect();
-            assert_eq!(shares, shown.communication_slots);
-        }
-        let worst = played.delivered_bit.iter().copied().fold(f64::INFINITY, f64::min);
-        assert!((worst / point.throughput_bit - 1.0).abs() < 1e-9);
-        assert!(outcome(Rule::AccuracyAtLeast(0.99)).is_err());
     }
 }

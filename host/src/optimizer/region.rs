@@ -6,7 +6,7 @@
 
 use super::OptimizerError;
 use super::shares::divide;
-use crate::predictor::learning_curve::evaluate;
+use crate::predictor::evaluate;
 use crate::results::Curve;
 use crate::scenario::Scenario;
 
@@ -87,8 +87,8 @@ pub fn pareto(points: &[Point]) -> Vec<bool> {
 mod tests {
     use super::super::theorem::Theorem;
     use super::*;
+    use crate::numerics::random::Random;
     use crate::results::Parameters;
-    use crate::simulator::random::Random;
 
     fn curve() -> Curve {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };

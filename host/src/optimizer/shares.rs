@@ -34,7 +34,7 @@ pub fn divide(slot_bits: &[f64], slots: u32) -> (Vec<u32>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulator::random::Random;
+    use crate::numerics::random::Random;
 
     #[test]
     fn no_division_is_better_on_random_instances() {

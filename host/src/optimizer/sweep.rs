@@ -2,9 +2,9 @@
 
 use super::operating_point::Rule;
 use super::{OptimizerError, cases};
+use crate::numerics::random::Random;
 use crate::results::{Curve, SweepRow};
 use crate::scenario::Scenario;
-use crate::simulator::random::Random;
 
 /// What is varied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 //! T_s Theta^-1(A) + [sum over users of T_s / r_k] R = N T_s, r_k being user k's bits in one slot: R falls linearly in
 //! N_s. Theta need not be concave; the weighted sum is maximised over every interval between zeros of its derivative.
 
-use crate::predictor::learning_curve::{evaluate, slope};
+use crate::predictor::{evaluate, slope};
 use crate::results::Curve;
 
 /// What Theorem 1 needs: N and the users' bits per slot.

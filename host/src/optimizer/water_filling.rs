@@ -35,7 +35,7 @@ pub fn allocate(gamma: &[f64]) -> Allocation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulator::random::Random;
+    use crate::numerics::random::Random;
 
     #[test]
     fn optimality_conditions_hold_on_random_instances() {

@@ -5,7 +5,7 @@
 //! s < `trade.zone_ratio`: sensing is saturated (a step of throughput costs hardly any accuracy). s > 1 / `zone_ratio`:
 //! communication is saturated. Between: adversarial.
 
-use crate::predictor::learning_curve::{evaluate, slope};
+use crate::predictor::{evaluate, slope};
 use crate::results::{Border, Curve, Zone};
 
 /// The zones of a curve over a range of N_s.

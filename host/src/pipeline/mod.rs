@@ -12,27 +12,28 @@ use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::conformance::verification::Verification;
 use crate::error::Failure;
-use crate::formats::measured;
 use crate::formats::slots::Slots;
+use crate::network::early_exits::calibration::weights;
+use crate::network::early_exits::{Part, Policy, collect};
+use crate::network::memory::OwnedMemory;
+use crate::network::spectrograms::{GALLERY_RECORDING, images_of, picture};
 use crate::optimizer::anytime;
-use crate::optimizer::campaign::radar::Station;
 use crate::optimizer::shares::integer_rates;
-use crate::optimizer::{Rule, optimise, playback};
-use crate::output::Output;
-use crate::predictor::anytime::calibration::weights;
-use crate::predictor::anytime::{Part, Policy, collect};
-use crate::predictor::learning_curve::bootstrap::replicates;
-use crate::predictor::learning_curve::{best_curve, predict};
-use crate::predictor::memory::OwnedMemory;
-use crate::predictor::spectrograms::{GALLERY_RECORDING, images_of, picture};
+use crate::optimizer::{Rule, optimise};
+use crate::predictor::bootstrap::replicates;
+use crate::predictor::{best_curve, predict};
 use crate::progress::Progress;
+use crate::recordings;
 use crate::results::{
     Accuracy, AnytimeResult, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction,
     Recognised, Schedule, Spectrogram, Training, Verify,
 };
 use crate::scenario::{Class, Scenario};
+use crate::scheduling::campaign::radar::Station;
+use crate::scheduling::playback;
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
+use crate::store::output::Output;
 use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::EarlyExit;
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ pub struct Measured {
     /// The file.
     pub file: PathBuf,
     /// What was stated about it.
-    pub stated: measured::Stated,
+    pub stated: recordings::Stated,
     /// How the person in it moves.
     pub motion: Class,
 }
@@ -92,7 +93,7 @@ impl Job {
     pub fn calibrate(&self, measured: Option<&Measured>) -> Result<Calibration, Failure> {
         let s = &self.scenario;
         if let Some(measured) = measured {
-            let signal = measured::read(&measured.file, &measured.stated)?;
+            let signal = recordings::read(&measured.file, &measured.stated)?;
             let stage = self.progress.stage("calibrate", "rho on the measured signal");
             let found =
                 calibration::calibrate_measured(s, &signal, measured.motion, self.seed, &|done, all| {

@@ -1,8 +1,8 @@
 //! The picture of the fidelity study: intensity distributions, and accuracies as squares.
 
 use super::plot::{Axis, COLOURS, Plot, escape};
+use crate::experiments::fidelity::{DOMAINS, Fidelity, Levels};
 use crate::simulator::randomised::Motion;
-use crate::studies::fidelity::{DOMAINS, Fidelity, Levels};
 use std::fmt::Write;
 
 /// Most measured recordings with drawn intensities.

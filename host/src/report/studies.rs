@@ -1,11 +1,11 @@
 //! Pictures of the studies.
 
 use super::plot::{Axis, COLOURS, Plot, escape};
-use crate::predictor::learning_curve::Model;
-use crate::predictor::learning_curve::paper;
-use crate::studies::baselines::{Baselines, METHODS};
-use crate::studies::learning_curve::LearningCurve;
-use crate::studies::robustness::Robustness;
+use crate::experiments::baselines::{Baselines, METHODS};
+use crate::experiments::learning_curve::LearningCurve;
+use crate::experiments::robustness::Robustness;
+use crate::predictor::Model;
+use crate::predictor::paper;
 use std::fmt::Write;
 
 /// Accuracy over N_s: means with their spread over the seeds, every seed, the best curve, and the paper's points.

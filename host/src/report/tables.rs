@@ -1,7 +1,7 @@
 //! The tables of the page: conformance, instructions, learning curves.
 
 use super::plot::{escape, grouped, number};
-use crate::predictor::learning_curve::{Model, paper};
+use crate::predictor::{Model, paper};
 use crate::results::{ChannelTable, Figures, Prediction, Verify};
 use std::collections::BTreeSet;
 use std::fmt::Write;

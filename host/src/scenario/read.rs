@@ -3,7 +3,7 @@
 use super::check::ScenarioError;
 use super::overrides::Override;
 use super::{Scenario, builtin};
-use crate::limited;
+use crate::store::limited;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};

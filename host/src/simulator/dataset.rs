@@ -12,8 +12,8 @@ use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
 use super::radar::Receiver;
-use super::random::Random;
 use crate::formats::slots::Slots;
+use crate::numerics::random::Random;
 use crate::scenario::{Class, Scenario};
 use sdp3_core::dims::Beat;
 

@@ -11,5 +11,4 @@ pub mod calibration;
 pub mod channel;
 pub mod dataset;
 pub mod radar;
-pub mod random;
 pub mod randomised;

@@ -8,7 +8,7 @@
 use super::channel::response::{Response, Table};
 use super::channel::room::mean_power;
 use super::channel::{BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_S, Sweep, accumulate, phasor, tone};
-use super::random::Random;
+use crate::numerics::random::Random;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};

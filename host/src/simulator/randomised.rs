@@ -14,7 +14,7 @@ use super::channel::dahc::Dahc;
 use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, wavelength};
-use super::random::Random;
+use crate::numerics::random::Random;
 use crate::scenario::{Class, Scenario, Tgn};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::conformance::reference;
-use sdp3::inference::{Isa, VectorKernels};
+use sdp3::network::inference::{Isa, VectorKernels};
 use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model, Portable, infer};
 use sdp3_core::dims::ROWS;

@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use sdp3::formats::model_file::Preprocessing;
 use sdp3::formats::tflite::{ImportDefaults, import};
-use sdp3::predictor::safetensors;
+use sdp3::network::safetensors;
 
 fuzz_target!(|data: &[u8]| {
     let Some((&kind, rest)) = data.split_first() else { return };

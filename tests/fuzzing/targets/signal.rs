@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3::formats::measured::{Stated, read};
+use sdp3::recordings::{Stated, read};
 use sdp3_fuzz::files::File;
 
 fuzz_target!(|data: &[u8]| {

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3::sweep::plan::Sweep;
-use sdp3::sweep::store::Store;
+use sdp3::experiments::sweep::plan::Sweep;
+use sdp3::experiments::sweep::store::Store;
 use sdp3_fuzz::files::Folder;
 
 /// One cell: `tests/fuzzing/seeds/sweep/cell` is it, behind a byte 1.

@@ -10,7 +10,7 @@ use sdp3::formats::points;
 use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
 use sdp3::pipeline::Job;
-use sdp3::predictor::learning_curve::{best_curve, fit_all, predict as fitted};
+use sdp3::predictor::{best_curve, fit_all, predict as fitted};
 use sdp3::report;
 use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
 use sdp3::scenario::Scenario;

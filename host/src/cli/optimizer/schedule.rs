@@ -6,19 +6,19 @@ use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
 use sdp3::error::Failure;
-use sdp3::optimizer::campaign::{
+use sdp3::network::memory::OwnedMemory;
+use sdp3::pipeline::Job;
+use sdp3::report::{plot::on_white, timeline};
+use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
+use sdp3::scenario::Scenario;
+use sdp3::scheduling::campaign::{
     self, Loop, Settings,
     environment::Environment,
     plain,
     radar::{Radar, Station},
     trace::Trace,
 };
-use sdp3::optimizer::playback;
-use sdp3::pipeline::Job;
-use sdp3::predictor::memory::OwnedMemory;
-use sdp3::report::{plot::on_white, timeline};
-use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
-use sdp3::scenario::Scenario;
+use sdp3::scheduling::playback;
 use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::{EXITS, EarlyExit};
 use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};

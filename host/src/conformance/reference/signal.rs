@@ -332,7 +332,7 @@ mod tests {
         let (paper, iwr, bgt60) = (RadarConfig::PAPER, RadarConfig::IWR, RadarConfig::BGT60);
         let gate = |first_bin, bins_per_sample| Some(RangeGate { first_bin, bins_per_sample });
         let blocks = RadarConfig { dechirp: Dechirp::Analog, range_samples: 4, ..paper };
-        let mut rng = crate::simulator::random::Random::new(3, 0, 0, 0);
+        let mut rng = crate::numerics::random::Random::new(3, 0, 0, 0);
         for config in [
             paper,
             iwr,

@@ -3,7 +3,7 @@
 //! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
 
 use super::ModelFileError;
-use crate::limited;
+use crate::store::limited;
 use ed25519_dalek::{Signer, SigningKey};
 use sdp3_core::dsn::model::{KEY_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN};
 use sdp3_core::dsn::{Model, ModelError};

@@ -6,10 +6,10 @@ use super::graph::{Graph, Operator};
 use super::schema::Kind;
 use super::*;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
-use crate::predictor::interchange::header;
-use crate::predictor::parameters::Architecture;
-use crate::predictor::quantization::quantize;
-use crate::predictor::synthetic::{stripes, trained_looking};
+use crate::network::interchange::header;
+use crate::network::parameters::Architecture;
+use crate::network::quantization::quantize;
+use crate::network::synthetic::{stripes, trained_looking};
 use crate::scenario::Scenario;
 
 fn preprocessing() -> Preprocessing {

@@ -4,8 +4,8 @@
 //! form of Chen's micro-Doppler model with its known slips corrected. Angles in degrees, phase t in [0, 1).
 
 use super::number::Real;
-use super::pchip::Periodic;
 use super::{Vec3, add};
+use crate::numerics::pchip::Periodic;
 
 /// Joints in their order: base, neck, head, then left and right of shoulder, elbow, hand, hip, knee, ankle, toe.
 pub const JOINTS: usize = 17;

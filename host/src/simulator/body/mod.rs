@@ -4,7 +4,6 @@ pub mod capture;
 pub mod gait;
 pub mod motion;
 pub mod number;
-pub mod pchip;
 pub mod primitives;
 pub mod trajectory;
 

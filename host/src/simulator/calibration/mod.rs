@@ -13,8 +13,8 @@ pub use stored::stored_rho;
 
 use super::channel::{BLOCKS, Complex64};
 use super::dataset::{Set, Simulation};
-use crate::formats::measured::{Samples, Signal};
 use crate::formats::slots::Slots;
+use crate::recordings::{Samples, Signal};
 use crate::results::{Calibration, Spectrogram};
 use crate::scenario::{Class, Radar, Scenario};
 use conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};

@@ -6,9 +6,9 @@
 use super::ieee80211ay::Ray;
 use super::response::Response;
 use super::{Blocks, Complex64, Path, phasor};
+use crate::numerics::random::Random;
 use crate::scenario::{Advance, ArMode, Channel};
 use crate::simulator::body::number::{LANES, Lanes, Real};
-use crate::simulator::random::Random;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// How a new innovation is drawn.

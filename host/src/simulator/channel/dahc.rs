@@ -11,11 +11,11 @@ use super::target::{NEAREST_M, Target, direct};
 use super::{
     BLOCK_S, BLOCKS, Blocks, ChannelModel, Complex64, MIDDLE_S, Path, SWEEP_RATE, Scene, boxcar, wavelength,
 };
+use crate::numerics::random::Random;
 use crate::scenario::{Clusters, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::Vec3;
 use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::body::primitives::primitive;
-use crate::simulator::random::Random;
 use std::f64::consts::{PI, TAU};
 
 /// The model.

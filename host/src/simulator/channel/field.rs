@@ -3,8 +3,8 @@
 //! A sum of plane waves with wave numbers from the spectrum of that correlation in two dimensions,
 //! F(k) = 1 - 1 / sqrt(1 + (D k)^2) (as QuaDRiGa's sum of sinusoids does).
 
+use crate::numerics::random::Random;
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 use std::f64::consts::TAU;
 
 /// Plane waves of a field.

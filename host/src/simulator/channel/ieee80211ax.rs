@@ -9,9 +9,9 @@ use super::ieee80211ay::Ray;
 use super::room::{conference_room, free_space, mean_power};
 use super::target::direct;
 use super::{ChannelModel, Complex64, Path, Scene, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::{Advance, ArMode, Channel, SPEED_OF_LIGHT, Scenario, Tgn};
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// A cluster: powers in dB from its first tap on, and its mean angle of arrival in degrees.

@@ -6,9 +6,9 @@
 use super::room::{LOSS_DB, Reflection, conference_room, free_space};
 use super::target::direct;
 use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, phasor, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::Scenario;
 use crate::simulator::body::{Vec3, norm, scale};
-use crate::simulator::random::Random;
 use std::f64::consts::PI;
 
 /// One ray of the room before its phase is known.

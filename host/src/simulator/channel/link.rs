@@ -4,9 +4,9 @@
 //! same draws serve every position, so nearer is better.
 
 use super::{Complex64, Scene, model, phasor};
+use crate::numerics::random::Random;
 use crate::scenario::Scenario;
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 use std::f64::consts::PI;
 
 /// Stream number of the links' random draws.

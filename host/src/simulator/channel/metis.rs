@@ -9,9 +9,9 @@ use super::ray_tracing::walls;
 use super::room::{free_space, traced};
 use super::target::{direct, scattered};
 use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::Scenario;
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 use std::f64::consts::TAU;
 
 /// Random objects in a room.

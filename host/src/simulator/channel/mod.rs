@@ -34,7 +34,7 @@ pub mod target;
 pub mod tr38901;
 
 use super::body::Vec3;
-use super::random::Random;
+use crate::numerics::random::Random;
 use crate::scenario::{Model, SPEED_OF_LIGHT, Scenario};
 use response::Response;
 use rustfft::num_complex::Complex;

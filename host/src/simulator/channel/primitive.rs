@@ -3,9 +3,9 @@
 //! The hybrid channel with a perfect memory, rho = 1: the room's response is drawn once and never changes.
 
 use super::dahc::Dahc;
+use crate::numerics::random::Random;
 use crate::scenario::Scenario;
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 
 /// The model between two points.
 pub fn model(scenario: &Scenario, ends: (Vec3, Vec3), random: Random) -> Dahc {

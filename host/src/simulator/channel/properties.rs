@@ -4,6 +4,7 @@
 //! radar's channel while everything stands still. No statistic knows which model it is applied to.
 
 use super::{ChannelModel, Complex64, Path, Scene, model, phasor, wavelength};
+use crate::numerics::random::Random;
 use crate::results::{ChannelTable, ModelRow, Property};
 use crate::scenario::{Class, Model, Scenario};
 use crate::simulator::body::gait::joint;
@@ -11,7 +12,6 @@ use crate::simulator::body::motion::{GroundTruth, Person};
 use crate::simulator::body::{Vec3, dot, norm, scale, sub};
 use crate::simulator::channel::ieee80211ay::unit;
 use crate::simulator::channel::target::Target;
-use crate::simulator::random::Random;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

@@ -8,9 +8,9 @@ use super::room::mean_power;
 use super::target::direct;
 use super::tr38901::{Office, Parameters, between, direction};
 use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, add, dot, scale, sub};
-use crate::simulator::random::Random;
 
 /// Length of a segment in m.
 const SEGMENT_M: f64 = 0.5;

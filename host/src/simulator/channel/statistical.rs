@@ -6,9 +6,9 @@
 
 use super::room::{free_space, mean_power};
 use super::{ChannelModel, Complex64, Path, Scene, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::Vec3;
-use crate::simulator::random::Random;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Mean time between clusters and between rays, decay of clusters and of rays, in s.

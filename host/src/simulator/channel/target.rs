@@ -4,11 +4,11 @@
 //! the delay 2 D / c; on the way to a receiver the two distances differ. Mean echo: 3GPP TR 38.901 clause 7.9.2, human model 1.
 
 use super::{Complex64, Path, Scene, carrier_phase, phasor};
+use crate::numerics::random::Random;
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::motion::Person;
 use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
 use crate::simulator::body::{Vec3, add, norm, scale, sub};
-use crate::simulator::random::Random;
 use std::f64::consts::PI;
 
 /// A person as channels see it: how it moves, and the initial phase of each primitive, fixed for the recording.

@@ -9,9 +9,9 @@ use super::field::Field;
 use super::room::{free_space, mean_power};
 use super::target::{Target, direct, scattered};
 use super::{ChannelModel, Path, Scene, phasor, wavelength};
+use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, dot, norm, sub};
-use crate::simulator::random::Random;
 use std::f64::consts::{PI, TAU};
 
 /// Large-scale parameters, in the order of the fields: DS, ASD, ASA, SF, K, ZSD, ZSA.

@@ -288,7 +288,7 @@ mod tests {
     use super::super::super::gait::joint::*;
     use super::super::super::{norm, sub};
     use super::*;
-    use crate::simulator::random::Random;
+    use crate::numerics::random::Random;
 
     const TURNS: &str = "CHANNELS 3 Zrotation Xrotation Yrotation";
 

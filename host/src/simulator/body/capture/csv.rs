@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn no_bytes_make_it_panic() {
-        use crate::simulator::random::Random;
+        use crate::numerics::random::Random;
         let (_, text) = written(100.0, 4);
         let mut random = Random::new(7, 0, 0, 0);
         for _ in 0..1000 {

@@ -1,0 +1,68 @@
+//! Studies: questions that take many trainings. Each is cut into cells that are kept, so that an interrupted study goes on where
+//! it was; each writes its resolved configuration, a table, a picture and a page.
+//!
+//! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
+//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise).
+
+#[cfg(feature = "train")]
+pub mod baselines;
+#[cfg(feature = "train")]
+pub mod cells;
+#[cfg(feature = "train")]
+pub mod fidelity;
+#[cfg(feature = "train")]
+pub mod labelled;
+#[cfg(feature = "train")]
+pub mod learning_curve;
+#[cfg(feature = "train")]
+pub mod robustness;
+#[cfg(feature = "train")]
+pub mod sim_to_real;
+pub mod sweep;
+#[cfg(feature = "train")]
+pub mod trained;
+
+#[cfg(feature = "train")]
+pub use crate::results::Spread;
+
+use crate::progress::Progress;
+use crate::scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// What a study is made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Which study.
+    pub study: String,
+    /// First seed.
+    pub seed: u64,
+    /// How many seeds, one after the other.
+    pub seeds: u32,
+    /// The resolved scenario.
+    pub scenario: Scenario,
+}
+
+impl Request {
+    /// How many seeds, in words.
+    pub fn seeds_label(&self) -> String {
+        match self.seeds {
+            1 => format!("seed {}", self.seed),
+            many => format!("{many} seeds from {}", self.seed),
+        }
+    }
+
+    /// The seeds.
+    pub fn each_seed(&self) -> impl Iterator<Item = u64> + use<> {
+        let first = self.seed;
+        (0..u64::from(self.seeds)).map(move |n| first + n)
+    }
+}
+
+/// How a study's work is done; nothing of it changes a result.
+#[derive(Debug, Clone, Copy)]
+pub struct RunContext {
+    /// How to show progress.
+    pub progress: Progress,
+    /// Threads.
+    pub workers: usize,
+}

@@ -1,0 +1,175 @@
+//! Merging: every cell is there, whole and of this plan, or nothing is written.
+//!
+//! `merged.csv` has a row a cell, in the plan's order, with the throughput of the placement `trade.case`. `merged.json`, written
+//! last, has the cells with all placements, and of every scenario, carrier and rho what the seeds say together: the learning curve
+//! through their int8 means, the zones, and the operating point by the scenario's weight.
+
+use super::plan::{PLAN, Sweep};
+use super::store::Store;
+use crate::PROGRAM;
+use crate::error::Failure;
+use crate::optimizer::{Rule, cases};
+use crate::predictor::{best_curve, fit_all};
+use crate::results::{Cell, CurvePoint, Group, GroupPoint, Measurement, Merged, Spread};
+use crate::store::output::Output;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The table of cells.
+pub const CSV: &str = "merged.csv";
+/// Everything.
+pub const JSON: &str = "merged.json";
+
+/// Cells named in a refusal, of each kind.
+const NAMED: usize = 8;
+
+/// Why a sweep cannot be merged.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// The folder holds no sweep.
+    #[error("{folder}: no sweep: {PLAN} is missing; `sdp3 sweep PLAN.toml --out {folder}` makes it")]
+    None {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Cells are missing, damaged or foreign.
+    #[error(
+        "{folder}: {faulty} of {cells} cells cannot be used:{list}\n  `sdp3 sweep {folder}/{PLAN} --out {folder}` makes what is missing or \
+         damaged; remove what is foreign"
+    )]
+    Cells {
+        /// The folder.
+        folder: PathBuf,
+        /// Files that cannot be used.
+        faulty: usize,
+        /// Cells of the plan.
+        cells: usize,
+        /// Each with its reason, a line each.
+        list: String,
+    },
+}
+
+/// Checks every cell of a folder and puts them together, and writes both files.
+///
+/// # Errors
+///
+/// [`MergeError`], naming what is wrong; a folder that cannot be written. Then neither file is written.
+pub fn merge(folder: &Path) -> Result<Merged, Failure> {
+    let plan = folder.join(PLAN);
+    if !plan.exists() {
+        return Err(MergeError::None { folder: folder.to_owned() }.into());
+    }
+    // a resolved plan leaves nothing out that another seed could fill in
+    let sweep = Sweep::load(&plan, None, None)?;
+    let cells = read(&sweep, folder)?;
+    let output = Output::create(folder)?;
+    let groups = groups(&sweep, &cells)?;
+    let merged = Merged {
+        name: sweep.plan.name.clone(),
+        program: PROGRAM.into(),
+        plan: sweep.digest.clone(),
+        cells,
+        groups,
+    };
+    output.write(CSV, table(&sweep, &merged.cells).as_bytes())?;
+    output.write_json(JSON, &merged)?;
+    Ok(merged)
+}
+
+fn read(sweep: &Sweep, folder: &Path) -> Result<Vec<Measurement>, Failure> {
+    let store = Store::of(sweep, folder);
+    let (mut found, mut list, mut faulty) = (Vec::new(), String::new(), 0);
+    let mut name = |line: String| {
+        faulty += 1;
+        if faulty <= NAMED {
+            let _ = write!(list, "\n  {line}");
+        }
+    };
+    for (cell, _) in &sweep.cells {
+        match store.read(cell)? {
+            Ok(measurement) => found.push(measurement),
+            Err(fault) => name(format!("{}: {fault} ({})", store.path(cell).display(), words(cell))),
+        }
+    }
+    for file in store.unexpected_files()? {
+        let path = folder.join(super::store::CELLS).join(file);
+        name(format!("{}: foreign: the plan has the cells 0 to {}", path.display(), sweep.cells.len() - 1));
+    }
+    if faulty == 0 {
+        return Ok(found);
+    }
+    if faulty > NAMED {
+        let _ = write!(list, "\n  and {} more", faulty - NAMED);
+    }
+    Err(MergeError::Cells { folder: folder.to_owned(), faulty, cells: sweep.cells.len(), list }.into())
+}
+
+fn words(cell: &Cell) -> String {
+    let Cell { scenario, carrier_hz, rho, sensing_slots, seed, .. } = cell;
+    format!("{scenario}, carrier_hz = {carrier_hz}, rho = {rho}, N_s = {sensing_slots}, seed {seed}")
+}
+
+/// A row for every cell.
+fn table(sweep: &Sweep, cells: &[Measurement]) -> String {
+    let mut text = String::from(
+        "cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,case,throughput_bit\n",
+    );
+    for (Measurement { cell, accuracy, throughput }, (_, scenario)) in cells.iter().zip(&sweep.cells) {
+        let case = scenario.trade.case;
+        let bits = throughput
+            .iter()
+            .find(|t| t.case == case)
+            .map_or(String::new(), |t| t.throughput_bit.to_string());
+        let Cell { index, scenario, carrier_hz, rho, sensing_slots, seed } = cell;
+        let _ = writeln!(
+            text,
+            "{index},{scenario},{carrier_hz},{rho},{sensing_slots},{seed},{},{},{},{case},{bits}",
+            accuracy.float, accuracy.int8, accuracy.tested
+        );
+    }
+    text
+}
+
+/// What the seeds say together, scenario by carrier by rho.
+fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
+    let key = |cell: &Cell| (cell.scenario.clone(), cell.carrier_hz.to_bits(), cell.rho.to_bits());
+    let mut groups = Vec::new();
+    for members in cells.chunk_by(|a, b| key(&a.cell) == key(&b.cell)) {
+        let first = &members[0].cell;
+        let scenario = &sweep.cells[first.index as usize].1;
+        let by_slots = members.chunk_by(|a, b| a.cell.sensing_slots == b.cell.sensing_slots);
+        let points: Vec<GroupPoint> = by_slots.map(point).collect();
+        let mut fitted: Vec<CurvePoint> = points
+            .iter()
+            .map(|p| CurvePoint {
+                sensing_slots: f64::from(p.sensing_slots),
+                accuracy: p.int8.mean,
+                tested: Some(f64::from(p.tested)),
+            })
+            .collect();
+        fitted.sort_by(|a, b| a.sensing_slots.total_cmp(&b.sensing_slots));
+        // too few N_s for a curve are no fault of the sweep
+        let curve = fit_all(&fitted).ok().map(|prediction| best_curve(&prediction));
+        let cases = match &curve {
+            Some(curve) => {
+                cases(curve, scenario, Rule::Weighted(scenario.trade.accuracy_weight), first.seed)?
+            }
+            None => Vec::new(),
+        };
+        let (carrier_hz, rho) = (first.carrier_hz, first.rho);
+        groups.push(Group { scenario: first.scenario.clone(), carrier_hz, rho, points, curve, cases });
+    }
+    Ok(groups)
+}
+
+/// The seeds of one N_s.
+fn point(seeds: &[Measurement]) -> GroupPoint {
+    let spread = |of: fn(&Measurement) -> f64| Spread::of(&seeds.iter().map(of).collect::<Vec<_>>());
+    GroupPoint {
+        sensing_slots: seeds[0].cell.sensing_slots,
+        float: spread(|m| m.accuracy.float),
+        int8: spread(|m| m.accuracy.int8),
+        seeds: seeds.len() as u32,
+        tested: seeds.iter().map(|m| m.accuracy.tested).sum(),
+    }
+}

@@ -1,0 +1,82 @@
+//! The core's pipeline on this machine: memory of its own and the processor's fastest kernels.
+
+use crate::network::inference::VectorKernels;
+use sdp3_core::Error;
+use sdp3_core::config::RadarConfig;
+use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::dsn::winograd::WinogradMemory;
+use sdp3_core::dsn::{Model, Portable};
+use sdp3_core::early_exit::EarlyExit;
+use sdp3_core::pipeline::{Pipeline, PipelineBuffers};
+use sdp3_core::signal::front_end::FrontEndBuffers;
+use sdp3_core::signal::stft::{FixedSpectrum, NativeStft, Stft};
+
+/// A pipeline that computes by this processor's vectors.
+pub type HostPipeline<'m, 'b, T = NativeStft> = Pipeline<'m, 'b, VectorKernels, T>;
+
+/// Owned memory for any model.
+pub struct OwnedMemory {
+    reference: Vec<[i16; 2]>,
+    beats: Vec<Beat>,
+    slow_time: Vec<Complex<i32>>,
+    levels: Vec<i16>,
+    spectrum: Box<FixedSpectrum>,
+    scratch: Vec<i8>,
+}
+
+impl OwnedMemory {
+    /// Memory for `slots` slots of a sensor and `frames` frames, and `scratch` bytes for a network.
+    pub fn new(radar: &RadarConfig, slots: usize, frames: usize, scratch: usize) -> Self {
+        OwnedMemory {
+            reference: vec![[0; 2]; radar.reference_len()],
+            beats: vec![ZERO_BEAT; slots],
+            slow_time: vec![Complex::new(0, 0); slots],
+            levels: vec![0; ROWS * frames],
+            spectrum: Box::new(FixedSpectrum::ZERO),
+            scratch: vec![0; scratch],
+        }
+    }
+
+    /// Memory for a model.
+    pub fn for_model(model: &Model) -> Self {
+        Self::new(&model.radar(), model.sensing_slots(), model.frames(), model.shape().scratch_bytes())
+    }
+
+    /// A pipeline in it, made by [`OwnedMemory::for_model`] for this model, with this processor's fastest kernels.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] if the memory is another model's.
+    pub fn pipeline<'m, T: Stft>(&mut self, model: Model<'m>) -> Result<HostPipeline<'m, '_, T>, Error> {
+        let kernels = VectorKernels::fastest(&model);
+        Pipeline::with_kernels([EarlyExit::single(model)], 2.0, self.view(), kernels)
+    }
+
+    /// A pipeline of several exits in it, made for the last one's model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] if the memory is another model's or the exits do not go together.
+    pub fn early_exits<'m>(
+        &mut self,
+        exits: Vec<EarlyExit<'m>>,
+        threshold: f32,
+    ) -> Result<Pipeline<'m, '_, Portable>, Error> {
+        Pipeline::with_kernels(exits, threshold, self.view(), Portable)
+    }
+
+    /// The pipeline's view of it.
+    pub fn view(&mut self) -> PipelineBuffers<'_> {
+        PipelineBuffers {
+            front_end: FrontEndBuffers {
+                reference: &mut self.reference,
+                beats: &mut self.beats,
+                slow_time: &mut self.slow_time,
+                levels: &mut self.levels,
+                spectrum: &mut self.spectrum,
+            },
+            scratch: &mut self.scratch,
+            kernels: WinogradMemory::default(),
+        }
+    }
+}

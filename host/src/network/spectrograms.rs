@@ -1,0 +1,217 @@
+//! From recordings to the network's images, through the core's own front end.
+//!
+//! Networks are trained on what the radar module will show them: beats, or raw 16-bit slots, go through
+//! `sdp3_core::signal::front_end`, and an image is taken at every N_s on the way.
+
+use super::parameters::Images;
+use crate::formats::slots::Slots;
+use crate::network::memory::OwnedMemory;
+use crate::results::{Exhibit, Spectrogram};
+use crate::scenario::{Class, Model, Radar, Scenario};
+use crate::simulator::calibration::stored_rho;
+use crate::simulator::dataset::{Set, beats, recording};
+use rayon::prelude::*;
+use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
+use sdp3_core::signal::front_end::FrontEnd;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Labelled images of one set, one [`Images`] per number of sensing slots in the scenario, and their truth.
+pub struct Collected {
+    /// In the order of `frame.sensing_slots`.
+    pub images: Vec<Images>,
+}
+
+impl Collected {
+    /// More of the same set.
+    pub fn extend(&mut self, more: Collected) {
+        if self.images.is_empty() {
+            self.images = more.images;
+            return;
+        }
+        for (images, more) in self.images.iter_mut().zip(more.images) {
+            images.pixels.extend(more.pixels);
+            images.labels.extend(more.labels);
+        }
+    }
+}
+
+/// Class and index within it of the `item`-th recording of a set: classes take turns, so that any prefix is balanced.
+pub fn item(item: u32) -> (Class, u32) {
+    let classes = Class::ALL.len() as u32;
+    (Class::ALL[(item % classes) as usize], item / classes)
+}
+
+/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`], or `[recording][window]` of
+/// training recordings. Test recordings go the whole way through raw slots; the others start at the beats.
+pub fn collect(
+    scenario: &Scenario,
+    rho: f64,
+    seed: u64,
+    set: Set,
+    per_class: u32,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Collected {
+    let count = per_class * Class::ALL.len() as u32;
+    let slots = scenario.largest_sensing_slots();
+    let done = AtomicU64::new(0);
+    let each: Vec<(Vec<Vec<i8>>, u8)> = (0..count)
+        .into_par_iter()
+        .flat_map_iter(|index| {
+            let (class, n) = item(index);
+            let windows = match set {
+                Set::Test => {
+                    vec![images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots)]
+                }
+                Set::Train => {
+                    let slots = scenario.learning.training_slots(slots);
+                    windows_of(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)
+                }
+                _ => vec![images_of_beats(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)],
+            };
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
+            windows.into_iter().map(move |images| (images, class as u8))
+        })
+        .collect();
+    gathered(scenario, &each)
+}
+
+/// Images of stored training recordings, as [`collect`] makes them of simulated ones.
+pub fn collect_from(scenario: &Scenario, recordings: Vec<(Class, Vec<Beat>)>) -> Collected {
+    let each: Vec<(Vec<Vec<i8>>, u8)> = recordings
+        .par_iter()
+        .flat_map_iter(|(class, beats)| {
+            let slots = scenario.learning.training_slots(scenario.largest_sensing_slots());
+            let windows = windows_of(scenario, &beats[..slots as usize]);
+            windows.into_iter().map(move |images| (images, *class as u8))
+        })
+        .collect();
+    gathered(scenario, &each)
+}
+
+/// Every recording's images, N_s by N_s.
+fn gathered(scenario: &Scenario, each: &[(Vec<Vec<i8>>, u8)]) -> Collected {
+    let settings = scenario.spectrogram.preprocessing();
+    let images = scenario
+        .frame
+        .sensing_slots
+        .iter()
+        .enumerate()
+        .map(|(n, &slots)| Images {
+            rows: ROWS,
+            frames: settings.frames(slots as usize),
+            pixels: each.iter().flat_map(|(images, _)| images[n].iter().copied()).collect(),
+            labels: each.iter().map(|&(_, label)| label).collect(),
+        })
+        .collect();
+    Collected { images }
+}
+
+/// Images at every N_s of each window of a training recording: the first window at its beginning, the last N_s slots later.
+fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
+    let windows = scenario.learning.windows as usize;
+    if windows == 1 {
+        return vec![images_of_beats(scenario, beats)];
+    }
+    let mut short = scenario.clone();
+    let mut window = |w: usize| {
+        let mut images = Vec::new();
+        for &slots in &scenario.frame.sensing_slots {
+            let first = slots as usize * w / (windows - 1);
+            short.frame.sensing_slots = vec![slots];
+            images.extend(images_of_beats(&short, &beats[first..first + slots as usize]));
+        }
+        images
+    };
+    (0..windows).map(&mut window).collect()
+}
+
+/// Images at every N_s of the scenario of a recording's raw slots.
+pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
+    images_of_beats(scenario, &slots.beats(scenario.radar.config()).unwrap_or_default())
+}
+
+/// Images at every N_s of the scenario of a recording's beats.
+pub fn images_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<i8>> {
+    images_on_the_way(scenario, beats.len(), |front_end, n| front_end.push_beat(beats[n], &mut ()))
+}
+
+fn images_on_the_way(
+    scenario: &Scenario,
+    slots: usize,
+    push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
+) -> Vec<Vec<i8>> {
+    let settings = scenario.spectrogram.preprocessing();
+    let radar = scenario.radar.config();
+    let mut memory = OwnedMemory::new(&radar, slots, settings.frames(slots), 0);
+    let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
+        return Vec::new();
+    };
+    let mut image = vec![0; ROWS * settings.frames(slots)];
+    let mut images = Vec::new();
+    for n in 0..slots {
+        push(&mut front_end, n);
+        if scenario.frame.sensing_slots.contains(&(front_end.taken() as u32)) {
+            images.push(front_end.image(&mut image, &mut ()).map(<[i8]>::to_vec).unwrap_or_default());
+        }
+    }
+    images
+}
+
+/// Which of each class's demonstrations the run's gallery shows.
+pub const GALLERY_RECORDING: u32 = 0;
+
+/// Length of a gallery's recordings in s, three steps of a walk, and the most slots the front end takes.
+const GALLERY_S: f64 = 2.0;
+const MOST_SLOTS: u32 = 4000;
+
+/// Kaiser beta of a gallery's spectrograms: side lobes below what 50 dB show.
+const PICTURE_BETA: f32 = 10.0;
+
+/// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper.
+pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> Vec<Exhibit> {
+    // spacing and rows that show the toes at each carrier, and a hop of 4 to 8 ms
+    let carriers = [(3.5e9, 3, 1, 8), (24e9, 1, 4, 16), (60e9, 0, 4, 16)];
+    let total = (Model::ALL.len() * carriers.len() * Class::ALL.len()) as u64;
+    let wanted: Vec<_> = Model::ALL
+        .into_iter()
+        .flat_map(|model| carriers.into_iter().flat_map(move |c| Class::ALL.map(|class| (model, c, class))))
+        .collect();
+    let done = AtomicU64::new(0);
+    wanted
+        .into_par_iter()
+        .map(|(model, (carrier_hz, spacing, bins, hop), class)| {
+            let mut scenario = scenario.clone();
+            scenario.channel.model = model;
+            scenario.radar = scenario.radar.with_sweep_of(&Radar::default());
+            scenario.radar.carrier_hz = carrier_hz;
+            scenario.frame.spacing_slots = spacing;
+            scenario.spectrogram.bins_per_row = bins;
+            scenario.spectrogram.hop = hop;
+            scenario.spectrogram.beta = PICTURE_BETA;
+            let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
+            scenario.frame.sensing_slots = vec![slots];
+            let rho = stored_rho(&scenario).0;
+            let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);
+            let image = images_of_beats(&scenario, &beats).pop().unwrap_or_default();
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            let title = format!("{}, {}, {} GHz", class.name(), model.name(), carrier_hz / 1e9);
+            let spectrogram = picture(&scenario, &title, &image);
+            Exhibit { model: model.name().into(), class: class.name().into(), spectrogram }
+        })
+        .collect()
+}
+
+/// An image with its axes.
+pub fn picture(scenario: &Scenario, title: &str, image: &[i8]) -> Spectrogram {
+    let row_hz = f64::from(scenario.spectrogram.bins_per_row) / (FFT_LEN as f64 * scenario.interval_s());
+    Spectrogram {
+        title: title.to_owned(),
+        rows: ROWS as u32,
+        frames: (image.len() / ROWS) as u32,
+        first_row_hz: -(ROWS as f64 / 2.0) * row_hz,
+        row_hz,
+        frame_s: f64::from(scenario.spectrogram.hop) * scenario.interval_s(),
+        carrier_hz: scenario.radar.carrier_hz,
+        grey: image.iter().map(|&p| (i16::from(p) + 128) as u8).collect(),
+    }
+}

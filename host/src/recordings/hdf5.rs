@@ -1,0 +1,173 @@
+//! HDF5: one dataset of a file; files of Acconeer's A121 are known.
+//!
+//! Complex numbers are compounds of two numbers, `real` and `imag` (or `r` and `i`), as h5py and MATLAB write them. The dataset's
+//! attributes `rate_hz` and `carrier_hz`, if there, are believed. Shapes: see [`super::array`]. In an A121 file the frames are
+//! found, their rate is that of the session, and the carrier is the sensor's 60.5 GHz (its data sheet).
+
+use super::array::{Array, Numbers, checked_shape};
+use super::{Contents, MeasuredError, Source};
+use crate::store::limited;
+use hdf5_pure::{AttrValue, Datatype, DatatypeByteOrder, File, FixedPointLayout, Group};
+use rustfft::num_complex::Complex64;
+
+const FORMAT: &str = "HDF5";
+/// Where an A121 file keeps its frames and how they were made.
+const A121_FRAMES: &str = "sessions/session_0/group_0/entry_0/result/frame";
+const A121_SESSION: &str = "sessions/session_0/session_config";
+const A121_CARRIER_HZ: f64 = 60.5e9;
+/// Deepest group searched for datasets.
+const DEPTH: usize = 8;
+
+/// Reads the dataset named, the frames of an A121 file, or the file's only dataset.
+pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
+    let broken = |error: hdf5_pure::Error| source.unreadable(FORMAT, error);
+    limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(FORMAT, error))?;
+    let file = File::open(source.0).map_err(broken)?;
+    let a121 = file.dataset("generation").and_then(|d| d.read_string()).is_ok_and(|s| s == ["a121"]);
+    let names = || {
+        let mut names = Vec::new();
+        datasets(&file.root(), "", DEPTH, &mut names);
+        names
+    };
+    let name = match name {
+        Some(name) => name.to_owned(),
+        None if a121 => A121_FRAMES.to_owned(),
+        None => match names().as_slice() {
+            [only] => only.clone(),
+            all => {
+                let legal = format!("one of {}", all.join(", "));
+                return Err(source.value("--dataset", "not given", legal));
+            }
+        },
+    };
+    let dataset = file.dataset(&name).map_err(|_| {
+        source.value("--dataset", format!("{name:?}"), format!("one of {}", names().join(", ")))
+    })?;
+    let shape = checked_shape(source, &dataset.shape().map_err(broken)?)?;
+    let datatype = dataset.datatype().map_err(broken)?;
+    let numbers = match Number::of(&datatype) {
+        Some(number) => {
+            let bytes = dataset.read_raw().map_err(broken)?;
+            number.numbers(&bytes)
+        }
+        None => {
+            let legal = "16-bit or 32-bit integers, floats, or compounds of two such, real and imag";
+            return Err(source.value(format!("type of {name}"), format!("{datatype:?}"), legal));
+        }
+    };
+    let mut contents = Array { shape, numbers }.contents(source)?;
+    let attributes = dataset.attrs().map_err(broken)?;
+    let attribute = |name: &str| attributes.get(name).and_then(number);
+    contents.rate_hz = attribute("rate_hz");
+    contents.carrier_hz = attribute("carrier_hz");
+    if a121 {
+        contents.rate_hz = contents.rate_hz.or_else(|| frame_rate(&file));
+        contents.carrier_hz = contents.carrier_hz.or(Some(A121_CARRIER_HZ));
+    }
+    Ok(contents)
+}
+
+/// Names of all datasets below a group.
+fn datasets(group: &Group, path: &str, depth: usize, names: &mut Vec<String>) {
+    names.extend(group.datasets().unwrap_or_default().into_iter().map(|name| format!("{path}{name}")));
+    if depth > 0 {
+        for name in group.groups().unwrap_or_default() {
+            if let Ok(inner) = group.group(&name) {
+                datasets(&inner, &format!("{path}{name}/"), depth - 1, names);
+            }
+        }
+    }
+}
+
+fn number(value: &AttrValue) -> Option<f64> {
+    match value {
+        AttrValue::F64(value) => Some(*value),
+        AttrValue::F32(value) => Some(f64::from(*value)),
+        AttrValue::I64(value) => Some(*value as f64),
+        _ => None,
+    }
+}
+
+/// The frame rate an A121 session was configured with.
+fn frame_rate(file: &File) -> Option<f64> {
+    let text = file.dataset(A121_SESSION).ok()?.read_string().ok()?;
+    let session: serde_json::Value = serde_json::from_str(text.first()?).ok()?;
+    let group = session.get("groups")?.get(0)?.as_object()?;
+    group.values().next()?.get("frame_rate")?.as_f64()
+}
+
+/// A scalar's layout in its bytes.
+#[derive(Debug, Clone, Copy)]
+enum Scalar {
+    Int(usize),
+    Float(usize),
+}
+
+/// How an element is stored, little-endian.
+#[derive(Debug, Clone, Copy)]
+enum Number {
+    Real(Scalar),
+    /// Bytes of an element, and where its parts lie.
+    Complex(usize, Scalar, [usize; 2]),
+}
+
+impl Number {
+    fn of(datatype: &Datatype) -> Option<Self> {
+        let Datatype::Compound { size, members } = datatype else { return scalar(datatype).map(Self::Real) };
+        let member = |names: [&str; 2]| members.iter().find(|m| names.contains(&m.name.as_str()));
+        let (re, im) = (member(["real", "r"])?, member(["imag", "i"])?);
+        let (part, size) = (scalar(&re.datatype)?, *size as usize);
+        let at = [re.byte_offset as usize, im.byte_offset as usize];
+        let same = re.datatype == im.datatype;
+        (same && at.iter().all(|at| at + part.bytes() <= size)).then_some(Self::Complex(size, part, at))
+    }
+
+    fn numbers(self, bytes: &[u8]) -> Numbers {
+        match self {
+            Self::Real(Scalar::Int(2)) => {
+                Numbers::Int16(bytes.as_chunks().0.iter().map(|&b| i16::from_le_bytes(b)).collect())
+            }
+            Self::Real(scalar) => {
+                Numbers::Real(bytes.chunks_exact(scalar.bytes()).map(|b| scalar.value(b)).collect())
+            }
+            Self::Complex(size, part, [re, im]) => {
+                let element = |b: &[u8]| Complex64::new(part.value(&b[re..]), part.value(&b[im..]));
+                Numbers::Complex(bytes.chunks_exact(size).map(element).collect())
+            }
+        }
+    }
+}
+
+fn scalar(datatype: &Datatype) -> Option<Scalar> {
+    match *datatype {
+        Datatype::FixedPoint {
+            size: size @ (2 | 4),
+            byte_order: DatatypeByteOrder::LittleEndian,
+            layout: FixedPointLayout { signed: true, .. },
+        } => Some(Scalar::Int(size as usize)),
+        Datatype::FloatingPoint {
+            size: size @ (4 | 8), byte_order: DatatypeByteOrder::LittleEndian, ..
+        } => Some(Scalar::Float(size as usize)),
+        _ => None,
+    }
+}
+
+impl Scalar {
+    fn bytes(self) -> usize {
+        let (Self::Int(bytes) | Self::Float(bytes)) = self;
+        bytes
+    }
+
+    /// The number at the start of these bytes.
+    fn value(self, bytes: &[u8]) -> f64 {
+        let mut eight = [0; 8];
+        eight[..self.bytes()].copy_from_slice(&bytes[..self.bytes()]);
+        let four = [eight[0], eight[1], eight[2], eight[3]];
+        match self {
+            Self::Int(2) => f64::from(i16::from_le_bytes([eight[0], eight[1]])),
+            Self::Int(_) => f64::from(i32::from_le_bytes(four)),
+            Self::Float(4) => f64::from(f32::from_le_bytes(four)),
+            Self::Float(_) => f64::from_le_bytes(eight),
+        }
+    }
+}

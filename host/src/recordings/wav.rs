@@ -1,0 +1,39 @@
+//! WAV recordings: mono of a CW Doppler sensor, or two channels, I and Q.
+//!
+//! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1 to 1.
+
+use super::{Contents, MOST, MeasuredError, Samples, Source};
+use crate::store::limited;
+use rustfft::num_complex::Complex64;
+use std::io::BufReader;
+
+/// Reads one.
+pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
+    let broken = |error| source.unreadable("WAV", error);
+    let file = limited::open(source.0, limited::WHOLE).map_err(|error| broken(error.into()))?;
+    let mut reader = hound::WavReader::new(BufReader::new(file)).map_err(broken)?;
+    let spec = reader.spec();
+    if u64::from(reader.len()) > MOST {
+        return Err(source.value("samples", reader.len(), format!("at most {MOST}")));
+    }
+    if !(1..=2).contains(&spec.channels) {
+        return Err(source.value("channels", spec.channels, "1 (real) or 2 (I and Q)"));
+    }
+    let samples: Vec<f64> = match spec.sample_format {
+        hound::SampleFormat::Float => {
+            reader.samples::<f32>().map(|s| s.map(f64::from)).collect::<Result<_, _>>().map_err(broken)?
+        }
+        hound::SampleFormat::Int => {
+            let scale = libm::exp2(f64::from(spec.bits_per_sample) - 1.0);
+            let samples = reader.samples::<i32>().map(|s| s.map(|s| f64::from(s) / scale));
+            samples.collect::<Result<_, _>>().map_err(broken)?
+        }
+    };
+    let samples = match spec.channels {
+        1 => Samples::Real(samples),
+        _ => {
+            Samples::Complex(samples.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect())
+        }
+    };
+    Ok(Contents { samples, rate_hz: Some(f64::from(spec.sample_rate)), carrier_hz: None })
+}
