@@ -14,6 +14,7 @@ use super::channel::dahc::Dahc;
 use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, wavelength};
+use crate::numerics::filter::high_pass;
 use crate::numerics::random::Random;
 use crate::scenario::{Class, Scenario, Tgn};
 use schemars::JsonSchema;
@@ -142,13 +143,7 @@ fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
 fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Random) {
     let pole = |hz: f64| libm::exp(-TAU * hz / rate_hz);
     for _ in 0..1 + usize::from(bernoulli(random, 0.5)) {
-        let keep = pole(ratio(random, 0.5, 30.0));
-        let (mut before, mut state) = (y.first().copied().unwrap_or(0.0), 0.0);
-        for y in y.iter_mut() {
-            state = (state + *y - before) * keep;
-            before = *y;
-            *y = state;
-        }
+        high_pass(y, pole(ratio(random, 0.5, 30.0)));
     }
     // white and 1/f-like noise below the echo
     let white = echo * libm::pow(10.0, -between(random, 3.0, 50.0) / 20.0);

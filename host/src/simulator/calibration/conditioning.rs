@@ -3,6 +3,7 @@
 //! CW sensors are AC-coupled and real; pulsed and FMCW radars lose their clutter to the truncated SVD, or, with a single range
 //! cell, their mean.
 
+use crate::numerics::filter::high_pass;
 use crate::simulator::channel::{BLOCKS, Blocks, Complex64};
 
 /// Corner of the AC coupling in Hz: 0.12 m/s at 24 GHz, far below a walker's torso. CW sensors block what does not move; their
@@ -15,13 +16,7 @@ const MOTION_SHARE: f64 = 0.5;
 pub fn ac_couple(y: &mut [Complex64], rate_hz: f64) {
     let keep = libm::exp(-std::f64::consts::TAU * CORNER_HZ / rate_hz);
     for _ in 0..2 {
-        let Some(&first) = y.first() else { return };
-        let (mut before, mut state) = (first, Complex64::default());
-        for z in y.iter_mut() {
-            state = (state + *z - before) * keep;
-            before = *z;
-            *z = state;
-        }
+        high_pass(y, keep);
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Section III-C of the paper: Kaiser window, 256-point FFT, a range of 50 dB quantised into F levels.
 
+use crate::numerics::bessel::bessel_i0;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use std::sync::Arc;
@@ -60,17 +61,6 @@ impl Intensity {
         frames.iter_mut().flatten().for_each(|db| *db -= most);
         frames
     }
-}
-
-/// Modified Bessel function of the first kind, order zero, by its power series.
-pub fn bessel_i0(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-17 * sum {
-        term *= x * x / (4.0 * k * k);
-        sum += term;
-        k += 1.0;
-    }
-    sum
 }
 
 /// Intensity 0..LEVELS of a value in dB below the reference; 0 is black, what is brighter than it is brightest.

@@ -2,6 +2,8 @@
 //!
 //! Kaiser window with beta 9 over 32 zero crossings a side: stop band below -90 dB.
 
+use crate::numerics::bessel::bessel_i0;
+
 /// Zero crossings of the sinc on each side.
 const CROSSINGS: f64 = 32.0;
 /// Table entries per zero crossing; linear interpolation between them errs by less than -115 dB.
@@ -35,17 +37,7 @@ fn kernel(x: f64) -> f64 {
     let turn = std::f64::consts::PI * x;
     let sinc = if x.abs() < 1e-9 { 1.0 } else { libm::sin(turn) / turn };
     let inside = 1.0 - (x / CROSSINGS) * (x / CROSSINGS);
-    sinc * bessel(9.0 * inside.max(0.0).sqrt()) / bessel(9.0)
-}
-
-fn bessel(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while term > 1e-12 * sum {
-        term *= x * x / (4.0 * k * k);
-        sum += term;
-        k += 1.0;
-    }
-    sum
+    sinc * bessel_i0(9.0 * inside.max(0.0).sqrt()) / bessel_i0(9.0)
 }
 
 #[cfg(test)]

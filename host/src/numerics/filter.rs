@@ -1,0 +1,29 @@
+//! Recursive filters of slow-time signals.
+
+use std::ops::{Add, Mul, Sub};
+
+/// A single-pole high-pass of pole `keep`, in place, at rest before the first sample.
+pub fn high_pass<T>(samples: &mut [T], keep: f64)
+where
+    T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    let Some(&first) = samples.first() else { return };
+    let (mut before, mut state) = (first, T::default());
+    for sample in samples {
+        state = (state + *sample - before) * keep;
+        before = *sample;
+        *sample = state;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_vanishes_and_a_step_decays_by_the_pole() {
+        let mut samples = [3.0, 3.0, 4.0, 4.0, 4.0];
+        high_pass(&mut samples, 0.5);
+        assert_eq!(samples, [0.0, 0.0, 0.5, 0.25, 0.125]);
+    }
+}
