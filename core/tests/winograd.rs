@@ -199,6 +199,13 @@ fn memory_is_asked_for_to_the_element() {
     }
 }
 
+#[test]
+fn the_larger_of_two_sizes_serves_both() {
+    let [tall, long] = [(3, 20), (4, 10)].map(|(vectors, words)| WinogradSizes { vectors, words });
+    let both = WinogradSizes { vectors: 4, words: 20 };
+    assert_eq!((tall.max(long), long.max(tall)), (both, both));
+}
+
 /// The outputs of a normalisation of four channels with its biases as accumulators; `None` if it is left to the plain loops.
 fn normalised(biases: [i32; 4], scales: [(i32, i8); 4], out_zp: i8) -> Option<[i8; 4]> {
     let quant = PerChannelQuant {
