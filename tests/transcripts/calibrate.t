@@ -17,7 +17,7 @@ Calibration: the stored table with its self-check, and measured signals that can
   [2]
 
   $ sdp3 calibrate --measured short.toml
-  sdp3: short.toml: extension = "toml" is outside its legal range: .wav, .npy, .npz, .sigmf-meta, .h5
+  sdp3: short.toml: extension is "toml", must be .wav, .npy, .npz, .sigmf-meta, .h5
   [2]
 
   $ sdp3 calibrate --carrier 24e9
@@ -30,5 +30,5 @@ Calibration: the stored table with its self-check, and measured signals that can
   [2]
 
   $ sdp3 calibrate --measured nothing.wav --motion flying
-  sdp3: command line: --motion = flying is outside its legal range: one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
+  sdp3: command line: --motion is flying, must be one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
   [2]

@@ -4,5 +4,5 @@ The property tests of every channel model.
   Table I from data, 3.5 GHz, seed 1
 
   $ sdp3 channels --set room.size_m=\[0,4,3\]
-  sdp3: command line: --set: room.size_m (x) = 0 is outside its legal range: 1 to 100
+  sdp3: command line: --set: room.size_m (x) is 0, must be 1 to 100
   [2]

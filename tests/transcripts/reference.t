@@ -57,7 +57,7 @@ Schemas, completions and man pages.
   }
 
   $ sdp3 schema nothing
-  sdp3: command line: COMMAND = nothing is outside its legal range: one of anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify
+  sdp3: command line: COMMAND is nothing, must be one of anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify
   [2]
 
   $ sdp3 completions tcsh

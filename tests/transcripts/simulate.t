@@ -25,11 +25,11 @@ Datasets: made, complete, refused.
   }
 
   $ sdp3 simulate --channel fog
-  sdp3: command line: --channel = fog is outside its legal range: one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis
+  sdp3: command line: --channel is fog, must be one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis
   [2]
 
   $ sdp3 simulate --classes flying
-  sdp3: command line: --classes = flying is outside its legal range: one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
+  sdp3: command line: --classes is flying, must be one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
   [2]
 
   $ sdp3 simulate --per-class 0

@@ -47,11 +47,11 @@ Learning curves, regions and schedules from a table of accuracies.
   3500000000\t0.1\t2\t1\t2\t288\t0.8859853527989875\t14086009.936798658 (esc)
 
   $ sdp3 optimize --points points.csv --accuracy 1.5
-  sdp3: command line: --accuracy = 1.5 is outside its legal range: 0 to 1
+  sdp3: command line: --accuracy is 1.5, must be 0 to 1
   [2]
 
   $ sdp3 optimize --points points.csv --curve spline
-  sdp3: command line: --curve = spline is outside its legal range: pow3, log_power, pow4, exp4, vapor_pressure, ilog2, log_log_linear
+  sdp3: command line: --curve is spline, must be one of pow3, log_power, pow4, exp4, vapor_pressure, ilog2, log_log_linear
   [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
@@ -69,7 +69,7 @@ Learning curves, regions and schedules from a table of accuracies.
   every property held
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 5000
-  sdp3: command line: --sensing-slots = 5000 is outside its legal range: 0 to 1000
+  sdp3: command line: --sensing-slots is 5000, must be 0 to 1000
   [2]
 
   $ sdp3 schedule

@@ -12,7 +12,7 @@ fn points(rows: &[Vec<f64>]) -> PyResult<Vec<CurvePoint>> {
     let point = |(n, row): (usize, &Vec<f64>)| match row[..] {
         [sensing_slots, accuracy] => Ok(CurvePoint { sensing_slots, accuracy, tested: None }),
         [sensing_slots, accuracy, tested] => Ok(CurvePoint { sensing_slots, accuracy, tested: Some(tested) }),
-        _ => Err(refused(format!("point {}: {} numbers; legal are 2 or 3", n + 1, row.len()))),
+        _ => Err(refused(sdp3::error::Invalid::new("numbers", row.len(), "2 or 3").at(format!("point {}", n + 1)))),
     };
     rows.iter().enumerate().map(point).collect()
 }
@@ -29,13 +29,13 @@ pub fn fit<'py>(py: Python<'py>, points: Vec<Vec<f64>>, seed: u64) -> PyResult<B
 fn rule(accuracy: Option<f64>, throughput: Option<f64>, weight: Option<f64>, default: f64) -> PyResult<Rule> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
-        false => Err(refused(format!("{name} = {value} is outside its legal range: 0 to 1"))),
+        false => Err(refused(sdp3::error::Invalid::new(name, value, "0 to 1"))),
     };
     match (accuracy, throughput, weight) {
         (Some(accuracy), None, None) => Ok(Rule::AccuracyAtLeast(share("accuracy", accuracy)?)),
         (None, Some(bits), None) if bits.is_finite() && bits >= 0.0 => Ok(Rule::ThroughputAtLeast(bits)),
         (None, Some(bits), None) => {
-            Err(refused(format!("throughput = {bits} is outside its legal range: a number of at least 0")))
+            Err(refused(sdp3::error::Invalid::new("throughput", bits, "a number of at least 0")))
         }
         (None, None, weight) => Ok(Rule::Weighted(share("weight", weight.unwrap_or(default))?)),
         _ => Err(refused("accuracy, throughput and weight: at most one of them")),

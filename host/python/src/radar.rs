@@ -3,6 +3,7 @@
 use crate::{parsed, refused};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use sdp3::error::Invalid;
 use sdp3::formats::slots::Slots;
 use sdp3::network::inference::Classifier;
 use sdp3::network::memory::OwnedMemory;
@@ -22,7 +23,7 @@ fn slots(array: &PyReadonlyArrayDyn<'_, i16>, radar: RadarConfig) -> PyResult<Sl
     };
     let shape = array.shape();
     if shape.get(1..) != Some(&legal[..]) {
-        return Err(refused(format!("slots: shape {shape:?} is outside its legal range: {words}")));
+        return Err(refused(Invalid::new("slots: shape", format!("{shape:?}"), words)));
     }
     Ok(Slots { values: array.as_array().iter().copied().collect(), per_slot: radar.values_per_slot() })
 }
@@ -60,7 +61,7 @@ impl Scheduler {
         let sensing = SensingLayout::new(period, spacing, sensing).map_err(refused)?;
         if rates.is_empty() || rates.len() > USERS {
             let n = rates.len();
-            return Err(refused(format!("rates: {n} users are outside the legal range: 1 to {USERS}")));
+            return Err(refused(Invalid::new("rates: number of users", n, format!("1 to {USERS}"))));
         }
         let mut all = [0; USERS];
         all.iter_mut().zip(rates).for_each(|(to, rate)| *to = rate);
@@ -85,7 +86,7 @@ impl Scheduler {
 
     fn set_rate(&mut self, receiver: usize, rate: u32) -> PyResult<()> {
         if receiver >= USERS {
-            return Err(refused(format!("receiver = {receiver} is outside its legal range: 0 to {}", USERS - 1)));
+            return Err(refused(Invalid::new("receiver", receiver, format!("0 to {}", USERS - 1))));
         }
         self.0.planner_mut().set_rate(receiver, rate);
         Ok(())
@@ -142,7 +143,7 @@ impl Model {
         let slots = self::slots(slots, model.radar())?;
         if slots.len() != model.sensing_slots() {
             let (have, need) = (slots.len(), model.sensing_slots());
-            return Err(refused(format!("slots: {have} are outside the legal range: the model takes {need}")));
+            return Err(refused(Invalid::new("number of slots", have, format!("{need}, as the model takes"))));
         }
         let mut memory = OwnedMemory::for_model(&model);
         let mut pipeline = memory.pipeline::<NativeStft>(model).map_err(refused)?;
@@ -211,7 +212,7 @@ impl Model {
             [count, ROWS, f] if f == frames => count,
             _ => {
                 let legal = format!("[{ROWS}, {frames}] or [recording, {ROWS}, {frames}]");
-                return Err(refused(format!("image: shape {shape:?} is outside its legal range: {legal}")));
+                return Err(refused(Invalid::new("image: shape", format!("{shape:?}"), legal)));
             }
         };
         let pixels: Vec<i8> = image.as_array().iter().copied().collect();

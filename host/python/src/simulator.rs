@@ -20,7 +20,7 @@ pub fn scenario(text: &str) -> PyResult<String> {
 fn class(name: &str, field: &str) -> PyResult<Class> {
     Class::EVERY.into_iter().find(|class| class.name() == name).ok_or_else(|| {
         let names = Class::EVERY.map(Class::name).join(", ");
-        refused(format!("{field} = {name} is outside its legal range: one of {names}"))
+        refused(sdp3::error::Invalid::new(field, name, format!("one of {names}")))
     })
 }
 
@@ -42,7 +42,7 @@ pub fn simulate<'py>(
         scenario = parsed(&scenario.to_toml())?;
     }
     if !PER_CLASS.contains(&i64::from(per_class)) {
-        return Err(refused(format!("per_class = {per_class} is outside its legal range: {PER_CLASS:?}")));
+        return Err(refused(sdp3::error::Invalid::new("per_class", per_class, format!("{PER_CLASS:?}"))));
     }
     let classes = match classes {
         Some(names) => names.iter().map(|name| class(name, "classes")).collect::<PyResult<_>>()?,

@@ -4,7 +4,7 @@ use super::context::{Context, count};
 use super::trainer;
 use clap::Args;
 use sdp3::dataset::Shard;
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::experiments::sweep::plan::Sweep;
 use sdp3::experiments::sweep::{kubernetes, shard, slurm};
 use sdp3::results::{Merged, Submitted, Swept};
@@ -82,10 +82,7 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Fa
     let cells = sweep.cells.len() as u32;
     let shards = args.shards.unwrap_or(cells.min(SHARDS));
     if shards > cells {
-        let text = format!(
-            "command line: --shards = {shards} is outside its legal range: 1 to {cells}, the plan's cells"
-        );
-        return Err(text.into());
+        return Err(Invalid::option("--shards", shards, format!("1 to {cells}, the plan's cells")).into());
     }
     let output = &Output::create(out)?;
     match &args.image {

@@ -1,7 +1,7 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
 use clap::{Args, ValueEnum};
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::formats::model_file::check_use;
 use sdp3::pipeline::Job;
 use sdp3::progress::Progress;
@@ -93,7 +93,7 @@ impl Context {
     pub fn seed_of(&self, own: u64, file: &str) -> Result<u64, Failure> {
         match self.common.seed {
             Some(seed) if seed != own => {
-                Err(format!("command line: --seed = {seed}, but {file} was made with {own}").into())
+                Err(Invalid::option("--seed", seed, format!("{own}, the seed of {file}")).into())
             }
             _ => Ok(own),
         }

@@ -5,7 +5,7 @@ use super::simulator::MeasuredArgs;
 use clap::Args;
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::conformance::suite::ScheduleCase;
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::pipeline::{Job, REFERENCE, TARGETS};
 use sdp3::results::{Figures, Run, Verify};
 use sdp3::store::output::OutputError;
@@ -79,7 +79,7 @@ pub fn check_targets(args: &VerifyArgs) -> Result<(), Failure> {
     match args.targets.iter().find(|target| legal().all(|name| name != *target)) {
         Some(unknown) => {
             let names: Vec<&str> = legal().collect();
-            Err(format!("command line: --targets = {unknown} is none of {}", names.join(", ")).into())
+            Err(Invalid::option("--targets", unknown, format!("one of {}", names.join(", "))).into())
         }
         None => Ok(()),
     }

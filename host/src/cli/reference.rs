@@ -4,7 +4,7 @@ use super::Cli;
 use super::context::{Context, say};
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::schemas::PUBLISHED;
 use std::path::PathBuf;
 
@@ -71,10 +71,8 @@ pub fn schema(context: &Context, args: &SchemaArgs) -> Result<bool, Failure> {
         context.print(&names().to_vec(), || names().join("\n"))?;
         return Ok(true);
     };
-    let (_, text) = PUBLISHED.iter().find(|(name, _)| name == asked).ok_or_else(|| {
-        let names = names().join(", ");
-        format!("command line: COMMAND = {asked} is outside its legal range: one of {names}")
-    })?;
+    let unknown = || Invalid::option("COMMAND", asked, format!("one of {}", names().join(", ")));
+    let (_, text) = PUBLISHED.iter().find(|(name, _)| name == asked).ok_or_else(unknown)?;
     say(text.trim_end())?;
     Ok(true)
 }

@@ -3,7 +3,7 @@
 use super::context::{Context, count, folder_of, name_of};
 use clap::Args;
 use sdp3::dataset::{self, PER_CLASS, Shard};
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::pipeline::Measured;
 use sdp3::recordings::Stated;
 use sdp3::report;
@@ -160,7 +160,7 @@ pub fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
 fn class(name: &str, flag: &str) -> Result<Class, Failure> {
     Class::EVERY.into_iter().find(|class| class.name() == name).ok_or_else(|| {
         let names = Class::EVERY.map(Class::name).join(", ");
-        format!("command line: {flag} = {name} is outside its legal range: one of {names}").into()
+        Invalid::option(flag, name, format!("one of {names}")).into()
     })
 }
 
@@ -170,7 +170,7 @@ fn with_channel(scenario: &mut Scenario, name: Option<&str>) -> Result<(), Failu
     let found = Model::ALL.into_iter().find(|model| model.name() == name);
     scenario.channel.model = found.ok_or_else(|| {
         let names = Model::ALL.map(Model::name).join(", ");
-        format!("command line: --channel = {name} is outside its legal range: one of {names}")
+        Invalid::option("--channel", name, format!("one of {names}"))
     })?;
     Ok(())
 }

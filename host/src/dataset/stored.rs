@@ -3,6 +3,7 @@
 use super::part::RECORDINGS;
 use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
+use crate::error::Invalid;
 use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use crate::store::limited;
@@ -11,6 +12,7 @@ use npyz::Order;
 use sdp3_core::dims::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use std::fmt::Display;
 use std::io::{self, Cursor};
 use std::path::{Component, Path, PathBuf};
 
@@ -25,18 +27,9 @@ pub enum StoredError {
         /// What the system or the format says.
         source: io::Error,
     },
-    /// A file is not what it should be.
-    #[error("{file}: {field} is {value}, must be {legal}")]
-    Value {
-        /// The file.
-        file: PathBuf,
-        /// Which field.
-        field: String,
-        /// What stands there.
-        value: String,
-        /// What may stand there.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Its scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -230,12 +223,8 @@ impl Files {
             |name: &str| Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
         if let Some(record) = files.iter().find(|record| !plain(&record.name)) {
             let (field, value) = ("files: name".to_owned(), format!("{:?}", record.name));
-            return Err(StoredError::Value {
-                file,
-                field,
-                value,
-                legal: "a path that stays in the folder".into(),
-            });
+            let legal = "a path that stays in the folder";
+            return Err(Invalid::new(field, value, legal).at(file.display()).into());
         }
         Ok(Files { folder: folder.to_owned(), records: files })
     }
@@ -257,13 +246,8 @@ impl Files {
         Ok(bytes)
     }
 
-    fn value(&self, name: &str, field: &str, value: impl ToString, legal: String) -> StoredError {
-        StoredError::Value {
-            file: self.folder.join(name),
-            field: field.into(),
-            value: value.to_string(),
-            legal,
-        }
+    fn value(&self, name: &str, field: &str, value: impl Display, legal: String) -> StoredError {
+        Invalid::new(field, value, legal).at(self.folder.join(name).display()).into()
     }
 }
 

@@ -10,12 +10,12 @@ use super::labelled::{LeftOut, Measured};
 use super::sim_to_real::{self, SimToReal};
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::scenario::{ArMode, Class, Clusters, Model, Scenario};
 use crate::simulator::calibration::conditioning::clutter_free;
 use crate::simulator::calibration::divergence::{Counts, EVALUATIONS, divergence, search, shares};
 use crate::simulator::calibration::intensity::{Intensity, LEVELS, histogram};
-use crate::simulator::calibration::{CalibrationError, calibrate_measured, divergence_measured};
+use crate::simulator::calibration::{calibrate_measured, divergence_measured};
 use crate::simulator::channel::Complex64;
 use crate::simulator::dataset::{Set, beats};
 use crate::simulator::randomised::Motion;
@@ -167,11 +167,7 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Re
 }
 
 /// Divergences from a measured recording, or why there are none.
-fn measured_levels(
-    request: &Request,
-    recording: &Measured,
-    context: RunContext,
-) -> Result<Levels, CalibrationError> {
+fn measured_levels(request: &Request, recording: &Measured, context: RunContext) -> Result<Levels, Invalid> {
     let (s, class, signal) = (&request.scenario, recording.motion.class(), &recording.signal);
     let stage = context.progress.stage("calibrate", &recording.name);
     let found = calibrate_measured(s, signal, class, request.seed, &|done, all| stage.at(done, all))?;

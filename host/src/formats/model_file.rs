@@ -4,6 +4,7 @@
 //! affine, conv1, conv2, add; head), an ed25519 signature if the header says so, and a CRC-32 (IEEE 802.3) of all that.
 //! `sdp3_core::dsn::model` reads it.
 
+use crate::error::Invalid;
 use crate::scenario::Scenario;
 use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
 use sdp3_core::dsn::Model;
@@ -159,9 +160,8 @@ const KIND_HEAD: u8 = 4;
 /// What the radar module's parser finds wrong, or what differs.
 pub fn check_use(bytes: &[u8], scenario: &Scenario, sensing_slots: u32) -> Result<(), ModelFileError> {
     let model = Model::parse(bytes)?;
-    let field = |field: &str, value: String, legal: String| {
-        Err(ModelFileError::Field { field: field.to_owned(), value, legal })
-    };
+    let field =
+        |field: &str, value: String, legal: String| Err(Invalid::new(field, value, legal).at("model").into());
     let (found, radar) = (model.radar(), scenario.radar.config());
     if found != radar {
         return field(

@@ -1,6 +1,7 @@
 //! Accuracy points: CSV `sensing_slots,accuracy[,tested]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
+use crate::error::Invalid;
 use crate::results::CurvePoint;
 use crate::store::limited;
 use serde_json::Value;
@@ -17,20 +18,9 @@ pub enum PointsError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A line or field is not what it should be.
-    #[error("{file}, {place}: {field} = {value} is outside its legal range: {legal}")]
-    Value {
-        /// The file.
-        file: PathBuf,
-        /// Line or point, from 1.
-        place: String,
-        /// Field.
-        field: &'static str,
-        /// What stands there.
-        value: String,
-        /// The legal range.
-        legal: &'static str,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 const SLOTS: &str = "a number of slots above 1";
@@ -46,12 +36,8 @@ const LEAST_TESTED: f64 = 2.0;
 pub fn read(file: &Path) -> Result<Vec<CurvePoint>, PointsError> {
     let text = limited::read_text(file, limited::TEXT)
         .map_err(|source| PointsError::Read { file: file.to_owned(), source })?;
-    let refuse = |place: String, field, value: &str, legal| PointsError::Value {
-        file: file.to_owned(),
-        place,
-        field,
-        value: value.to_owned(),
-        legal,
+    let refuse = |place: String, field: &'static str, value: &str, legal: &'static str| {
+        Invalid::new(field, value, legal).at(place).at(file.display()).into()
     };
     if text.trim_start().starts_with(['{', '[']) { json(&text, &refuse) } else { csv(&text, &refuse) }
 }
@@ -94,7 +80,7 @@ fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
         .map_err(|error| refuse("the whole".into(), "JSON", &format!("({error})"), legal))?;
     let places = [Some(&whole), whole.get("points"), whole.get("accuracy"), whole.get("rows")];
     let list = places.into_iter().flatten().find_map(Value::as_array);
-    let list = list.ok_or_else(|| refuse("the whole".into(), "points", "(absent)", legal))?;
+    let list = list.ok_or_else(|| refuse("the whole".into(), "points", "missing", legal))?;
     list.iter()
         .enumerate()
         .map(|(index, entry)| {
@@ -105,7 +91,7 @@ fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
             let slots = entry.get("sensing_slots");
             let tested = entry.get("tested").filter(|value| !value.is_null());
             let number = |value: Option<&Value>| value.and_then(Value::as_f64);
-            let shown = |value: Option<&Value>| value.map_or("(absent)".into(), Value::to_string);
+            let shown = |value: Option<&Value>| value.map_or("missing".into(), Value::to_string);
             let refuse = |field, value, legal| refuse(place(), field, &shown(value), legal);
             if tested.is_some() && number(tested).is_none_or(|n| n < LEAST_TESTED) {
                 return Err(refuse("tested", tested, TESTED));
@@ -153,12 +139,12 @@ mod tests {
     #[test]
     fn refusals_name_place_field_value_and_range() {
         for (text, words) in [
-            ("[{\"sensing_slots\":200,\"accuracy\":1.5}]", ["point 1", "accuracy = 1.5", "0 to 1"]),
-            ("[{\"sensing_slots\":null,\"accuracy\":0.5}]", ["point 1", "sensing_slots = null", "above 1"]),
+            ("[{\"sensing_slots\":200,\"accuracy\":1.5}]", ["point 1", "accuracy is 1.5", "0 to 1"]),
+            ("[{\"sensing_slots\":null,\"accuracy\":0.5}]", ["point 1", "sensing_slots is null", "above 1"]),
             ("[{\"sensing_slots\":200,\"accuracy\":NaN}]", ["the whole", "JSON", "line 1 column 34"]),
-            ("{\"a\": 3}", ["the whole", "points = (absent)", "sensing_slots, accuracy"]),
-            ("sensing_slots,accuracy\n200,NaN\n", ["line 2", "accuracy = \"NaN\"", "0 to 1"]),
-            ("", ["line 1", "header = \"\"", "sensing_slots,accuracy"]),
+            ("{\"a\": 3}", ["the whole", "points is missing", "sensing_slots, accuracy"]),
+            ("sensing_slots,accuracy\n200,NaN\n", ["line 2", "accuracy is \"NaN\"", "0 to 1"]),
+            ("", ["line 1", "header is \"\"", "sensing_slots,accuracy"]),
         ] {
             let error = of(text).unwrap_err().to_string();
             assert!(words.iter().all(|word| error.contains(word)), "{error}");

@@ -3,6 +3,7 @@
 //! Floats are stored as their bits. Random numbers are functions of seed and epoch and need no state.
 
 use super::parameters::{Architecture, Images, Parameters};
+use crate::error::Invalid;
 use crate::results::Epoch;
 use crate::scenario::Learning;
 use base64::Engine;
@@ -78,16 +79,9 @@ pub struct Checkpoint {
 /// Why a checkpoint cannot be resumed from.
 #[derive(Debug, Error, PartialEq)]
 pub enum CheckpointError {
-    /// It is of another training.
-    #[error("{field} is {value}, must be {legal}; train without --resume to restart")]
-    Other {
-        /// What differs.
-        field: &'static str,
-        /// What the checkpoint holds.
-        value: String,
-        /// What the training asks for.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Its contents are damaged.
     #[error("{0} cannot be decoded")]
     Damaged(&'static str),
@@ -142,7 +136,7 @@ impl Checkpoint {
     ///
     /// # Errors
     ///
-    /// [`CheckpointError::Other`] naming what differs, the architecture first.
+    /// [`CheckpointError::Invalid`] naming what differs, the architecture first.
     pub fn check(&self, wanted: &Identity) -> Result<(), CheckpointError> {
         let found = &self.identity;
         for (field, value, legal) in [
@@ -152,9 +146,8 @@ impl Checkpoint {
             ("settings", json(&found.settings), json(&wanted.settings)),
             ("digest of the images", json(&found.images), json(&wanted.images)),
         ] {
-            if value != legal {
-                return Err(CheckpointError::Other { field, value, legal });
-            }
+            let legal_text = format!("{legal}; train without --resume to restart");
+            Invalid::unless(value == legal, field, &value, legal_text)?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::quantization::{QuantizationReport, quantize};
 use super::safetensors;
 use super::spectrograms::collect;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::formats::tflite::{self, ImportDefaults};
 use crate::progress::Progress;
@@ -78,7 +78,7 @@ pub fn export(from: &Path, to: &Path) -> Result<Exchanged, Failure> {
         }
         (a, b) => {
             let legal = "MODEL.sdp3 to FILE.tflite, or NETWORK.json (float parameters) to FILE.safetensors";
-            return Err(format!("command line: export of .{a} to .{b} is not known; legal: {legal}").into());
+            return Err(Invalid::option("export", format!(".{a} to .{b}"), legal).into());
         }
     };
     written(from, to, &bytes, None)
@@ -101,8 +101,8 @@ impl Conversion<'_> {
                 let network = tflite::import(&read(from)?, &import_defaults).map_err(|e| named(from)(&e))?;
                 let stated = usize::from(network.preprocessing.sensing_slots);
                 if let Some(n) = self.sensing_slots.filter(|n| usize::from(*n) != stated) {
-                    let message = format!("it takes {stated} sensing slots, --slots says {n}");
-                    return Err(named(from)(&message));
+                    let legal = format!("{stated}, the sensing slots that it takes");
+                    return Err(Invalid::new("--slots", n, legal).at(from.display()).into());
                 }
                 written(from, to, &network.to_bytes()?, None)
             }
@@ -117,7 +117,7 @@ impl Conversion<'_> {
             }
             (a, b) => {
                 let legal = "FILE.tflite to MODEL.sdp3, or FILE.safetensors to MODEL.sdp3 or NETWORK.json";
-                Err(format!("command line: import of .{a} to .{b} is not known; legal: {legal}").into())
+                Err(Invalid::option("import", format!(".{a} to .{b}"), legal).into())
             }
         }
     }
@@ -142,17 +142,14 @@ impl Conversion<'_> {
     ) -> Result<(QuantizedNetwork, QuantizationReport), Failure> {
         let classes: Vec<String> = Class::ALL.iter().map(|c| c.name().to_owned()).collect();
         if parameters.architecture.classes != classes.len() {
-            let message = format!(
-                "tensor head.weight: classes is {}, must be {}: {}",
-                parameters.architecture.classes,
-                classes.len(),
-                classes.join(", ")
-            );
-            return Err(named(from)(&message));
+            let legal = format!("{}: {}", classes.len(), classes.join(", "));
+            let found = Invalid::new("tensor head.weight: classes", parameters.architecture.classes, legal);
+            return Err(found.at(from.display()).into());
         }
         // weights alone do not say how long the recordings were
         let Some(n) = self.sensing_slots else {
-            return Err(named(from)(&"--slots is missing, must be the sensing slots it was trained with"));
+            let legal = "the sensing slots it was trained with";
+            return Err(Invalid::new("--slots", "missing", legal).at(from.display()).into());
         };
         let mut scenario = self.scenario.clone();
         scenario.frame.sensing_slots = vec![n.into()];

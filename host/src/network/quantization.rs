@@ -3,7 +3,7 @@
 //! TensorFlow Lite's 8-bit specification: weights symmetric per output channel, activations on one grid per tensor,
 //! biases in steps of the accumulator, scale ratios as Q31 multipliers with a shift (Jacob et al., 2018).
 
-use thiserror::Error;
+use crate::error::Invalid;
 
 mod report;
 pub use report::{LayerReport, QuantizationReport};
@@ -17,34 +17,13 @@ use crate::formats::model_file::{Add, Block, Preprocessing, QuantizedLayer, Quan
 /// Training images that are used, at most.
 pub const CALIBRATION_IMAGES: usize = 100;
 
-/// Why a network cannot become int8.
-#[derive(Debug, Error)]
-pub enum QuantizationError {
-    /// A scale ratio that no multiplier and shift can say.
-    #[error("{layer}: output channel {channel} rescales by {ratio:e}, must be below 128")]
-    Ratio {
-        /// The layer.
-        layer: String,
-        /// Output channel.
-        channel: usize,
-        /// The ratio.
-        ratio: f64,
-    },
-    /// An accumulator that could overflow.
-    #[error("{layer}: output channel {channel} could accumulate {largest}, must be below {limit}")]
-    Overflow {
-        /// The layer.
-        layer: String,
-        /// Output channel.
-        channel: usize,
-        /// Largest magnitude the accumulator could take.
-        largest: f64,
-        /// First magnitude that does not fit.
-        limit: f64,
-    },
-    /// No image to calibrate on.
-    #[error("calibration: number of images is 0, must be at least 1")]
-    NoImages,
+fn ratio_too_large(layer: &str, channel: usize, ratio: f64) -> Invalid {
+    let field = format!("{layer}: ratio of scales of output channel {channel}");
+    Invalid::new(field, format!("{ratio:e}"), "below 128")
+}
+
+fn no_images() -> Invalid {
+    Invalid::new("number of images", 0, "at least 1").at("calibration")
 }
 
 /// Converts a trained network into int8; ranges are measured on `images`, of which at most
@@ -57,7 +36,7 @@ pub fn quantize(
     preprocessing: Preprocessing,
     classes: &[String],
     images: &Images,
-) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
+) -> Result<(QuantizedNetwork, QuantizationReport), Invalid> {
     quantize_folded(&FloatNetwork::new(parameters), preprocessing, classes, images)
 }
 
@@ -70,9 +49,9 @@ pub fn quantize_folded(
     preprocessing: Preprocessing,
     classes: &[String],
     images: &Images,
-) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
+) -> Result<(QuantizedNetwork, QuantizationReport), Invalid> {
     if images.is_empty() {
-        return Err(QuantizationError::NoImages);
+        return Err(no_images());
     }
     let images = evenly_spaced(images, CALIBRATION_IMAGES);
     let mut best: Option<(f64, Rule, Grids, Converted)> = None;
@@ -85,7 +64,7 @@ pub fn quantize_folded(
             best = Some((loss, rule, grids, converted));
         }
     }
-    let (_, rule, grids, converted) = best.ok_or(QuantizationError::NoImages)?;
+    let (_, rule, grids, converted) = best.ok_or_else(no_images)?;
     let report = QuantizationReport {
         images: images.len(),
         rule,
@@ -129,7 +108,7 @@ struct Converted {
     fake_quantised: FloatNetwork,
 }
 
-fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, QuantizationError> {
+fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Invalid> {
     let (stem, rounded_stem) = convert_layer("stem", &float.stem, QuantParams::IMAGE, grids.stem)?;
     let (mut blocks, mut rounded_blocks) = (Vec::new(), Vec::new());
     let mut x = grids.stem;
@@ -163,7 +142,7 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Quantizatio
 
 /// The float network with the weights that int8 has on these grids.
 #[cfg(all(test, feature = "train"))]
-pub(super) fn rehearse(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, QuantizationError> {
+pub(super) fn rehearse(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, Invalid> {
     convert(float, grids).map(|converted| converted.fake_quantised)
 }
 
@@ -173,7 +152,7 @@ fn convert_layer(
     layer: &FoldedLayer,
     input: QuantParams,
     output: QuantParams,
-) -> Result<(QuantizedLayer, FoldedLayer), QuantizationError> {
+) -> Result<(QuantizedLayer, FoldedLayer), Invalid> {
     let outputs = layer.biases.len();
     let mut out = QuantizedLayer {
         in_scale: input.scale,
@@ -198,13 +177,14 @@ fn convert_layer(
         out.weights.extend(quantized);
         let quantized_bias = (bias / (in_scale * scale)).round();
         let ratio = ratio(input.scale, step, output.scale);
-        let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
+        let fail = || ratio_too_large(name, channel, ratio);
         let (multiplier, shift) = multiplier(ratio).ok_or_else(fail)?;
         let weights: f64 = out.weights[start..].iter().map(|&w| f64::from(w).abs()).sum();
         let largest = 255.0 * weights + quantized_bias.abs();
         let limit = libm::exp2(31.0 - f64::from(shift.max(0)));
         if largest >= limit {
-            return Err(QuantizationError::Overflow { layer: name.into(), channel, largest, limit });
+            let field = format!("{name}: largest sum of output channel {channel}");
+            return Err(Invalid::new(field, largest, format!("below {limit}")));
         }
         out.biases.push(quantized_bias as i32);
         out.multipliers.push(multiplier);
@@ -224,16 +204,11 @@ fn weight_scale(kernel: &[f64], bias: f64, in_scale: f64) -> f32 {
 }
 
 /// The addition of a skip on grid `a` and a branch on grid `b`.
-fn convert_add(
-    name: &str,
-    a: QuantParams,
-    b: QuantParams,
-    sum: QuantParams,
-) -> Result<Add, QuantizationError> {
+fn convert_add(name: &str, a: QuantParams, b: QuantParams, sum: QuantParams) -> Result<Add, Invalid> {
     let ratios = add_ratios(a.scale, b.scale, sum.scale);
     let mut pairs = [(0, 0); 3];
     for (channel, (pair, &ratio)) in pairs.iter_mut().zip(&ratios).enumerate() {
-        let fail = || QuantizationError::Ratio { layer: name.into(), channel, ratio };
+        let fail = || ratio_too_large(name, channel, ratio);
         *pair = multiplier(ratio).ok_or_else(fail)?;
     }
     Ok(Add {

@@ -15,9 +15,11 @@
 //! stride 2 is one row and column behind only. The metadata's `stem_stride` is 1 or 2. A `num_batches_tracked` is
 //! passed over.
 
+use crate::error::Invalid;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView, serialize};
 use std::collections::{BTreeSet, HashMap};
+use std::fmt::Display;
 use thiserror::Error;
 
 use super::parameters::{Architecture, BlockParameters, Norm, Parameters, Weights};
@@ -34,20 +36,13 @@ pub enum SafetensorsError {
     /// The container is not whole.
     #[error("not a readable safetensors file: {0}")]
     Container(#[from] safetensors::SafeTensorError),
-    /// A tensor is missing, unknown or holds what it may not.
-    #[error("{field} is {value}, must be {legal}")]
-    Value {
-        /// Which tensor and what of it.
-        field: String,
-        /// What it holds.
-        value: String,
-        /// What it may hold.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
-fn wrong(field: impl Into<String>, value: impl ToString, legal: impl Into<String>) -> SafetensorsError {
-    SafetensorsError::Value { field: field.into(), value: value.to_string(), legal: legal.into() }
+fn wrong(field: impl Display, value: impl Display, legal: impl Display) -> SafetensorsError {
+    Invalid::new(field, value, legal).into()
 }
 
 /// Names, shapes and values of every tensor.

@@ -15,8 +15,9 @@ use super::burn_model::convolve;
 use super::calibration::{Grids, QuantParams};
 use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Architecture, Images, Parameters, shuffled};
-use super::quantization::{QuantizationError, QuantizationReport, quantize, quantize_folded};
+use super::quantization::{QuantizationReport, quantize, quantize_folded};
 use super::training::batches::{Batch, batches};
+use crate::error::Invalid;
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::scenario::Learning;
 
@@ -37,7 +38,7 @@ pub fn quantize_tuned(
     classes: &[String],
     images: &Images,
     learning: &Learning,
-) -> Result<(QuantizedNetwork, QuantizationReport), QuantizationError> {
+) -> Result<(QuantizedNetwork, QuantizationReport), Invalid> {
     let (network, report) = quantize(parameters, preprocessing, classes, images)?;
     if report.cost() <= learning.tune_above {
         return Ok((network, report));

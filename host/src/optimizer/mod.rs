@@ -18,6 +18,7 @@ pub mod zones;
 
 pub use operating_point::Rule;
 
+use crate::error::Invalid;
 use crate::predictor::bootstrap::interval;
 use crate::results::{Case, Curve, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
@@ -38,22 +39,9 @@ pub enum OptimizerError {
         /// Bits per slot.
         bits: f64,
     },
-    /// Not one STFT window fits the period.
-    #[error(
-        "frame.period_slots = {period} is outside its legal range: at least {least}, one STFT window of sensing slots"
-    )]
-    Period {
-        /// N.
-        period: u32,
-        /// Least N.
-        least: u32,
-    },
-    /// The learning curve is not one of the seven.
-    #[error("curve.model = {model:?} is none of the seven learning curves")]
-    Curve {
-        /// Its name.
-        model: String,
-    },
+    /// Not one STFT window fits the period; a learning curve that is none of the seven.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// No point satisfies the rule.
     #[error(
         "no point of the boundary satisfies: {rule}; it offers accuracies {low:.4} to {high:.4} and at most {most:.0} bit"

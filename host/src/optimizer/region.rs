@@ -6,6 +6,7 @@
 
 use super::OptimizerError;
 use super::shares::divide;
+use crate::error::Invalid;
 use crate::predictor::evaluate;
 use crate::results::Curve;
 use crate::scenario::Scenario;
@@ -37,14 +38,13 @@ pub fn point(period: u32, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Poi
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Period`] if not even one window fits.
+/// [`OptimizerError::Invalid`] if not even one window fits.
 pub fn range(scenario: &Scenario, spacing: u32) -> Result<(u32, u32), OptimizerError> {
     let period = scenario.frame.period_slots;
     let window = u32::from(scenario.spectrogram.window);
     let most = period / (spacing + 1);
-    if most < window {
-        return Err(OptimizerError::Period { period, least: window * (spacing + 1) });
-    }
+    let legal = format!("at least {}, one STFT window of sensing slots", window * (spacing + 1));
+    Invalid::unless(most >= window, "frame.period_slots", period, legal)?;
     Ok((window, most))
 }
 
@@ -52,12 +52,17 @@ pub fn range(scenario: &Scenario, spacing: u32) -> Result<(u32, u32), OptimizerE
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Period`] if not even one window fits; [`OptimizerError::Curve`] if the curve's model is unknown.
+/// [`OptimizerError::Invalid`] if not even one window fits, or the curve's model is unknown.
 pub fn boundary(scenario: &Scenario, curve: &Curve, slot_bits: &[f64]) -> Result<Vec<Point>, OptimizerError> {
     let f = &scenario.frame;
     let (least, most) = range(scenario, f.spacing_slots)?;
     if evaluate(curve, f64::from(most)).is_none() {
-        return Err(OptimizerError::Curve { model: curve.model.clone() });
+        return Err(Invalid::new(
+            "curve.model",
+            format!("{:?}", curve.model),
+            "one of the seven learning curves",
+        )
+        .into());
     }
     Ok((least..=most).map(|n| point(f.period_slots, curve, slot_bits, n)).collect())
 }
@@ -131,6 +136,6 @@ mod tests {
     fn a_period_without_a_window_is_refused() {
         let mut scenario = Scenario::default();
         scenario.frame.period_slots = 400;
-        assert!(matches!(boundary(&scenario, &curve(), &[1.0]), Err(OptimizerError::Period { .. })));
+        assert!(matches!(boundary(&scenario, &curve(), &[1.0]), Err(OptimizerError::Invalid(_))));
     }
 }

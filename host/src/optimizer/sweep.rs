@@ -2,6 +2,7 @@
 
 use super::operating_point::Rule;
 use super::{OptimizerError, cases};
+use crate::error::Invalid;
 use crate::numerics::random::Random;
 use crate::results::{Curve, SweepRow};
 use crate::scenario::Scenario;
@@ -50,7 +51,7 @@ impl std::str::FromStr for Sweep {
             let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
             let number = number.filter(|v| axis != Axis::Receivers || (v.fract() == 0.0 && *v <= 8.0));
             let range = if axis == Axis::Receivers { "1 to 8" } else { "a number above 0" };
-            number.ok_or_else(|| format!("{name} = {value} is outside its legal range: {range}"))
+            number.ok_or_else(|| Invalid::new(name, value, range).to_string())
         };
         Ok(Sweep { axis, values: values.split(',').map(number).collect::<Result<_, _>>()? })
     }

@@ -11,7 +11,7 @@ use crate::conformance::digests::not_run;
 use crate::conformance::qemu;
 use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::conformance::verification::Verification;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::formats::slots::Slots;
 use crate::network::early_exits::calibration::weights;
 use crate::network::early_exits::{Part, Policy, collect};
@@ -219,7 +219,9 @@ impl Job {
         let s = &self.scenario;
         if models.len() > sdp3_core::early_exit::EXITS {
             let most = sdp3_core::early_exit::EXITS;
-            return Err(format!("frame.sensing_slots: {} exits; legal are 1 to {most}", models.len()).into());
+            return Err(
+                Invalid::new("frame.sensing_slots (exits)", models.len(), format!("1 to {most}")).into()
+            );
         }
         let gather = |part: Part, per_class: u32, what: &str| {
             let stage = self.progress.stage("early exits", what);

@@ -1,5 +1,6 @@
 //! Accuracies to be fitted, checked once.
 
+use crate::error::Invalid;
 use crate::results::CurvePoint;
 
 /// Most points: seven curves, their leave-one-out and their bands take a minute with so many.
@@ -20,18 +21,9 @@ pub enum FitError {
         /// Points given.
         count: usize,
     },
-    /// A value is outside its legal range.
-    #[error("points: {field} = {value} in point {index} is outside its legal range: {legal}")]
-    Value {
-        /// Point, from 1.
-        index: usize,
-        /// Field.
-        field: &'static str,
-        /// Value.
-        value: f64,
-        /// Range.
-        legal: &'static str,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 /// Number of different N_s among legal points.
@@ -44,16 +36,12 @@ pub fn check(points: &[CurvePoint]) -> Result<usize, FitError> {
         return Err(FitError::TooMany { count: points.len() });
     }
     for (index, p) in points.iter().enumerate() {
-        let refuse = |field, value, legal| Err(FitError::Value { index: index + 1, field, value, legal });
-        if !(p.sensing_slots.is_finite() && p.sensing_slots > 1.0) {
-            return refuse("sensing_slots", p.sensing_slots, "a number above 1");
-        }
-        if !(0.0..=1.0).contains(&p.accuracy) {
-            return refuse("accuracy", p.accuracy, "0 to 1");
-        }
-        if let Some(tested) = p.tested.filter(|n| !(n.is_finite() && *n >= 1.0)) {
-            return refuse("tested", tested, "at least 1");
-        }
+        let slots = p.sensing_slots.is_finite() && p.sensing_slots > 1.0;
+        let tested = p.tested.unwrap_or(1.0);
+        Invalid::unless(slots, "sensing_slots", p.sensing_slots, "a number above 1")
+            .and(Invalid::unless((0.0..=1.0).contains(&p.accuracy), "accuracy", p.accuracy, "0 to 1"))
+            .and(Invalid::unless(tested.is_finite() && tested >= 1.0, "tested", tested, "at least 1"))
+            .map_err(|invalid| invalid.at(format!("points, point {}", index + 1)))?;
     }
     let mut slots: Vec<f64> = points.iter().map(|p| p.sensing_slots).collect();
     slots.sort_by(f64::total_cmp);

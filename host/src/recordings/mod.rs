@@ -10,8 +10,10 @@ mod npy;
 mod sigmf;
 mod wav;
 
+use crate::error::Invalid;
 use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Most numbers read from a file.
@@ -114,30 +116,9 @@ pub enum MeasuredError {
         /// What the reader says.
         reason: String,
     },
-    /// A value is outside what can be used.
-    #[error("{file}: {field} = {value} is outside its legal range: {legal}")]
-    Value {
-        /// The file.
-        file: PathBuf,
-        /// Field of the file or of the command line.
-        field: String,
-        /// The value.
-        value: String,
-        /// The legal range.
-        legal: String,
-    },
-    /// Neither the file nor the user says what must be known.
-    #[error("{file}: {field} is neither in the file nor on the command line; state it with {flag} ({legal})")]
-    Missing {
-        /// The file.
-        file: PathBuf,
-        /// What is missing.
-        field: &'static str,
-        /// The flag that states it.
-        flag: &'static str,
-        /// Its legal range.
-        legal: &'static str,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 /// Names the file in errors.
@@ -149,14 +130,8 @@ impl Source<'_> {
         MeasuredError::Unreadable { file: self.0.to_owned(), format, reason: reason.to_string() }
     }
 
-    fn value(
-        self,
-        field: impl Into<String>,
-        value: impl ToString,
-        legal: impl Into<String>,
-    ) -> MeasuredError {
-        let (field, legal) = (field.into(), legal.into());
-        MeasuredError::Value { file: self.0.to_owned(), field, value: value.to_string(), legal }
+    fn value(self, field: impl Display, value: impl Display, legal: impl Display) -> MeasuredError {
+        Invalid::new(field, value, legal).at(self.0.display()).into()
     }
 
     /// What the user states or the file says, within its range.
@@ -166,8 +141,8 @@ impl Source<'_> {
         (field, flag): (&'static str, &'static str),
         (range, legal): (std::ops::RangeInclusive<f64>, &'static str),
     ) -> Result<f64, MeasuredError> {
-        let known = stated.or(said);
-        let value = known.ok_or(MeasuredError::Missing { file: self.0.to_owned(), field, flag, legal })?;
+        let missing = || self.value(field, "missing", format!("in the file or stated with {flag}: {legal}"));
+        let value = stated.or(said).ok_or_else(missing)?;
         if range.contains(&value) { Ok(value) } else { Err(self.value(field, value, legal)) }
     }
 }

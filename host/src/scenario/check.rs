@@ -3,6 +3,7 @@
 use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
 use super::{Scenario, SpectrogramSettings};
+use crate::error::Invalid;
 use sdp3_core::dims::FFT_LEN;
 use sdp3_core::signal::clutter::SvdRange;
 use sdp3_core::signal::front_end::Preprocessing;
@@ -27,18 +28,9 @@ pub enum ScenarioError {
         /// Line, key and the keys there are.
         message: String,
     },
-    /// A value is outside its legal range.
-    #[error("{origin}: {field} = {value} is outside its legal range: {legal}")]
-    Value {
-        /// File or flag the value came from.
-        origin: String,
-        /// Dotted name of the field.
-        field: String,
-        /// The value.
-        value: String,
-        /// The legal range.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 impl Scenario {
@@ -56,7 +48,7 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// [`ScenarioError::Value`] for the first value outside its range.
+    /// [`ScenarioError::Invalid`] for the first value outside its range.
     pub fn check(&self, origin: &str) -> Result<(), ScenarioError> {
         self.errors(origin, &[]).into_iter().next().map_or(Ok(()), Err)
     }
@@ -66,8 +58,8 @@ impl Scenario {
         let broken = self.rules().into_iter().filter(|rule| !rule.holds);
         let error = |rule: Rule| {
             let overridden = set.iter().any(|one| one.sets(&rule.field));
-            let origin = if overridden { ORIGIN } else { origin }.to_owned();
-            ScenarioError::Value { origin, field: rule.field, value: rule.value, legal: rule.legal }
+            let origin = if overridden { ORIGIN } else { origin };
+            Invalid::new(rule.field, rule.value, rule.legal).at(origin).into()
         };
         broken.map(error).collect()
     }
@@ -289,13 +281,13 @@ mod tests {
     #[test]
     fn refusals_name_file_field_value_and_range() {
         let text = refusal("[channel]\nrho = 1.5");
-        assert_eq!(text, "room.toml: channel.rho = 1.5 is outside its legal range: 0 to 1");
+        assert_eq!(text, "room.toml: channel.rho is 1.5, must be 0 to 1");
         let text = refusal("[frame]\nsensing_slots = [200, 1001]");
-        assert!(text.contains("frame.sensing_slots = 1001") && text.contains("to 1000"), "{text}");
+        assert!(text.contains("frame.sensing_slots is 1001") && text.contains("to 1000"), "{text}");
         let text = refusal("[radar]\ncarrier_hz = nan");
-        assert!(text.contains("radar.carrier_hz = NaN"), "{text}");
+        assert!(text.contains("radar.carrier_hz is NaN"), "{text}");
         let text = refusal("[communication]\ncases = [[[9.0, 1.0, 1.0]]]");
-        assert!(text.contains("communication.cases[0][0] = [9.0, 1.0, 1.0]"), "{text}");
+        assert!(text.contains("communication.cases[0][0] is [9.0, 1.0, 1.0]"), "{text}");
     }
 
     #[test]

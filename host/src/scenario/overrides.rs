@@ -1,6 +1,7 @@
 //! Single fields set over a scenario, as `--set radar.carrier_hz=60e9` does.
 
 use super::{Scenario, ScenarioError};
+use crate::error::Invalid;
 use std::str::FromStr;
 use toml::{Table, Value};
 
@@ -42,12 +43,7 @@ impl Override {
     ///
     /// No such field, or a value of another type.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
-        let refusal = |legal: String| ScenarioError::Value {
-            origin: ORIGIN.to_owned(),
-            field: self.field.clone(),
-            value: self.value.to_string(),
-            legal,
-        };
+        let refusal = |legal: String| Invalid::new(&self.field, &self.value, legal).at(ORIGIN);
         let mut whole = Table::try_from(scenario).map_err(|e| refusal(e.to_string()))?;
         let (path, last) = self.field.rsplit_once('.').unwrap_or(("", &self.field));
         let mut table = &mut whole;
@@ -56,7 +52,12 @@ impl Override {
             table = inner.ok_or_else(|| refusal("a field that `sdp3 scenario show` lists".to_owned()))?;
         }
         table.insert(last.to_owned(), self.value.clone());
-        whole.try_into().map_err(|error: toml::de::Error| refusal(error.message().to_owned()))
+        whole.try_into().map_err(|error: toml::de::Error| {
+            // "unknown field `carier_hz`, expected one of ...", "invalid type: string, expected f64"
+            let (wrong, expected) = error.message().split_once("expected ").unwrap_or(("", error.message()));
+            let value = if wrong.starts_with("unknown field") { "no field" } else { &self.value.to_string() };
+            Invalid::new(&self.field, value, expected).at(ORIGIN).into()
+        })
     }
 }
 
@@ -93,7 +94,7 @@ mod tests {
         refused("radar.carier_hz=1e9", &["radar.carier_hz", "carrier_hz"]);
         refused("radr.carrier_hz=1e9", &["radr.carrier_hz", "sdp3 scenario show"]);
         refused("radar.carrier_hz=fast", &["radar.carrier_hz", "fast", "f64"]);
-        refused("channel.rho=1.5", &["channel.rho = 1.5", "0 to 1"]);
+        refused("channel.rho=1.5", &["channel.rho is 1.5", "0 to 1"]);
         refused("communication.cases=[[[9.0, 1.0, 1.0]]]", &["communication.cases[0][0]", "inside the room"]);
         assert!("channel.rho".parse::<Override>().unwrap_err().contains("FIELD=VALUE"));
     }

@@ -5,7 +5,7 @@ mod schedule;
 use super::context::{Context, count, stored_models};
 use super::{job, simulator};
 use clap::Args;
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::formats::points;
 use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
@@ -101,13 +101,11 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
 fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
-        false => Err(format!("command line: {name} = {value} is outside its legal range: 0 to 1")),
+        false => Err(Invalid::option(name, value, "0 to 1")),
     };
     let positive = |name: &str, value: f64| match value.is_finite() && value >= 0.0 {
         true => Ok(value),
-        false => {
-            Err(format!("command line: {name} = {value} is outside its legal range: a number of at least 0"))
-        }
+        false => Err(Invalid::option(name, value, "a number of at least 0")),
     };
     if let Some(a) = args.accuracy {
         return Ok(Rule::AccuracyAtLeast(share("--accuracy", a)?));
@@ -135,7 +133,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
             let found = prediction.models.iter().find(|m| m.name == *name);
             let m = found.ok_or_else(|| {
                 let names: Vec<&str> = prediction.models.iter().map(|m| m.name.as_str()).collect();
-                format!("command line: --curve = {name} is outside its legal range: {}", names.join(", "))
+                Invalid::option("--curve", name, format!("one of {}", names.join(", ")))
             })?;
             Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }
         }

@@ -5,7 +5,7 @@ use crate::cli::context::{Context, count};
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
 use clap::Args;
-use sdp3::error::Failure;
+use sdp3::error::{Failure, Invalid};
 use sdp3::network::memory::OwnedMemory;
 use sdp3::pipeline::Job;
 use sdp3::report::{plot::on_white, timeline};
@@ -63,7 +63,7 @@ pub struct ScheduleArgs {
 fn settings(args: &ScheduleArgs, scenario: &Scenario, sensing_slots: u32) -> Result<Settings, Failure> {
     let within = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
         true => Ok(value),
-        false => Err(format!("command line: {name} = {value} is outside its legal range: {low} to {high}")),
+        false => Err(Invalid::option(name, value, format!("{low} to {high}"))),
     };
     let most = scenario.frame.period_slots / (scenario.frame.spacing_slots + 1);
     within("--sensing-slots", f64::from(sensing_slots), 0.0, f64::from(most))?;
@@ -172,7 +172,8 @@ fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<EarlyExit<'m>
     let model = fits.max_by_key(|m| m.sensing_slots());
     let model = model.ok_or_else(|| {
         let least = models.iter().map(Model::sensing_slots).min().unwrap_or(0);
-        format!("--sensing-slots = {sensing_slots} is outside its legal range: at least {least}, the smallest model of --out")
+        let legal = format!("at least {least}, as the smallest model of --out");
+        Invalid::option("--sensing-slots", sensing_slots, legal)
     })?;
     Ok(EarlyExit::single(*model))
 }

@@ -2,7 +2,7 @@
 
 use crate::PROGRAM;
 use crate::dataset::sha256;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::results::Cell;
 use crate::scenario::{Scenario, syntax_message};
 use crate::simulator::calibration::stored_rho;
@@ -71,18 +71,9 @@ pub enum PlanError {
         /// Line, key and the keys there are.
         message: String,
     },
-    /// A value is outside its legal range.
-    #[error("{file}: {field} = {value} is outside its legal range: {legal}")]
-    Value {
-        /// The file.
-        file: PathBuf,
-        /// The field.
-        field: String,
-        /// The value.
-        value: String,
-        /// The legal range.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 /// A resolved plan, expanded.
@@ -207,20 +198,12 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn legal(&self, field: &str, value: impl Display, legal: bool, range: &str) -> Result<(), PlanError> {
-        if legal {
-            return Ok(());
-        }
-        Err(PlanError::Value {
-            file: self.file.to_owned(),
-            field: field.into(),
-            value: value.to_string(),
-            legal: range.into(),
-        })
+    fn legal(&self, field: &str, value: impl Display, legal: bool, range: &str) -> Result<(), Invalid> {
+        Invalid::unless(legal, field, value, range).map_err(|invalid| invalid.at(self.file.display()))
     }
 
     /// At least one value, none of them twice.
-    fn axis<T: Display>(&self, field: &str, values: Option<&[T]>) -> Result<(), PlanError> {
+    fn axis<T: Display>(&self, field: &str, values: Option<&[T]>) -> Result<(), Invalid> {
         let Some(values) = values else { return Ok(()) };
         self.legal(field, "[]", !values.is_empty(), "at least one value, or no such key")?;
         let mut before = BTreeSet::new();
@@ -231,7 +214,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn plan(&self, plan: &Plan) -> Result<(), PlanError> {
+    fn plan(&self, plan: &Plan) -> Result<(), Invalid> {
         let name = plan.name.as_bytes();
         let letters = name.iter().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || *b == b'-');
         let ends = name.first().is_some_and(u8::is_ascii_lowercase) && name.last() != Some(&b'-');

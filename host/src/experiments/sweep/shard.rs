@@ -4,6 +4,7 @@
 //! Kubernetes: `JOB_COMPLETION_INDEX` of an Indexed Job, from 0, and [`COMPLETIONS`], which the job must set: Kubernetes does not.
 
 use crate::dataset::Shard;
+use crate::error::Invalid;
 
 /// Says how many completions an Indexed Job has.
 pub const COMPLETIONS: &str = "JOB_COMPLETIONS";
@@ -17,18 +18,9 @@ const INDEX: &str = "JOB_COMPLETION_INDEX";
 /// Why the environment names no shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ShardError {
-    /// A variable is missing or outside its range.
-    #[error(
-        "environment: {name} = {value} is outside its legal range: {legal}; --shard I/N says it on the command line"
-    )]
-    Variable {
-        /// The variable.
-        name: &'static str,
-        /// Its value, or `absent`.
-        value: String,
-        /// The legal range.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Slurm and Kubernetes say different things.
     #[error(
         "environment: {TASK} says shard {slurm}, {INDEX} says shard {kubernetes}; --shard I/N settles it"
@@ -70,6 +62,11 @@ pub fn choose(asked: Option<Shard>, variable: impl Fn(&str) -> Option<String>) -
     Ok(Choice { shard, conflict })
 }
 
+fn refused(name: &str, value: impl std::fmt::Display, legal: String) -> ShardError {
+    let legal = format!("{legal}; --shard I/N says it on the command line");
+    Invalid::new(name, value, legal).at("environment").into()
+}
+
 fn environment(variable: &impl Fn(&str) -> Option<String>) -> Result<Option<Shard>, ShardError> {
     match (slurm(variable)?, kubernetes(variable)?) {
         (Some(slurm), Some(kubernetes)) if slurm != kubernetes => Err(ShardError::Both { slurm, kubernetes }),
@@ -85,11 +82,7 @@ fn slurm(variable: &impl Fn(&str) -> Option<String>) -> Result<Option<Shard>, Sh
     let past = task.checked_sub(least).filter(|past| past % step == 0).map(|past| past / step);
     let shard = past.and_then(|past| past.checked_add(1)).and_then(|index| Shard::new(index, count));
     let legal = || format!("one of {count} numbers from {least} on, {step} apart");
-    shard.map(Some).ok_or_else(|| ShardError::Variable {
-        name: TASK,
-        value: task.to_string(),
-        legal: legal(),
-    })
+    shard.map(Some).ok_or_else(|| refused(TASK, task.to_string(), legal()))
 }
 
 fn kubernetes(variable: &impl Fn(&str) -> Option<String>) -> Result<Option<Shard>, ShardError> {
@@ -97,26 +90,18 @@ fn kubernetes(variable: &impl Fn(&str) -> Option<String>) -> Result<Option<Shard
     let count = required(COMPLETIONS, variable(COMPLETIONS), 1)?;
     let shard = index.checked_add(1).and_then(|index| Shard::new(index, count));
     let legal = || format!("0 to {}, below {COMPLETIONS}", count - 1);
-    shard.map(Some).ok_or_else(|| ShardError::Variable {
-        name: INDEX,
-        value: index.to_string(),
-        legal: legal(),
-    })
+    shard.map(Some).ok_or_else(|| refused(INDEX, index.to_string(), legal()))
 }
 
 fn required(name: &'static str, text: Option<String>, least: u32) -> Result<u32, ShardError> {
-    let absent = || ShardError::Variable { name, value: "absent".into(), legal: range(least) };
+    let absent = || refused(name, "missing", range(least));
     number(name, text, least)?.ok_or_else(absent)
 }
 
 fn number(name: &'static str, text: Option<String>, least: u32) -> Result<Option<u32>, ShardError> {
     let Some(text) = text else { return Ok(None) };
     let found = text.trim().parse().ok().filter(|number| *number >= least);
-    found.map(Some).ok_or_else(|| ShardError::Variable {
-        name,
-        value: format!("{text:?}"),
-        legal: range(least),
-    })
+    found.map(Some).ok_or_else(|| refused(name, format!("{text:?}"), range(least)))
 }
 
 fn range(least: u32) -> String {

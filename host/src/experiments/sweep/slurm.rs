@@ -5,7 +5,7 @@
 //! what was interrupted on purpose.
 
 use super::plan::{PLAN, Sweep};
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::results::Submitted;
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
@@ -32,10 +32,7 @@ pub struct Jobs {
 /// A folder of another sweep, or one that cannot be written; an option that is none.
 pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) -> Result<Jobs, Failure> {
     if let Some(bad) = options.iter().find(|option| !option.starts_with('-') || option.contains('\n')) {
-        return Err(format!(
-            "command line: --sbatch = {bad:?} is outside its legal range: an option of sbatch"
-        )
-        .into());
+        return Err(Invalid::option("--sbatch", format!("{bad:?}"), "an option of sbatch").into());
     }
     let folder = output.folder().canonicalize()?;
     let program = std::env::current_exe()?;

@@ -2,7 +2,9 @@
 //!
 //! The ranges are the format's own; the radar module's parser refuses what this would.
 
+use crate::error::Invalid;
 use sdp3_core::dsn::ModelError;
+use std::fmt::Display;
 use thiserror::Error;
 
 use super::{KIND_HEAD, NAME_BYTES, QuantizedLayer, QuantizedNetwork};
@@ -10,16 +12,9 @@ use super::{KIND_HEAD, NAME_BYTES, QuantizedLayer, QuantizedNetwork};
 /// Why a network could not be written.
 #[derive(Debug, Error)]
 pub enum ModelFileError {
-    /// A field holds what the format cannot say.
-    #[error("model: {field} is {value}, must be {legal}")]
-    Field {
-        /// Which field.
-        field: String,
-        /// What it holds.
-        value: String,
-        /// What it may hold.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// The radar module refuses it.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -95,16 +90,13 @@ impl QuantizedLayer {
     }
 }
 
-fn legal(field: &str, value: impl ToString, good: bool, legal: &str) -> Result<(), ModelFileError> {
-    if good {
-        return Ok(());
-    }
-    Err(ModelFileError::Field { field: field.into(), value: value.to_string(), legal: legal.into() })
+fn legal(field: &str, value: impl Display, good: bool, legal: &str) -> Result<(), ModelFileError> {
+    Ok(Invalid::unless(good, field, value, legal).map_err(|invalid| invalid.at("model"))?)
 }
 
-fn within<T: PartialOrd + ToString>(field: &str, value: T, low: T, high: T) -> Result<(), ModelFileError> {
-    let range = format!("{} to {}", low.to_string(), high.to_string());
-    legal(field, value.to_string(), low <= value && value <= high, &range)
+fn within<T: PartialOrd + Display>(field: &str, value: T, low: T, high: T) -> Result<(), ModelFileError> {
+    let range = format!("{low} to {high}");
+    legal(field, &value, low <= value && value <= high, &range)
 }
 
 fn check_scales(name: &str, scales: &[f32]) -> Result<(), ModelFileError> {

@@ -3,6 +3,7 @@
 //! A key pair is two files of 32 bytes: `NAME.key`, the secret seed, and `NAME.pub`, which firmware is built with.
 
 use super::ModelFileError;
+use crate::error::Invalid;
 use crate::store::limited;
 use ed25519_dalek::{Signer, SigningKey};
 use sdp3_core::dsn::model::{KEY_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN};
@@ -97,8 +98,7 @@ fn refuse_kind(path: &Path, refused: &str, legal: &str) -> Result<(), ModelFileE
     if path.extension().is_none_or(|extension| extension != refused) {
         return Ok(());
     }
-    let (field, value) = ("--key".to_owned(), path.display().to_string());
-    Err(ModelFileError::Field { field, value, legal: legal.to_owned() })
+    Err(Invalid::option("--key", path.display(), legal).into())
 }
 
 fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
@@ -106,10 +106,8 @@ fn read_key(path: &Path) -> Result<[u8; KEY_LEN], ModelFileError> {
     let bytes = limited::read(path, limited::TEXT)
         .map_err(|source| ModelFileError::Io { path: name.clone(), source })?;
     let length = bytes.len();
-    bytes.try_into().map_err(|_| ModelFileError::Field {
-        field: format!("{name}: length of the key"),
-        value: length.to_string(),
-        legal: format!("{KEY_LEN} bytes"),
+    bytes.try_into().map_err(|_| {
+        Invalid::new("length of the key", length, format!("{KEY_LEN} bytes")).at(path.display()).into()
     })
 }
 

@@ -23,6 +23,8 @@ pub use export::export;
 pub use import::{ImportDefaults, import};
 
 use super::model_file::ModelFileError;
+use crate::error::Invalid;
+use std::fmt::Display;
 use thiserror::Error;
 
 /// Why a file is not a network this program can run, or a network not one it can write.
@@ -36,16 +38,9 @@ pub enum TfliteError {
         /// What was found.
         what: String,
     },
-    /// A field holds what the radar module cannot run.
-    #[error("{field} is {value}, must be {legal}")]
-    Value {
-        /// Which field.
-        field: String,
-        /// What it holds.
-        value: String,
-        /// What it may hold.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// The network does not fit the model file.
     #[error(transparent)]
     Model(#[from] ModelFileError),
@@ -53,14 +48,14 @@ pub enum TfliteError {
 
 impl TfliteError {
     /// A field with an illegal value.
-    fn value(field: impl Into<String>, value: impl ToString, legal: impl Into<String>) -> Self {
-        TfliteError::Value { field: field.into(), value: value.to_string(), legal: legal.into() }
+    fn value(field: impl Display, value: impl Display, legal: impl Display) -> Self {
+        Invalid::new(field, value, legal).into()
     }
 }
 
 /// `Ok` if a field's value is legal.
-fn require(good: bool, field: &str, value: impl ToString, legal: &str) -> Result<(), TfliteError> {
-    if good { Ok(()) } else { Err(TfliteError::value(field, value, legal)) }
+fn require(good: bool, field: &str, value: impl Display, legal: &str) -> Result<(), TfliteError> {
+    Ok(Invalid::unless(good, field, value, legal)?)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ pub mod augmentation;
 pub mod batches;
 pub mod steps;
 
+use crate::error::Invalid;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,16 +30,9 @@ use crate::scenario::Learning;
 /// Why a training could not begin.
 #[derive(Debug, Error)]
 pub enum TrainingError {
-    /// Images that cannot be learned from.
-    #[error("training images: {field} is {value}, must be {legal}")]
-    Images {
-        /// Which field.
-        field: &'static str,
-        /// What it holds.
-        value: String,
-        /// What it may hold.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A checkpoint that cannot be resumed from.
     #[error("checkpoint: {0}")]
     Checkpoint(#[from] CheckpointError),
@@ -202,9 +196,8 @@ pub fn train(
 }
 
 fn check(images: &Images, settings: &Learning, classes: usize) -> Result<(), TrainingError> {
-    let ensure = |field, value: usize, good: bool, legal: String| match good {
-        true => Ok(()),
-        false => Err(TrainingError::Images { field, value: value.to_string(), legal }),
+    let ensure = |field, value: usize, good: bool, legal: String| {
+        Invalid::unless(good, field, value, legal).map_err(|invalid| invalid.at("training images").into())
     };
     let stride = usize::from(settings.stem_stride);
     let pixels = images.len() * images.rows * images.frames;

@@ -13,6 +13,7 @@ pub use stored::stored_rho;
 
 use super::channel::{BLOCKS, Complex64};
 use super::dataset::{Set, Simulation};
+use crate::error::Invalid;
 use crate::formats::slots::Slots;
 use crate::recordings::{Samples, Signal};
 use crate::results::{Calibration, Spectrogram};
@@ -42,41 +43,6 @@ const FEWEST: usize = 256;
 
 /// Progress callback: steps done, steps in all.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
-
-/// Why a signal cannot be calibrated on.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CalibrationError {
-    /// Too short for one window.
-    #[error(
-        "{title}: length = {samples} samples at {rate_hz} Hz is outside its legal range: at least {least}"
-    )]
-    Short {
-        /// The recording.
-        title: String,
-        /// Its samples.
-        samples: usize,
-        /// At this rate.
-        rate_hz: f64,
-        /// What one window takes.
-        least: usize,
-    },
-    /// Raw slots of another radar.
-    #[error("{title}: {values} values a slot; the scenario's radar has {legal}")]
-    Slots {
-        /// The recording.
-        title: String,
-        /// Its values of a slot.
-        values: usize,
-        /// Those of the scenario's radar.
-        legal: usize,
-    },
-    /// Nothing is left when what stands still is taken away.
-    #[error("{title}: energy = 0 after clutter removal: nothing moves in this recording")]
-    Still {
-        /// The recording.
-        title: String,
-    },
-}
 
 /// How simulated signals are made to look like the measured one.
 pub struct Bench<'a> {
@@ -143,7 +109,7 @@ impl<'a> Bench<'a> {
 }
 
 /// A measured signal at the rate of comparison: slow time, its rate, whether it is real, whether its clutter is gone.
-fn slow_time(signal: &Signal, radar: &Radar) -> Result<(Vec<Complex64>, f64, bool), CalibrationError> {
+fn slow_time(signal: &Signal, radar: &Radar) -> Result<(Vec<Complex64>, f64, bool), Invalid> {
     let rate = signal.rate_hz.min(MEASURED_PRF_HZ);
     let brought = |x: &[f64]| {
         if signal.rate_hz > MEASURED_PRF_HZ { resample(x, signal.rate_hz, rate) } else { x.to_vec() }
@@ -161,10 +127,9 @@ fn slow_time(signal: &Signal, radar: &Radar) -> Result<(Vec<Complex64>, f64, boo
         }
         Samples::Slots(slots) => {
             let config = radar.config();
-            let found = slots_without_clutter(slots, config).ok_or_else(|| CalibrationError::Slots {
-                title: signal.title.clone(),
-                values: slots.per_slot,
-                legal: config.values_per_slot(),
+            let found = slots_without_clutter(slots, config).ok_or_else(|| {
+                let legal = format!("{}, as the scenario's radar has", config.values_per_slot());
+                Invalid::new("values a slot", slots.per_slot, legal).at(&signal.title)
             })?;
             (found, signal.rate_hz, false)
         }
@@ -191,12 +156,12 @@ struct Comparison {
 }
 
 impl Comparison {
-    fn new(scenario: &Scenario, measured: &Signal) -> Result<Self, CalibrationError> {
+    fn new(scenario: &Scenario, measured: &Signal) -> Result<Self, Invalid> {
         let (mut signal, rate_hz, real) = slow_time(measured, &scenario.radar)?;
         let slots = ((rate_hz.round() as usize).max(FEWEST)).min(signal.len());
         if slots < FEWEST {
-            let (title, samples) = (measured.title.clone(), signal.len());
-            return Err(CalibrationError::Short { title, samples, rate_hz, least: FEWEST });
+            let legal = format!("at least {FEWEST} at {rate_hz} Hz");
+            return Err(Invalid::new("length in samples", signal.len(), legal).at(&measured.title));
         }
         let mut at_carrier = scenario.clone();
         if !matches!(measured.samples, Samples::Slots(_)) {
@@ -219,7 +184,8 @@ impl Comparison {
         }
         let windows = windows.len();
         if windows == 0 {
-            return Err(CalibrationError::Still { title: measured.title.clone() });
+            let legal = "above 0 after clutter removal: nothing moves in this recording";
+            return Err(Invalid::new("energy", 0, legal).at(&measured.title));
         }
         Ok(Comparison { at_carrier, signal, rate_hz, real, single_cell, slots, windows, counts })
     }
@@ -237,14 +203,14 @@ impl Comparison {
 ///
 /// # Errors
 ///
-/// See [`CalibrationError`].
+/// See [`Invalid`].
 pub fn divergence_measured(
     scenario: &Scenario,
     measured: &Signal,
     class: Class,
     seed: u64,
     rho: f64,
-) -> Result<(f64, Vec<f64>), CalibrationError> {
+) -> Result<(f64, Vec<f64>), Invalid> {
     let comparison = Comparison::new(scenario, measured)?;
     let simulated = comparison.bench(seed, class).counts(rho, Set::Calibration, PEOPLE);
     Ok((divergence(&comparison.counts, &simulated, 0), shares(&simulated)))
@@ -254,14 +220,14 @@ pub fn divergence_measured(
 ///
 /// # Errors
 ///
-/// See [`CalibrationError`].
+/// See [`Invalid`].
 pub fn calibrate_measured(
     scenario: &Scenario,
     measured: &Signal,
     class: Class,
     seed: u64,
     progress: Progress,
-) -> Result<Calibration, CalibrationError> {
+) -> Result<Calibration, Invalid> {
     let comparison = Comparison::new(scenario, measured)?;
     let bench = comparison.bench(seed, class);
     let (curve, simulated, best) = bench.search(&comparison.counts, progress);

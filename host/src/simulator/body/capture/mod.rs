@@ -9,6 +9,7 @@ mod spline;
 
 use super::gait::{JOINTS, Segments, joint};
 use super::{Vec3, norm, sub};
+use crate::error::Invalid;
 use spline::Spline;
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -74,26 +75,15 @@ pub enum CaptureError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A value is not what it should be.
-    #[error("{at}: {field} = {value:?} is outside its legal range: {legal}")]
-    Value {
-        /// The file, if there is one, and its line or the frame (from 1).
-        at: String,
-        /// Field or joint.
-        field: String,
-        /// What stands there.
-        value: String,
-        /// The legal range.
-        legal: String,
-    },
+    /// A field that may not be what it is.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
 }
 
 impl CaptureError {
     fn in_file(self, file: &Path) -> Self {
         match self {
-            CaptureError::Value { at, field, value, legal } => {
-                CaptureError::Value { at: format!("{}, {at}", file.display()), field, value, legal }
-            }
+            CaptureError::Invalid(invalid) => invalid.at(file.display()).into(),
             read => read,
         }
     }
@@ -101,8 +91,8 @@ impl CaptureError {
 
 /// A refusal; of a long value the beginning.
 fn refuse(at: impl Display, field: impl Display, value: impl Display, legal: impl Display) -> CaptureError {
-    let value = value.to_string().chars().take(60).collect();
-    CaptureError::Value { at: at.to_string(), field: field.to_string(), value, legal: legal.to_string() }
+    let value: String = value.to_string().chars().take(60).collect();
+    Invalid::new(field, format!("{value:?}"), legal).at(at).into()
 }
 
 /// A recorded motion.
@@ -349,7 +339,7 @@ mod tests {
             assert!(parts.iter().all(|part| found.contains(part)), "{found}");
         }
         let (found, folder) = (message(Capture::read(Path::new("walk.FBX"))), std::env::temp_dir());
-        assert_eq!(found, "walk.FBX: extension = \"fbx\" is outside its legal range: csv or bvh");
+        assert_eq!(found, "walk.FBX: extension is \"fbx\", must be csv or bvh");
         assert!(message(Capture::read(&folder.join("sdp3-no-such.csv"))).contains("sdp3-no-such.csv: "));
     }
 
