@@ -8,7 +8,6 @@ use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use crate::store::limited;
 use crate::store::resume::difference;
-use npyz::Order;
 use sdp3_core::dims::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -177,7 +176,7 @@ impl Stored {
     }
 
     /// An array of a part: `[recording]` by `shape`.
-    fn array<T: npyz::Deserialize>(
+    fn array<T: numpy::Value>(
         &self,
         name: &str,
         archive: &mut zip::ZipArchive<Cursor<&Vec<u8>>>,
@@ -189,12 +188,12 @@ impl Stored {
         let Some(found) = numpy::by_name(archive, array).map_err(broken)? else {
             return Err(self.files.value(name, array, "missing", "an array".into()));
         };
-        let descr = found.dtype().descr();
-        if descr.trim_matches('\'') != dtype {
-            return Err(self.files.value(name, &format!("{array}: dtype"), descr, format!("'{dtype}'")));
+        if found.dtype() != dtype {
+            let field = format!("{array}: dtype");
+            return Err(self.files.value(name, &field, found.descr, format!("'{dtype}'")));
         }
-        let own = found.shape();
-        if own.len() != shape.len() + 1 || own[1..] != *shape || found.order() != Order::C {
+        let own = &found.shape;
+        if own.len() != shape.len() + 1 || own[1..] != *shape || found.fortran_order {
             let legal = format!("recordings by {shape:?}, in C order");
             return Err(self.files.value(name, &format!("{array}: shape"), format!("{own:?}"), legal));
         }

@@ -194,8 +194,7 @@ fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     let mut archive =
         numpy::archive(std::fs::File::open(case.path().join("part-00001.npz")).unwrap()).unwrap();
     let frames = scenario().spectrogram.preprocessing().frames(40) as u64;
-    let shape =
-        |archive: &mut _, name: &str| numpy::by_name(archive, name).unwrap().unwrap().shape().to_vec();
+    let shape = |archive: &mut _, name: &str| numpy::by_name(archive, name).unwrap().unwrap().shape;
     assert_eq!(shape(&mut archive, "image"), [5, 64, frames]);
     assert_eq!(shape(&mut archive, "beat"), [5, 40, 8, 2]);
     assert_eq!(shape(&mut archive, "raw"), [5, 40, 1000, 2]);
@@ -272,7 +271,7 @@ fn raw_slots_of_a_real_sensor_are_stored_and_measured_again() {
     let mut archive =
         numpy::archive(std::fs::File::open(case.path().join("part-00000.npz")).unwrap()).unwrap();
     let raw = numpy::by_name(&mut archive, "raw").unwrap().unwrap();
-    assert_eq!(raw.shape(), [10, 40, 128]);
+    assert_eq!(raw.shape, [10, 40, 128]);
     let raw: Vec<i16> = raw.into_vec().unwrap();
     assert!(raw.iter().all(|value| (-2048..2048).contains(value)) && raw.iter().any(|value| *value != 0));
     let meta: Value =

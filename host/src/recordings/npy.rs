@@ -1,12 +1,11 @@
 //! NumPy arrays: `.npy`, and one array of an `.npz` archive.
 //!
-//! Integers of 8 to 64 bits, floats and complex numbers of either byte order. Shapes: see [`super::array`].
+//! Integers of 8 to 32 bits, floats and complex numbers of either byte order. Shapes: see [`super::array`].
 
 use super::array::{Array, Numbers, checked_shape};
 use super::{Contents, MeasuredError, Source};
 use crate::formats::numpy;
 use crate::store::limited;
-use npyz::{DType, NpyFile, Order, TypeChar};
 use rustfft::num_complex::{Complex32, Complex64};
 use std::io::{BufReader, Read};
 
@@ -38,35 +37,30 @@ pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Content
     array_of(source, array)?.contents(source)
 }
 
-fn array_of(source: Source, array: NpyFile<impl Read>) -> Result<Array, MeasuredError> {
-    let shape = checked_shape(source, array.shape())?;
-    if shape.len() > 1 && array.order() == Order::Fortran {
+fn array_of(source: Source, array: numpy::Array<impl Read>) -> Result<Array, MeasuredError> {
+    let shape = checked_shape(source, &array.shape)?;
+    if shape.len() > 1 && array.fortran_order {
         return Err(source.value("fortran_order", "True", "False: numpy.ascontiguousarray makes it so"));
     }
-    let dtype = array.dtype();
-    let legal = "integers, floats or complex numbers";
-    let DType::Plain(plain) = &dtype else {
-        return Err(source.value("dtype", dtype.descr(), legal));
-    };
-    let numbers = match (plain.type_char(), plain.size_field()) {
-        (TypeChar::Int, 1) => real::<i8>(array),
-        (TypeChar::Int, 2) => array.into_vec::<i16>().map(Numbers::Int16),
-        (TypeChar::Int, 4) => real::<i32>(array),
-        (TypeChar::Uint, 1) => real::<u8>(array),
-        (TypeChar::Uint, 2) => real::<u16>(array),
-        (TypeChar::Uint, 4) => real::<u32>(array),
-        (TypeChar::Float, 4) => real::<f32>(array),
-        (TypeChar::Float, 8) => array.into_vec::<f64>().map(Numbers::Real),
-        (TypeChar::Complex, 8) => array.into_vec::<Complex32>().map(|values| {
+    let numbers = match array.kind() {
+        "i1" => real::<i8>(array),
+        "i2" => array.into_vec::<i16>().map(Numbers::Int16),
+        "i4" => real::<i32>(array),
+        "u1" => real::<u8>(array),
+        "u2" => real::<u16>(array),
+        "u4" => real::<u32>(array),
+        "f4" => real::<f32>(array),
+        "f8" => array.into_vec::<f64>().map(Numbers::Real),
+        "c8" => array.into_vec::<Complex32>().map(|values| {
             let wide = |z: Complex32| Complex64::new(f64::from(z.re), f64::from(z.im));
             Numbers::Complex(values.into_iter().map(wide).collect())
         }),
-        (TypeChar::Complex, 16) => array.into_vec::<Complex64>().map(Numbers::Complex),
-        _ => return Err(source.value("dtype", dtype.descr(), legal)),
+        "c16" => array.into_vec::<Complex64>().map(Numbers::Complex),
+        _ => return Err(source.value("dtype", &array.descr, "integers, floats or complex numbers")),
     };
     Ok(Array { shape, numbers: numbers.map_err(|e| source.unreadable("NPY", e))? })
 }
 
-fn real<T: npyz::Deserialize + Into<f64>>(array: NpyFile<impl Read>) -> std::io::Result<Numbers> {
+fn real<T: numpy::Value + Into<f64>>(array: numpy::Array<impl Read>) -> std::io::Result<Numbers> {
     Ok(Numbers::Real(array.into_vec::<T>()?.into_iter().map(Into::into).collect()))
 }
