@@ -7,9 +7,11 @@ use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
+use crate::network::baselines::Settings;
 use crate::network::baselines::accuracy;
 use crate::network::baselines::cnn::{Cnn, rates, validate};
-use crate::network::baselines::svm::{Machine, Settings, choose};
+#[cfg(feature = "svm")]
+use crate::network::baselines::svm::{Machine, choose};
 use crate::network::spectrograms::Collected;
 use crate::results::Accuracy;
 use crate::scenario::{Class, Learning};
@@ -19,8 +21,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 
-/// Names of the methods, in the order of every array here.
-pub const METHODS: [&str; 3] = ["DSN", "CNN", "SVM"];
+/// Names of the methods, in the order of every array here. The support vector machine needs the feature `svm`.
+pub const METHODS: &[&str] = if cfg!(feature = "svm") { &["DSN", "CNN", "SVM"] } else { &["DSN", "CNN"] };
 
 /// One N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,10 +30,10 @@ pub struct Row {
     /// N_s.
     pub sensing_slots: u32,
     /// Accuracy in float of every method, over the seeds.
-    pub accuracy: [Spread; 3],
+    pub accuracy: Vec<Spread>,
     /// Accuracy of every method, seed by seed.
-    pub each: [Vec<f64>; 3],
-    /// The machine's settings, seed by seed.
+    pub each: Vec<Vec<f64>>,
+    /// The support vector machine's settings, seed by seed.
     pub machines: Vec<Settings>,
     /// Test recordings of a seed.
     pub tested: u32,
@@ -58,6 +60,7 @@ pub struct Rate {
 }
 
 /// What the machine got right, and with which settings.
+#[cfg(feature = "svm")]
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Vectors {
     accuracy: f64,
@@ -119,6 +122,7 @@ impl Recordings<'_> {
         Ok(found)
     }
 
+    #[cfg(feature = "svm")]
     fn svm(&self, n: usize) -> Result<Vectors, Failure> {
         let stage = self.context.progress.stage("train", "a support vector machine");
         let (train, test) = (&self.of(Set::Train).images[n], &self.of(Set::Test).images[n]);
@@ -143,8 +147,8 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ba
         .iter()
         .map(|&sensing_slots| Row {
             sensing_slots,
-            accuracy: [Spread::of(&[]); 3],
-            each: Default::default(),
+            accuracy: Vec::new(),
+            each: vec![Vec::new(); METHODS.len()],
             machines: Vec::new(),
             tested: 0,
         })
@@ -161,15 +165,18 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ba
         for (n, (row, dsn)) in rows.iter_mut().zip(dsn).enumerate() {
             let name = |method: &str| format!("seed-{seed}-{method}-{}", slots[n]);
             let cnn = cells.get(&name("cnn"), || recordings.cnn(n, rate.rate))?;
-            let svm = cells.get(&name("svm"), || recordings.svm(n))?;
             row.tested = dsn.tested;
-            row.machines.push(svm.settings);
-            for (each, found) in row.each.iter_mut().zip([dsn.float, cnn, svm.accuracy]) {
-                each.push(found);
+            row.each[0].push(dsn.float);
+            row.each[1].push(cnn);
+            #[cfg(feature = "svm")]
+            {
+                let svm = cells.get(&name("svm"), || recordings.svm(n))?;
+                row.machines.push(svm.settings);
+                row.each[2].push(svm.accuracy);
             }
         }
     }
-    rows.iter_mut().for_each(|row| row.accuracy = std::array::from_fn(|m| Spread::of(&row.each[m])));
+    rows.iter_mut().for_each(|row| row.accuracy = row.each.iter().map(|each| Spread::of(each)).collect());
     let found = Baselines { rho, rate: rate.ok_or("no seed")?, rows };
     cells.output.write_json("baselines.json", &found)?;
     cells.output.write("baselines.md", table(request, &found).as_bytes())?;
@@ -180,11 +187,10 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ba
 pub fn table(request: &Request, found: &Baselines) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# Deep spectrogram network, plain network, support vector machine\n\n{:.3} GHz, rho = {}, heading within {} degrees, {} \
+        "# The network and its baselines\n\n{:.3} GHz, rho = {}, heading within {} degrees, {} \
          recordings per class to train, {} new ones to test, {}, {} epochs, C = {}, stem stride {}. Accuracy in \
          float. DSN: the deep spectrogram network. CNN: its convolutions without skips and normalisation, learning rate {} (of {} \
-         tried). SVM: Gaussian kernel on mean, deviation, largest and smallest intensity of every Doppler row, C and gamma by \
-         cross-validation.\n\n| N_s | DSN | CNN | SVM |\n|---|---|---|---|\n",
+         tried).",
         request.scenario.radar.carrier_hz / 1e9,
         found.rho,
         request.scenario.target.heading_spread_deg,
@@ -197,9 +203,17 @@ pub fn table(request: &Request, found: &Baselines) -> String {
         found.rate.rate,
         found.rate.tried.len()
     );
+    text += match METHODS.len() {
+        3 => {
+            " SVM: Gaussian kernel on mean, deviation, largest and smallest intensity of every Doppler row, C and gamma by \
+             cross-validation.\n\n"
+        }
+        _ => " This build has no support vector machine (feature `svm`).\n\n",
+    };
+    text += &format!("| N_s | {} |\n|---|{}\n", METHODS.join(" | "), "---|".repeat(METHODS.len()));
     for row in &found.rows {
-        let [dsn, cnn, svm] = row.accuracy;
-        text += &format!("| {} | {dsn} | {cnn} | {svm} |\n", row.sensing_slots);
+        let cells: Vec<String> = row.accuracy.iter().map(Spread::to_string).collect();
+        text += &format!("| {} | {} |\n", row.sensing_slots, cells.join(" | "));
     }
     text
 }

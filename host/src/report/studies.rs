@@ -50,15 +50,15 @@ pub fn learning_curve(found: &LearningCurve) -> String {
 /// Accuracy of every method over N_s: means with their spread over the seeds.
 pub fn baselines(found: &Baselines) -> String {
     let slots = found.rows.iter().map(|r| f64::from(r.sensing_slots));
-    let means = found.rows.iter().flat_map(|r| r.accuracy.map(|a| a.mean - a.deviation));
+    let means = found.rows.iter().flat_map(|r| r.accuracy.iter().map(|a| a.mean - a.deviation));
     let low = (means.fold(1.0, f64::min) - 0.05).max(0.0);
     let mut x = Axis::around(slots, "sensing slots N_s");
     // room for what stands beside the first and the last
     let step = (x.high - x.low) / 100.0;
     (x.low, x.high) = ((x.low - step).max(0.0), x.high + step);
     let y = Axis { low, high: 1.0, name: "accuracy (float)".into(), log: false };
-    let mut plot = Plot::new("Accuracy of three methods over sensing slots", x, y);
-    for (m, (method, colour)) in METHODS.into_iter().zip([COLOURS[0], COLOURS[1], COLOURS[2]]).enumerate() {
+    let mut plot = Plot::new("Accuracy of the network and its baselines over sensing slots", x, y);
+    for (m, (method, colour)) in METHODS.iter().zip([COLOURS[0], COLOURS[1], COLOURS[2]]).enumerate() {
         // beside each other, so that no bar hides another
         let at = |n: u32| f64::from(n) + (m as f64 - 1.0) * step;
         let points: Vec<_> = found.rows.iter().map(|r| (at(r.sensing_slots), r.accuracy[m].mean)).collect();

@@ -5,10 +5,23 @@
 //! training images alone: the machine its penalty and kernel width, the network its learning rate.
 
 pub mod cnn;
+#[cfg(feature = "svm")]
 pub mod features;
+#[cfg(feature = "svm")]
 pub mod svm;
 
 use super::parameters::Images;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Penalty and kernel width of a support vector machine.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Settings {
+    /// Cost C of an image on the wrong side.
+    pub c: f64,
+    /// gamma of the kernel `exp(-gamma |x - y|^2)`, features scaled.
+    pub gamma: f64,
+}
 
 /// The fold of every image: each label's images are cut into `count` runs, so that windows of one recording stay together.
 pub fn folds(labels: &[u8], count: usize) -> Vec<usize> {

@@ -4,15 +4,13 @@
 //! cross-validation.
 
 use super::features::{Scaling, features};
-use super::{apart, folds, right};
+use super::{Settings, apart, folds, right};
 use crate::network::parameters::Images;
 use linfa::Dataset;
 use linfa::traits::{Fit, Predict};
 use linfa_svm::SvmError;
 use ndarray::{Array1, Array2, ArrayView1, ShapeError};
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Penalties that are tried.
 const PENALTIES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
@@ -22,15 +20,6 @@ const WIDTHS: [f64; 3] = [1.0, 0.25, 0.0625];
 pub const FOLDS: usize = 3;
 /// The solver stops where no pair violates its condition by more: libsvm's default.
 const TOLERANCE: f64 = 1e-3;
-
-/// Penalty and kernel width.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Settings {
-    /// Cost C of an image on the wrong side.
-    pub c: f64,
-    /// gamma of the kernel `exp(-gamma |x - y|^2)`, features scaled.
-    pub gamma: f64,
-}
 
 /// Why no machine could be trained.
 #[derive(Debug, thiserror::Error)]
