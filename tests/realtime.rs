@@ -22,7 +22,7 @@ const SEED: u32 = 1;
 const PATIENCE: &str = "900";
 /// Most instructions of all calls to the slot context in a slot, and of one step of processing.
 const SLOT_CONTEXT: u64 = 2500;
-const POLL: u64 = 60_000;
+const POLL: u64 = 48_000;
 const LIMITED: [&str; 4] = ["cortex-m4f", "cortex-m7", "cortex-m33", "cortex-m55"];
 
 struct Machine {

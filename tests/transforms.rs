@@ -13,8 +13,9 @@ use std::process::ExitCode;
 type Error = Box<dyn std::error::Error + Send + Sync>;
 type Result<T> = std::result::Result<T, Error>;
 
-/// Least share of recordings of which both arithmetics must say the same.
-const AGREEMENT: f64 = 0.995;
+/// Least share of recordings of which both arithmetics must say the same. Found on 21 November 2026: all of 2000; of 1000 recordings
+/// that is 0.997 or more with 95 % confidence.
+const AGREEMENT: f64 = 0.997;
 
 /// The class a model recognises, by the transform `T`.
 fn recognise<T: Stft>(model: &Model<'_>, slots: &Slots) -> Result<u8> {
@@ -71,7 +72,7 @@ fn table(each: u32, files: &[String]) -> Result<bool> {
             share(c.equal),
             share(c.float),
             share(c.fixed),
-            if enough { "" } else { "  BELOW 99.5 %" }
+            if enough { "" } else { "  BELOW 99.7 %" }
         );
     }
     Ok(good)
