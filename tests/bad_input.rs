@@ -69,7 +69,7 @@ fn samples_that_are_no_numbers() {
     let mut values = vec![0.5; 4000];
     values[1234] = f64::NAN;
     let prepare = |folder: &Path| std::fs::write(folder.join("x.npy"), npy(&values)).expect("a file");
-    refused(&calibrate, prepare, &["x.npy", "sample 1234 = NaN", "finite"]);
+    refused(&calibrate, prepare, &["x.npy", "sample 1234 is NaN", "finite"]);
 }
 
 #[test]
@@ -96,11 +96,11 @@ fn measured_signals_that_cannot_be() {
         }
     };
     let calibrate = |extra: &'static str| ["calibrate", "--measured", "@/x.wav", extra, "--out", "@/out"];
-    refused(&calibrate("--carrier=24e9"), silence(2), &["x.wav", "mean power = 0"]);
-    refused(&calibrate("--carrier=24e9"), silence(1), &["x.wav", "length (s) = 1.000", "at least 1.5"]);
-    refused(&calibrate("--carrier=-3"), silence(2), &["x.wav", "carrier (Hz) = -3", "0.5e9 to 100e9"]);
+    refused(&calibrate("--carrier=24e9"), silence(2), &["x.wav", "mean power is 0"]);
+    refused(&calibrate("--carrier=24e9"), silence(1), &["x.wav", "length (s) is 1.000", "at least 1.5"]);
+    refused(&calibrate("--carrier=-3"), silence(2), &["x.wav", "carrier (Hz) is -3", "0.5e9 to 100e9"]);
     refused(&calibrate("--gain=3"), silence(2), &["x.wav", "carrier (Hz)", "state it with --carrier"]);
-    refused(&calibrate("--motion=flying"), silence(2), &["--motion = flying", "adult-walking"]);
+    refused(&calibrate("--motion=flying"), silence(2), &["--motion is flying", "adult-walking"]);
 }
 
 /// A scenario with people that move as a file of joints says.
@@ -205,23 +205,23 @@ fn trades_that_cannot_be() {
         all
     };
     let nobody = trade("[communication]\ncases = [[]]\n");
-    refused(&optimize(&[]), nobody, &["s.toml", "communication.cases[0] (users) = 0", "1 to 8"]);
+    refused(&optimize(&[]), nobody, &["s.toml", "communication.cases[0] (users) is 0", "1 to 8"]);
     let silent = trade("[communication]\nslot_bit = [[1500, 0, 3000], [1500, 2500, 3000]]\n");
-    refused(&optimize(&[]), silent, &["s.toml", "communication.slot_bit[0][1] = 0", "1 to 1000000000"]);
+    refused(&optimize(&[]), silent, &["s.toml", "communication.slot_bit[0][1] is 0", "1 to 1000000000"]);
     let fewer = trade("[communication]\nslot_bit = [[1500, 2500], [1500, 2500, 3000]]\n");
-    refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (users) = [2, 3]", "[3, 3]"]);
+    refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (users) is [2, 3]", "[3, 3]"]);
     let short = trade("[frame]\nperiod_slots = 500\n");
-    refused(&optimize(&[]), short, &["s.toml", "frame.period_slots = 500", "at least 512", "STFT window"]);
+    refused(&optimize(&[]), short, &["s.toml", "frame.period_slots is 500", "at least 512", "STFT window"]);
     refused(
         &optimize(&["--accuracy", "0.99"]),
         trade(""),
         &["no point", "accuracy at least 0.99", "accuracies"],
     );
-    refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy = 1.5", "0 to 1"]);
+    refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy is 1.5", "0 to 1"]);
     refused(&optimize(&["--throughput", "1e12"]), trade(""), &["no point", "throughput at least"]);
     refused(&optimize(&["--weights", "1"]), trade(""), &["--weights", "two numbers"]);
-    refused(&optimize(&["--curve", "spline"]), trade(""), &["--curve = spline", "pow3"]);
-    refused(&optimize(&["--sweep", "power_w=0"]), trade(""), &["power_w = 0", "above 0"]);
+    refused(&optimize(&["--curve", "spline"]), trade(""), &["--curve is spline", "pow3"]);
+    refused(&optimize(&["--sweep", "power_w=0"]), trade(""), &["power_w is 0", "above 0"]);
     refused(&optimize(&["--sweep", "colour=3"]), trade(""), &["--sweep", "carrier_hz, power_w"]);
     let one = |folder: &Path| {
         trade("")(folder);
@@ -243,8 +243,8 @@ fn schedules_that_cannot_be() {
         all
     };
     refused(&schedule(&[]), |_| (), &["run.json", "`sdp3 run`"]);
-    refused(&schedule(&["--sensing-slots", "1001"]), |_| (), &["--sensing-slots = 1001", "0 to 1000"]);
-    refused(&schedule(&["--sensing-slots", "300", "--loss", "2"]), |_| (), &["--loss = 2", "0 to 1"]);
+    refused(&schedule(&["--sensing-slots", "1001"]), |_| (), &["--sensing-slots is 1001", "0 to 1000"]);
+    refused(&schedule(&["--sensing-slots", "300", "--loss", "2"]), |_| (), &["--loss is 2", "0 to 1"]);
     refused(&["schedule", "--periods", "0", "--out", "@/out"], |_| (), &["--periods", "1 to 10000000"]);
     refused(&["anytime", "--out", "@/out"], |_| (), &["scenario.toml"]);
 }

@@ -109,14 +109,14 @@ fn bad_input_is_refused_by_name_and_nothing_is_written() {
         refused(&sweep(&["--shard", shard]), &[], &["--shard", shard, "1/N to N/N"]);
     }
     refused(&sweep(&["--slurm", "--shards", "0"]), &[], &["--shards", "0"]);
-    refused(&sweep(&["--slurm", "--shards", "5"]), &[], &["--shards = 5", "1 to 4"]);
+    refused(&sweep(&["--slurm", "--shards", "5"]), &[], &["--shards is 5", "1 to 4"]);
     refused(&sweep(&["--shards", "2"]), &[], &["--shards", "--shard I/N"]);
     refused(&sweep(&["--kubernetes"]), &[], &["--image"]);
     refused(&sweep(&["--slurm", "--shard", "1/2"]), &[], &["--shard"]);
     let beyond =
         [("SLURM_ARRAY_TASK_ID", "9"), ("SLURM_ARRAY_TASK_MIN", "1"), ("SLURM_ARRAY_TASK_COUNT", "3")];
-    refused(&sweep(&[]), &beyond, &["SLURM_ARRAY_TASK_ID = 9", "one of 3 numbers from 1"]);
-    refused(&sweep(&[]), &[("JOB_COMPLETION_INDEX", "1")], &["JOB_COMPLETIONS = absent"]);
+    refused(&sweep(&[]), &beyond, &["SLURM_ARRAY_TASK_ID is 9", "one of 3 numbers from 1"]);
+    refused(&sweep(&[]), &[("JOB_COMPLETION_INDEX", "1")], &["JOB_COMPLETIONS is missing"]);
     refused(&["sweep", "none.toml", "--out", "out"], &[], &["none.toml", "cannot be read"]);
     for (text, words) in [
         ("seed = [1]\n", vec!["q.toml", "`seed`", "seeds"]),

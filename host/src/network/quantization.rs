@@ -301,7 +301,7 @@ mod tests {
         let layer = FoldedLayer { weights: vec![1.0], biases: vec![0.0] };
         let fine = QuantParams { scale: 1e-9, zero: 0 };
         let error = convert_layer("block 3 conv1", &layer, QuantParams::IMAGE, fine).unwrap_err().to_string();
-        assert!(error.starts_with("block 3 conv1: output channel 0 rescales by "), "{error}");
+        assert!(error.starts_with("block 3 conv1: ratio of scales of output channel 0 is "), "{error}");
         let none = Images { rows: 64, frames: 10, pixels: vec![], labels: vec![] };
         let parameters =
             trained_looking(Architecture { channels: 4, blocks: 1, stem_stride: 1, classes: 5 }, 1);

@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(fit_all(&many), Err(FitError::TooMany { count: 1001 }));
         let mut points = paper();
         points[1].accuracy = 1.2;
-        assert!(fit_all(&points).unwrap_err().to_string().contains("accuracy = 1.2 in point 2"));
+        assert!(fit_all(&points).unwrap_err().to_string().contains("points, point 2: accuracy is 1.2"));
         points[1].accuracy = f64::NAN;
         assert!(fit_all(&points).is_err());
     }

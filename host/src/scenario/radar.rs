@@ -295,14 +295,14 @@ mod tests {
             let error = Scenario::default().with(&set, "built in").unwrap_err().to_string();
             words.iter().for_each(|word| assert!(error.contains(word), "{word} is not in: {error}"));
         };
-        refused(&["radar.bandwidth_hz=20e6"], &["radar.sample_rate_hz = 10000000", "20000000 (fixed)"]);
-        refused(&["radar.samples=500"], &["radar.samples = 500", "1000 (fixed): radar.sweep_s times"]);
-        refused(&["radar.format=real"], &["radar.format = real", "complex (fixed)"]);
-        refused(&["radar.bins_per_sample=4"], &["radar.bins_per_sample = 4", "0 (fixed)", "analog"]);
-        refused(&["radar.first_bin=4"], &["radar.first_bin = 4", "0 (fixed)", "no gate"]);
+        refused(&["radar.bandwidth_hz=20e6"], &["radar.sample_rate_hz is 10000000", "20000000 (fixed)"]);
+        refused(&["radar.samples=500"], &["radar.samples is 500", "1000 (fixed): radar.sweep_s times"]);
+        refused(&["radar.format=real"], &["radar.format is real", "complex (fixed)"]);
+        refused(&["radar.bins_per_sample=4"], &["radar.bins_per_sample is 4", "0 (fixed)", "analog"]);
+        refused(&["radar.first_bin=4"], &["radar.first_bin is 4", "0 (fixed)", "no gate"]);
         refused(
             &["radar.range_samples=3"],
-            &["radar.range_samples = 3", "a divisor of radar.samples = 1000"],
+            &["radar.range_samples is 3", "a divisor of radar.samples = 1000"],
         );
         let set = ["radar.bandwidth_hz=20e6", "radar.sample_rate_hz=20e6", "radar.samples=2000"];
         let set: Vec<_> = set.iter().map(|one| one.parse().unwrap()).collect();

@@ -140,17 +140,17 @@ mod tests {
             let error = choice(None, variables).unwrap_err().to_string();
             words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
         };
-        refused(&[(TASK, "3"), (LEAST, "1")], &[COUNT, "absent", "1 to "]);
-        refused(&[(TASK, "3"), (COUNT, "8")], &[LEAST, "absent"]);
+        refused(&[(TASK, "3"), (LEAST, "1")], &[COUNT, "missing", "1 to "]);
+        refused(&[(TASK, "3"), (COUNT, "8")], &[LEAST, "missing"]);
         refused(&[(TASK, "3"), (COUNT, "0"), (LEAST, "1")], &[COUNT, "\"0\"", "1 to "]);
         refused(
             &[(TASK, "9"), (COUNT, "8"), (LEAST, "1")],
-            &["SLURM_ARRAY_TASK_ID = 9", "one of 8 numbers from 1"],
+            &["SLURM_ARRAY_TASK_ID is 9", "one of 8 numbers from 1"],
         );
         refused(&[(TASK, "7"), (COUNT, "3"), (LEAST, "1"), (STEP, "4")], &["4 apart", "--shard"]);
         refused(&[(INDEX, "x"), (COMPLETIONS, "8")], &[INDEX, "\"x\"", "0 to "]);
-        refused(&[(INDEX, "8"), (COMPLETIONS, "8")], &["JOB_COMPLETION_INDEX = 8", "0 to 7"]);
-        refused(&[(INDEX, "1")], &[COMPLETIONS, "absent"]);
+        refused(&[(INDEX, "8"), (COMPLETIONS, "8")], &["JOB_COMPLETION_INDEX is 8", "0 to 7"]);
+        refused(&[(INDEX, "1")], &[COMPLETIONS, "missing"]);
         refused(
             &[(INDEX, "2"), (COMPLETIONS, "4"), (TASK, "2"), (COUNT, "4"), (LEAST, "1")],
             &["2/4", "3/4"],

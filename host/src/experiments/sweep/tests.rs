@@ -102,22 +102,22 @@ fn plans_that_cannot_be_are_refused_by_field_value_and_range() {
     refused("rho = 0.9\n", &["p.toml", "sequence"]);
     refused("sensing_slots = [-1]\n", &["p.toml", "-1", "u32"]);
     for axis in ["carrier_hz", "rho", "sensing_slots", "seeds"] {
-        refused(&format!("{axis} = []\n"), &[&format!("{axis} = []"), "at least one value"]);
+        refused(&format!("{axis} = []\n"), &[&format!("{axis} is []"), "at least one value"]);
     }
-    refused("seeds = [1, 2, 1]\n", &["p.toml", "seeds[2] = 1", "twice"]);
-    refused("rho = [1.5]\n", &["p.toml", "channel.rho = 1.5", "0 to 1"]);
-    refused("rho = [nan]\n", &["channel.rho = NaN", "0 to 1"]);
-    refused("carrier_hz = [1e3]\n", &["radar.carrier_hz = 1000", "500000000 to 100000000000"]);
-    refused("sensing_slots = [10]\n", &["frame.sensing_slots = 10", "N_s (N_m + 1) <= N"]);
-    refused("name = \"Mine\"\n", &["name = \"Mine\"", "a-z"]);
+    refused("seeds = [1, 2, 1]\n", &["p.toml", "seeds[2] is 1", "twice"]);
+    refused("rho = [1.5]\n", &["p.toml", "channel.rho is 1.5", "0 to 1"]);
+    refused("rho = [nan]\n", &["channel.rho is NaN", "0 to 1"]);
+    refused("carrier_hz = [1e3]\n", &["radar.carrier_hz is 1000", "500000000 to 100000000000"]);
+    refused("sensing_slots = [10]\n", &["frame.sensing_slots is 10", "N_s (N_m + 1) <= N"]);
+    refused("name = \"Mine\"\n", &["name is \"Mine\"", "a-z"]);
     refused("scenarios = [\"none.toml\"]\n", &["none.toml"]);
     refused(
         "[[scenario]]\nname = \"a\"\n[[scenario]]\nname = \"a\"\n",
-        &["scenario[1].name = \"a\"", "of its own"],
+        &["scenario[1].name is \"a\"", "of its own"],
     );
     refused("[[scenario]]\nname = \"a, b\"\n", &["scenario[0].name", "without commas"]);
     let many: Vec<u64> = (0..50_001).collect();
-    refused(&format!("seeds = {many:?}\nrho = [0.9, 0.99]\n"), &["cells", "= 600012", "at most 100000"]);
+    refused(&format!("seeds = {many:?}\nrho = [0.9, 0.99]\n"), &["cells", "is 600012", "at most 100000"]);
     let file = folder.path().join("p.toml");
     std::fs::write(&file, SCENARIOS).unwrap();
     let error = Sweep::load(&file, Some(&Scenario::default()), None).unwrap_err().to_string();
@@ -243,7 +243,7 @@ fn job_files_name_the_plan_and_every_shard() {
     let merge = std::fs::read_to_string(&jobs.files[1]).unwrap();
     assert!(merge.contains(" merge '") && merge.contains("--partition=long"), "{merge}");
     let error = slurm::write(&sweep, 6, &["long".into()], &output).unwrap_err().to_string();
-    assert!(error.contains("--sbatch = \"long\""), "{error}");
+    assert!(error.contains("--sbatch is \"long\""), "{error}");
     let jobs = kubernetes::write(&sweep, 6, ("radar/sdp3:0.1", "shared"), &output).unwrap();
     let job = std::fs::read_to_string(&jobs.files[0]).unwrap();
     for word in [

@@ -340,7 +340,11 @@ mod tests {
                 .to_string()
         };
         assert!(refusal(600).contains("nothing moves"), "{}", refusal(600));
-        assert!(refusal(90).contains("wall: length = 90") && refusal(90).contains("256"), "{}", refusal(90));
+        assert!(
+            refusal(90).contains("wall: length in samples is 90") && refusal(90).contains("256"),
+            "{}",
+            refusal(90)
+        );
     }
 
     #[test]

@@ -217,24 +217,24 @@ mod tests {
             lines.join("\n")
         };
         for (text, expected) in [
-            (String::new(), "line 1: header = \"\""),
-            (with(1, "t,joint,x,y,z"), "line 1: header = \"t,joint,x,y,z\""),
-            (format!("{HEADER}\n"), "motion: frames = \"0\""),
-            (with(3, "0,nose,0,0,1"), "line 3: joint = \"nose\""),
-            (with(3, "0,base,0,0,1"), "line 3: joint = \"base\""),
-            (with(3, "zero,neck,0,0,1"), "line 3: time = \"zero\""),
-            (with(3, "inf,neck,0,0,1"), "line 3: time = \"inf\""),
-            (with(3, "0,neck,NaN,0,1"), "line 3: x of neck = \"NaN\""),
-            (with(3, "0,neck,0,-inf,1"), "line 3: y of neck = \"-inf\""),
-            (with(3, "0,neck,0,0,1e4"), "line 3: z of neck = \"1e4\""),
-            (with(3, "0,neck,0,0"), "line 3: z of neck = \"\""),
-            (with(3, "0,neck,0,0,1,2"), "line 3: columns = \"6\""),
-            (with(20, "-1,neck,0,0,1"), "line 20: time = \"-1\""),
-            (with(20, "0.02,neck,0,0,1"), "line 19: joint neck = \"missing\""),
-            (without(18), "line 17: joint right_toe = \"missing\""),
-            (without(good.len()), "line 85: joint right_toe = \"missing\""),
-            (with(3, &"9".repeat(2000)), "line 3: line = \"9999"),
-            (with(9, "0,right_hand,0,0,1.7"), "line 10: joint = \"right_hand\""),
+            (String::new(), "line 1: header is \"\""),
+            (with(1, "t,joint,x,y,z"), "line 1: header is \"t,joint,x,y,z\""),
+            (format!("{HEADER}\n"), "motion: frames is \"0\""),
+            (with(3, "0,nose,0,0,1"), "line 3: joint is \"nose\""),
+            (with(3, "0,base,0,0,1"), "line 3: joint is \"base\""),
+            (with(3, "zero,neck,0,0,1"), "line 3: time is \"zero\""),
+            (with(3, "inf,neck,0,0,1"), "line 3: time is \"inf\""),
+            (with(3, "0,neck,NaN,0,1"), "line 3: x of neck is \"NaN\""),
+            (with(3, "0,neck,0,-inf,1"), "line 3: y of neck is \"-inf\""),
+            (with(3, "0,neck,0,0,1e4"), "line 3: z of neck is \"1e4\""),
+            (with(3, "0,neck,0,0"), "line 3: z of neck is \"\""),
+            (with(3, "0,neck,0,0,1,2"), "line 3: columns is \"6\""),
+            (with(20, "-1,neck,0,0,1"), "line 20: time is \"-1\""),
+            (with(20, "0.02,neck,0,0,1"), "line 19: joint neck is missing"),
+            (without(18), "line 17: joint right_toe is missing"),
+            (without(good.len()), "line 85: joint right_toe is missing"),
+            (with(3, &"9".repeat(2000)), "line 3: line is \"9999"),
+            (with(9, "0,right_hand,0,0,1.7"), "line 10: joint is \"right_hand\""),
         ] {
             let found = read_text(text.as_bytes()).map(|_| ()).unwrap_err().to_string();
             assert!(found.contains("walk.CSV, ") && found.contains(expected), "{found}\n{expected}");
@@ -247,7 +247,7 @@ mod tests {
     fn too_many_frames_are_refused_while_reading() {
         let (_, text) = written(100.0, 6);
         let Err(Refused::Value(why)) = rows(text.as_bytes(), 5) else { panic!("accepted") };
-        assert!(why.to_string().starts_with("line 87: frames = \"6\""), "{why}");
+        assert!(why.to_string().starts_with("line 87: frames is \"6\""), "{why}");
         assert!(rows(text.as_bytes(), 6).is_ok());
     }
 

@@ -92,7 +92,9 @@ impl CaptureError {
 /// A refusal; of a long value the beginning.
 fn refuse(at: impl Display, field: impl Display, value: impl Display, legal: impl Display) -> CaptureError {
     let value: String = value.to_string().chars().take(60).collect();
-    Invalid::new(field, format!("{value:?}"), legal).at(at).into()
+    let absent = matches!(value.as_str(), "missing" | "end of the file");
+    let value = if absent { value } else { format!("{value:?}") };
+    Invalid::new(field, value, legal).at(at).into()
 }
 
 /// A recorded motion.
@@ -313,27 +315,27 @@ mod tests {
             message(Capture::new(motion.0, motion.1))
         };
         for (found, parts) in [
-            (with(&|(t, j)| (t.truncate(3), j.truncate(3)).0), ["motion: frames = \"3\"", "4 to 1000000"]),
-            (with(&|(t, _)| t.resize(1_000_001, 0.0)), ["frames = \"1000001\"", "4 to 1000000"]),
-            (with(&|(t, _)| t.truncate(9)), ["frames = \"10\"", "9, one for each time"]),
-            (with(&|(t, _)| t[4] = t[3]), ["frame 5: time = \"0.03\"", "after the frame before"]),
-            (with(&|(t, _)| t[4] = f64::NAN), ["frame 5: time = \"NaN\"", "after the frame before"]),
-            (with(&|(t, _)| t[9] = f64::INFINITY), ["frame 10: time = \"inf\"", "after the frame before"]),
+            (with(&|(t, j)| (t.truncate(3), j.truncate(3)).0), ["motion: frames is \"3\"", "4 to 1000000"]),
+            (with(&|(t, _)| t.resize(1_000_001, 0.0)), ["frames is \"1000001\"", "4 to 1000000"]),
+            (with(&|(t, _)| t.truncate(9)), ["frames is \"10\"", "9, one for each time"]),
+            (with(&|(t, _)| t[4] = t[3]), ["frame 5: time is \"0.03\"", "after the frame before"]),
+            (with(&|(t, _)| t[4] = f64::NAN), ["frame 5: time is \"NaN\"", "after the frame before"]),
+            (with(&|(t, _)| t[9] = f64::INFINITY), ["frame 10: time is \"inf\"", "after the frame before"]),
             (
                 with(&|(_, j)| j[1][joint::TOE + 1][1] = f64::NAN),
-                ["frame 2: right_toe y = \"NaN\"", "-1000 to 1000"],
+                ["frame 2: right_toe y is \"NaN\"", "-1000 to 1000"],
             ),
             (
                 with(&|(_, j)| j[1][joint::HEAD][2] = 1000.1),
-                ["frame 2: head z = \"1000.1\"", "-1000 to 1000"],
+                ["frame 2: head z is \"1000.1\"", "-1000 to 1000"],
             ),
             (
                 with(&|(_, j)| j[2][joint::ELBOW + 1] = j[2][joint::SHOULDER + 1]),
-                ["frame 3: limb right_shoulder-right_elbow = \"0\"", "0.01 to 2 m"],
+                ["frame 3: limb right_shoulder-right_elbow is \"0\"", "0.01 to 2 m"],
             ),
             (
                 with(&|(_, j)| j.iter_mut().for_each(|f| *f = f.map(|p| super::super::scale(p, 100.0)))),
-                ["frame 1: limb base-neck = \"50.", "0.01 to 2 m"],
+                ["frame 1: limb base-neck is \"50.", "0.01 to 2 m"],
             ),
         ] {
             assert!(parts.iter().all(|part| found.contains(part)), "{found}");

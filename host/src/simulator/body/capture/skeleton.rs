@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn a_missing_joint_is_named() {
         let why = find(&bones("Hips Neck Head > LeftArm RightArm LeftForeArm")).unwrap_err().to_string();
-        assert!(why.contains("joint right_elbow = \"missing\"") && why.contains("rightforearm"), "{why}");
+        assert!(why.contains("joint right_elbow is missing") && why.contains("rightforearm"), "{why}");
         assert!(find(&[]).unwrap_err().to_string().contains("joint base"));
     }
 }
