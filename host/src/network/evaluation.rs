@@ -201,7 +201,7 @@ mod tests {
             assert_eq!(&said, logits);
         }
         let distinct: std::collections::BTreeSet<_> = found.logits.iter().collect();
-        assert!(distinct.len() > 5, "recordings are told apart: {distinct:?}");
+        assert!(distinct.len() > 5, "recordings differ: {distinct:?}");
     }
 
     #[test]

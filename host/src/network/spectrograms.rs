@@ -75,7 +75,7 @@ impl Recordings<'_> {
         gathered(self.scenario, &self.map(|| (), |(), images| images, progress))
     }
 
-    /// `answer` to the images at every N_s of each of them, with its label; `state` is made anew for every thread. Each is simulated
+    /// `answer` to the images at every N_s of each of them, with its label; every thread makes a `state` of its own. Each is simulated
     /// once and passes the front end once.
     pub fn map<S, T: Send>(
         &self,
