@@ -134,13 +134,13 @@ pub fn test(
     images: &[Images],
 ) -> Result<Vec<Tested>, RefusedModel> {
     let int8 = Networks::parse(files, slots)?.images(images);
-    let tested = |(n, ((parameters, images), &sensing_slots)): (usize, ((&Parameters, &Images), &u32))| {
-        let float = FloatNetwork::new(parameters).classify(images);
-        let (tested, float_share) = (images.len() as u32, float.accuracy());
-        let accuracy = Accuracy { sensing_slots, float: float_share, int8: int8.accuracy(n), tested };
+    let tested = |(n, &sensing_slots): (usize, &u32)| {
+        let float = FloatNetwork::new(&parameters[n]).classify(&images[n]);
+        let tested = images[n].len() as u32;
+        let accuracy = Accuracy { sensing_slots, float: float.accuracy(), int8: int8.accuracy(n), tested };
         Tested { accuracy, float, int8: int8.classes(n) }
     };
-    Ok(parameters.iter().zip(images).zip(slots).enumerate().map(tested).collect())
+    Ok(slots.iter().enumerate().map(tested).collect())
 }
 
 /// Counts `[truth][answer]`.

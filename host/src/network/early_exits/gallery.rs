@@ -2,6 +2,7 @@
 
 use super::Policy;
 use super::calibration::weights;
+use super::policy::Course;
 use crate::network::evaluation::{Networks, RefusedModel};
 use crate::network::spectrograms::{Collected, Recordings};
 use crate::results::{AnytimeGallery, AnytimeRecording, AnytimeVerdict};
@@ -31,27 +32,26 @@ pub fn gallery(
     let courses = policy.courses(&exit_logits);
     let (threshold, last) = policy.cheapest(&courses, &exit_logits.truth, accuracy).unwrap_or((2.0, last));
     let found = networks.images(&shown.images);
-    let recording = |((&truth, logits), course): ((&u8, &Vec<Vec<i8>>), Vec<(u8, f32)>)| {
+    let recording = |(n, course): (usize, Course)| {
         let stop = (0..last).find(|&exit| course[exit].1 >= threshold as f32).unwrap_or(last);
         let exit = |(k, (class, confidence)): (usize, (u8, f32))| AnytimeVerdict {
             sensing_slots: policy.exits[k].sensing_slots,
             frames: shown.images[k].frames as u32,
             class: Class::ALL[usize::from(class)].name().into(),
             confidence: f64::from(confidence),
-            probabilities: probabilities(&logits[..=k], &policy.exits[k].weights),
+            probabilities: probabilities(&found.logits[n][..=k], &policy.exits[k].weights),
         };
         AnytimeRecording {
-            truth: Class::ALL[usize::from(truth)].name().into(),
+            truth: Class::ALL[usize::from(found.truth[n])].name().into(),
             exits: course.into_iter().enumerate().map(exit).collect(),
             stops_after: policy.exits[stop].sensing_slots,
         }
     };
-    let recordings = found.truth.iter().zip(&found.logits).zip(policy.courses(&found));
     Ok(Some(AnytimeGallery {
         threshold,
         most_sensing_slots: policy.exits[last].sensing_slots,
         calibrated_on: exit_logits.truth.len() as u32,
-        recordings: recordings.map(recording).collect(),
+        recordings: policy.courses(&found).into_iter().enumerate().map(recording).collect(),
     }))
 }
 
