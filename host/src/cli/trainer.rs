@@ -11,7 +11,7 @@ use sdp3::experiments::sweep::plan::Sweep;
 use sdp3::network::early_exits::gallery::gallery;
 use sdp3::network::parameters::Parameters;
 use sdp3::network::safetensors;
-use sdp3::network::spectrograms::Collected;
+use sdp3::network::spectrograms::{Collected, Part};
 use sdp3::optimizer::Rule;
 use sdp3::pipeline::Job;
 use sdp3::pipeline::learn::{How, history};
@@ -19,7 +19,6 @@ use sdp3::recordings::Stated;
 use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
 use sdp3::scheduling::playback;
 use sdp3::simulator::calibration;
-use sdp3::simulator::dataset::Set;
 use sdp3::store::output::Output;
 use sdp3_core::early_exit::EXITS;
 
@@ -44,7 +43,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
             format!("rho = {rho} is used: the measurement is at another carrier or the scenario gives it");
         job.progress.note("calibrate", &text);
     }
-    let spectrograms = job.gallery(rho);
+    let (shown, spectrograms) = job.gallery(rho);
     let how = How { checkpoints: true, resume, ..How::default() };
     let (learned, _) = job.learn(rho, context.workers(), how)?;
     for (bytes, n) in learned.models.iter().zip(&job.scenario.frame.sensing_slots) {
@@ -56,7 +55,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let point: &OperatingPoint = &outcome.operating_point;
     let schedule = job.play(point, rho, &learned.models)?;
     let plans = outcome.region.iter().map(|p| playback::plan(p, point)).collect::<Result<_, _>>()?;
-    let anytime = classify_gallery(job, rho, &learned.models, point)?;
+    let anytime = classify_gallery(job, rho, &learned.models, point, &shown)?;
     let mut result = Run {
         scenario: job.scenario.name.clone(),
         seed: job.seed,
@@ -96,10 +95,11 @@ fn classify_gallery(
     rho: f64,
     models: &[Vec<u8>],
     point: &OperatingPoint,
+    shown: &Collected,
 ) -> Result<Option<AnytimeGallery>, Failure> {
     let stage = job.progress.stage("early exits", "the gallery's recordings");
-    let (s, asked) = (&job.scenario, (job.scenario.learning.test_per_class, point.accuracy));
-    let found = gallery(s, rho, job.seed, models, asked, &|done, all| stage.at(done, all))?;
+    let calibration = job.recordings(rho, Part::Calibration, job.scenario.learning.test_per_class);
+    let found = gallery(models, &calibration, point.accuracy, shown, &|done, all| stage.at(done, all))?;
     stage.finish(&match &found {
         Some(found) => {
             let slots: Vec<u32> = found.recordings.iter().map(|r| r.stops_after).collect();
@@ -162,7 +162,7 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
 
 /// Images of the training recordings that a scenario asks for.
 fn simulated(job: &Job) -> Collected {
-    job.collect(rho(&job.scenario), Set::Train, "training recordings")
+    job.collect(rho(&job.scenario), Part::Train, "training recordings")
 }
 
 pub fn quantize(context: &Context, args: QuantizeArgs) -> Result<bool, Failure> {

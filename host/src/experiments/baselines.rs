@@ -12,11 +12,10 @@ use crate::network::baselines::accuracy;
 use crate::network::baselines::cnn::{Cnn, rates, validate};
 #[cfg(feature = "svm")]
 use crate::network::baselines::svm::{Machine, choose};
-use crate::network::spectrograms::Collected;
+use crate::network::spectrograms::{Collected, Part};
 use crate::results::Accuracy;
 use crate::scenario::{Class, Learning};
 use crate::simulator::calibration::stored_rho;
-use crate::simulator::dataset::Set;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
@@ -78,15 +77,15 @@ struct Recordings<'a> {
 }
 
 impl Recordings<'_> {
-    fn of(&self, set: Set) -> &Collected {
-        let cell = if set == Set::Test { &self.test } else { &self.train };
-        cell.get_or_init(|| images(&self.request.scenario, self.rho, self.seed, set, self.context))
+    fn of(&self, part: Part) -> &Collected {
+        let cell = if part == Part::Test { &self.test } else { &self.train };
+        cell.get_or_init(|| images(&self.request.scenario, self.rho, self.seed, part, self.context))
     }
 
     /// The plain network's learning rate, found on training recordings at the largest N_s.
     fn rate(&self) -> Result<Rate, Failure> {
         let learning = &self.request.scenario.learning;
-        let train = self.of(Set::Train).images.last().ok_or("no sensing slots")?;
+        let train = self.of(Part::Train).images.last().ok_or("no sensing slots")?;
         let rates = rates(learning);
         let stage = self.context.progress.stage("train", "the plain network's learning rate");
         let total = rates.len() as u64 * u64::from(learning.epochs);
@@ -104,7 +103,7 @@ impl Recordings<'_> {
 
     fn dsn(&self) -> Result<Vec<Accuracy>, Failure> {
         let s = &self.request.scenario;
-        train(s, self.seed, self.of(Set::Train), self.context)?.test(s, self.of(Set::Test))
+        train(s, self.seed, self.of(Part::Train), self.context)?.test(s, self.of(Part::Test))
     }
 
     fn cnn(&self, n: usize, rate: f64) -> Result<f64, Failure> {
@@ -114,9 +113,9 @@ impl Recordings<'_> {
         let stage = self.context.progress.stage("train", "a plain network");
         let tick = || stage.step(u64::from(learning.epochs));
         let (seed, workers) = (self.seed ^ (u64::from(slots) << 32), self.context.workers);
-        let images = &self.of(Set::Train).images[n];
+        let images = &self.of(Part::Train).images[n];
         let network = Cnn::train(images, &learning, Class::ALL.len(), seed, workers, &tick)?;
-        let test = &self.of(Set::Test).images[n];
+        let test = &self.of(Part::Test).images[n];
         let found = accuracy(&network.classify(test, workers)?, test);
         stage.finish(&format!("plain network, N_s = {slots}, seed {}: {found:.3}", self.seed));
         Ok(found)
@@ -125,7 +124,7 @@ impl Recordings<'_> {
     #[cfg(feature = "svm")]
     fn svm(&self, n: usize) -> Result<Vectors, Failure> {
         let stage = self.context.progress.stage("train", "a support vector machine");
-        let (train, test) = (&self.of(Set::Train).images[n], &self.of(Set::Test).images[n]);
+        let (train, test) = (&self.of(Part::Train).images[n], &self.of(Part::Test).images[n]);
         let settings = choose(train)?;
         let accuracy = accuracy(&Machine::train(train, settings)?.classify(test), test);
         let slots = self.request.scenario.frame.sensing_slots[n];

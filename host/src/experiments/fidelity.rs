@@ -11,6 +11,7 @@ use super::sim_to_real::{self, SimToReal};
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
 use crate::error::{Failure, Invalid};
+use crate::network::spectrograms::Part;
 use crate::scenario::{ArMode, Class, Clusters, Model, Scenario};
 use crate::simulator::calibration::conditioning::clutter_free;
 use crate::simulator::calibration::divergence::{Counts, EVALUATIONS, divergence, search, shares};
@@ -150,11 +151,11 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Re
         for (d, scenario) in domains.iter().enumerate() {
             let name = format!("seed-{seed}-trained-on-{}", DOMAINS[d]);
             let row = cells.get(&name, || {
-                let own = images(scenario, rhos[d], seed_of(seed, d), Set::Train, context);
+                let own = images(scenario, rhos[d], seed_of(seed, d), Part::Train, context);
                 let network = train(scenario, seed, &own, context)?;
                 let mut row = [(0.0, 0.0); 3];
                 for (t, cell) in row.iter_mut().enumerate() {
-                    let draw = || images(&domains[t], rhos[t], seed_of(seed, t), Set::Test, context);
+                    let draw = || images(&domains[t], rhos[t], seed_of(seed, t), Part::Test, context);
                     let accuracy = &network.test(scenario, tests[t].get_or_init(draw))?[0];
                     *cell = (accuracy.float, accuracy.int8);
                 }

@@ -6,10 +6,10 @@ use super::cells::Cells;
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
+use crate::network::spectrograms::Part;
 use crate::predictor::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
 use crate::simulator::calibration::stored_rho;
-use crate::simulator::dataset::Set;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,8 +50,8 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Le
     let mut seeds: Vec<Vec<Accuracy>> = Vec::new();
     for seed in request.each_seed() {
         seeds.push(cells.get(&format!("seed-{seed}"), || {
-            let networks = train(s, seed, &images(s, rho, seed, Set::Train, context), context)?;
-            networks.test(s, &images(s, rho, seed, Set::Test, context))
+            let networks = train(s, seed, &images(s, rho, seed, Part::Train, context), context)?;
+            networks.test(s, &images(s, rho, seed, Part::Test, context))
         })?);
     }
     let row = |(k, &sensing_slots): (usize, &u32)| {

@@ -8,10 +8,10 @@
 
 use super::cells::Cells;
 use super::labelled::{LeftOut, Measured};
-use super::trained::int8_answers;
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
 use crate::formats::model_file::Preprocessing;
+use crate::network::evaluation::Networks;
 use crate::network::float_network::{FloatNetwork, first_maximum};
 use crate::network::parameters::{Images, Parameters};
 use crate::network::training::{self, train_all};
@@ -268,9 +268,9 @@ pub fn study(
                 right += usize::from(answer == recording.motion as u8);
             }
             let float = right as f64 / images.len().max(1) as f64;
-            let int8 = int8_answers(&network.model, &images)?;
-            let right = int8.iter().filter(|&&c| c == recording.motion as u8).count();
-            each.push((float, right as f64 / images.len().max(1) as f64));
+            let model = std::slice::from_ref(&network.model);
+            let int8 = Networks::parse(model, &[layout.second() as u32])?;
+            each.push((float, int8.images(std::slice::from_ref(&images)).accuracy(0)));
         }
         let said = format!("{}: {answers:?} of walking, running, still", recording.name);
         context.progress.note("recognise", &said);

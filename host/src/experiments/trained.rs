@@ -2,21 +2,14 @@
 
 use super::RunContext;
 use crate::error::Failure;
-use crate::network::float_network::FloatNetwork;
-use crate::network::inference::Classifier;
+use crate::network::evaluation::test;
 use crate::network::interchange::header;
-use crate::network::parameters::{Images, Parameters};
-use crate::network::spectrograms::{Collected, collect};
+use crate::network::parameters::Parameters;
+use crate::network::spectrograms::{Collected, Part, Recordings};
 use crate::network::training::{self, train_all};
 use crate::network::tuning::quantize_tuned;
 use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
-use crate::simulator::dataset::Set;
-use rayon::prelude::*;
-use sdp3_core::dsn::Model;
-
-/// Images that one thread takes at a time.
-const PART: usize = 50;
 
 /// Networks for every N_s of a scenario.
 pub struct Trained {
@@ -26,13 +19,14 @@ pub struct Trained {
     pub models: Vec<Vec<u8>>,
 }
 
-/// Images of a set, with a line of progress.
-pub fn images(scenario: &Scenario, rho: f64, seed: u64, set: Set, context: RunContext) -> Collected {
+/// Images of the recordings learned from or tested with, with a line of progress.
+pub fn images(scenario: &Scenario, rho: f64, seed: u64, part: Part, context: RunContext) -> Collected {
     let learning = &scenario.learning;
-    let count = if set == Set::Test { learning.test_per_class } else { learning.train_per_class };
-    let stage = context.progress.stage("simulate", &format!("{set:?}, seed {seed}"));
-    let found = collect(scenario, rho, seed, set, count, &|done, all| stage.at(done, all));
-    stage.finish(&format!("{count} of each class, seed {seed}, rho {rho}"));
+    let per_class = if part == Part::Test { learning.test_per_class } else { learning.train_per_class };
+    let stage = context.progress.stage("simulate", &format!("{part:?}, seed {seed}"));
+    let recordings = Recordings { scenario, rho, seed, part, per_class };
+    let found = recordings.images(&|done, all| stage.at(done, all));
+    stage.finish(&format!("{per_class} of each class, seed {seed}, rho {rho}"));
     found
 }
 
@@ -77,38 +71,8 @@ impl Trained {
     /// # Errors
     ///
     /// A model that the core refuses.
-    pub fn test(&self, scenario: &Scenario, test: &Collected) -> Result<Vec<Accuracy>, Failure> {
-        let networks = self.parameters.iter().zip(&self.models).zip(&test.images);
-        let rows = networks.zip(&scenario.frame.sensing_slots).map(|(((parameters, model), images), &n)| {
-            Ok(Accuracy {
-                sensing_slots: n,
-                float: FloatNetwork::new(parameters).classify(images).accuracy(),
-                int8: int8(model, images)?,
-                tested: images.len() as u32,
-            })
-        });
-        rows.collect()
+    pub fn test(&self, scenario: &Scenario, images: &Collected) -> Result<Vec<Accuracy>, Failure> {
+        let tested = test(&self.parameters, &self.models, &scenario.frame.sensing_slots, &images.images)?;
+        Ok(tested.into_iter().map(|tested| tested.accuracy).collect())
     }
-}
-
-/// Share of images that the core's network recognises.
-fn int8(bytes: &[u8], images: &Images) -> Result<f64, Failure> {
-    let answers = int8_answers(bytes, images)?;
-    let right = answers.iter().zip(&images.labels).filter(|(answer, label)| answer == label).count();
-    Ok(right as f64 / images.len().max(1) as f64)
-}
-
-/// The class that the core's network answers to every image.
-///
-/// # Errors
-///
-/// A model that the core refuses.
-pub fn int8_answers(bytes: &[u8], images: &Images) -> Result<Vec<u8>, Failure> {
-    let model = Model::parse(bytes).map_err(|e| e.to_string())?;
-    let part = |part: &[usize]| {
-        let mut classifier = Classifier::new(model);
-        part.iter().map(|&n| classifier.classify(images.image(n), &mut ()).class).collect::<Vec<_>>()
-    };
-    let all: Vec<usize> = (0..images.len()).collect();
-    Ok(all.par_chunks(PART).flat_map_iter(part).collect())
 }

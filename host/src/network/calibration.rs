@@ -110,22 +110,23 @@ pub(super) fn position(activation: Activation, blocks: usize) -> usize {
 pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] {
     let blocks = network.architecture.blocks;
     let count = position(Activation::Logits, blocks) + 1;
-    let mut seen = vec![(0.0f32, 0.0f32); count];
-    network.evaluate(images, &mut |activation, values| {
-        let (low, high) = &mut seen[position(activation, blocks)];
-        for &v in values.iter() {
-            (*low, *high) = (low.min(v), high.max(v));
-        }
+    // records of an image lie in the order of `position`
+    let (_, each) = network.evaluate(images, |seen: &mut Vec<(f32, f32)>, _, values| {
+        seen.push(values.iter().fold((0.0, 0.0), |(low, high): (f32, f32), &v| (low.min(v), high.max(v))));
     });
-    let candidates: Vec<[QuantParams; SHARES.len()]> =
-        seen.iter().map(|&(low, high)| SHARES.map(|s| QuantParams::covering(s * low, s * high))).collect();
-    let mut errors = vec![[0.0f64; SHARES.len()]; count];
-    network.evaluate(images, &mut |activation, values| {
-        let at = position(activation, blocks);
-        for (error, grid) in errors[at].iter_mut().zip(&candidates[at]) {
-            *error += values.iter().map(|&v| f64::from((v - grid.round(v)).powi(2))).sum::<f64>();
-        }
+    let range = |at: usize| {
+        let seen = each.iter().map(|image| image[at]);
+        seen.fold((0.0_f32, 0.0_f32), |(low, high), (l, h)| (low.min(l), high.max(h)))
+    };
+    let covering = |(low, high)| SHARES.map(|share| QuantParams::covering(share * low, share * high));
+    let candidates: Vec<[QuantParams; SHARES.len()]> = (0..count).map(range).map(covering).collect();
+    let (_, each) = network.evaluate(images, |errors: &mut Vec<[f64; SHARES.len()]>, _, values| {
+        let error = |grid: QuantParams| values.iter().map(|&v| f64::from((v - grid.round(v)).powi(2))).sum();
+        errors.push(candidates[errors.len()].map(error));
     });
+    let sum = |at: usize, share: usize| each.iter().fold(0.0, |sum, image| sum + image[at][share]);
+    let errors: Vec<[f64; SHARES.len()]> =
+        (0..count).map(|at| std::array::from_fn(|share| sum(at, share))).collect();
     let mut best: Vec<QuantParams> = errors
         .iter()
         .zip(&candidates)

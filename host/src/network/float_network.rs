@@ -146,30 +146,28 @@ impl FloatNetwork {
         logits
     }
 
-    /// Classes of every image, on all threads; the result does not depend on their number.
+    /// Classes of every image.
     pub fn classify(&self, images: &Images) -> Evaluation {
-        let answer = |i: usize| {
-            let logits = self.forward(images.image(i), images.rows, &mut |_, _| {});
-            (first_maximum(&logits), cross_entropy(&logits, images.labels[i]))
-        };
-        let answers: Vec<(u8, f64)> = (0..images.len()).into_par_iter().map(answer).collect();
-        let right = answers.iter().zip(&images.labels).filter(|((class, _), label)| class == *label).count();
-        let loss = answers.iter().map(|(_, loss)| loss).sum::<f64>() / images.len().max(1) as f64;
-        Evaluation { classes: answers.into_iter().map(|(class, _)| class).collect(), right, loss }
+        self.evaluate(images, |(), _, _| ()).0
     }
 
-    /// As [`FloatNetwork::classify`], one image after the other, with a visitor of every activation.
-    pub fn evaluate(&self, images: &Images, visit: &mut impl FnMut(Activation, &mut [f32])) -> Evaluation {
-        let mut evaluation = Evaluation { classes: Vec::new(), right: 0, loss: 0.0 };
-        for (i, &label) in images.labels.iter().enumerate() {
+    /// Classes of every image, with a visitor of every activation that keeps a record of each image, in the images' order. On all
+    /// threads; the result does not depend on their number.
+    pub fn evaluate<R: Default + Send>(
+        &self,
+        images: &Images,
+        visit: impl Fn(&mut R, Activation, &mut [f32]) + Sync,
+    ) -> (Evaluation, Vec<R>) {
+        let answer = |i: usize| {
+            let mut record = R::default();
+            let visit = &mut |activation, values: &mut [f32]| visit(&mut record, activation, values);
             let logits = self.forward(images.image(i), images.rows, visit);
-            let class = first_maximum(&logits);
-            evaluation.right += usize::from(class == label);
-            evaluation.loss += cross_entropy(&logits, label);
-            evaluation.classes.push(class);
-        }
-        evaluation.loss /= images.len().max(1) as f64;
-        evaluation
+            ((first_maximum(&logits), cross_entropy(&logits, images.labels[i])), record)
+        };
+        let (answers, records): (Vec<(u8, f64)>, _) = (0..images.len()).into_par_iter().map(answer).unzip();
+        let right = answers.iter().zip(&images.labels).filter(|((class, _), label)| class == *label).count();
+        let loss = answers.iter().map(|(_, loss)| loss).sum::<f64>() / images.len().max(1) as f64;
+        (Evaluation { classes: answers.into_iter().map(|(class, _)| class).collect(), right, loss }, records)
     }
 }
 
@@ -210,8 +208,17 @@ pub fn same_padding(size: usize, stride: usize) -> (usize, usize) {
     (out, total / 2)
 }
 
-/// 3x3 convolution of `[h][w][i]`, zero padded; returns `[h'][w'][o]`, h', w'.
-fn convolve(
+/// 3x3 convolution of `[h][w][i]`, zero padded; returns `[h'][w'][o]`, h', w'. Outputs are a multiple of 4.
+fn convolve(x: &[f32], size: [usize; 3], layer: &FoldedLayer, stride: usize) -> (Vec<f32>, usize, usize) {
+    match layer.biases.len() {
+        outputs if outputs.is_multiple_of(16) => convolve_by::<16>(x, size, layer, stride),
+        outputs if outputs.is_multiple_of(8) => convolve_by::<8>(x, size, layer, stride),
+        _ => convolve_by::<4>(x, size, layer, stride),
+    }
+}
+
+/// As [`convolve`], `N` neighbouring outputs at a time: their sums stay in registers. The bits do not depend on `N`.
+fn convolve_by<const N: usize>(
     x: &[f32],
     [h, w, inputs]: [usize; 3],
     layer: &FoldedLayer,
@@ -219,31 +226,30 @@ fn convolve(
 ) -> (Vec<f32>, usize, usize) {
     let outputs = layer.biases.len();
     let ((out_h, top), (out_w, left)) = (same_padding(h, stride), same_padding(w, stride));
-    // [tap][i][o]: the innermost loop runs over neighbouring outputs.
-    let mut weights = vec![0.0f32; layer.weights.len()];
+    // [o / N][tap][i][o % N]
+    let mut weights = vec![[0.0f32; N]; 9 * inputs * outputs / N];
     for (o, kernel) in layer.weights.chunks_exact(9 * inputs).enumerate() {
-        kernel.iter().enumerate().for_each(|(k, &v)| weights[k * outputs + o] = v as f32);
+        kernel.iter().enumerate().for_each(|(k, &v)| weights[o / N * 9 * inputs + k][o % N] = v as f32);
     }
     let biases: Vec<f32> = layer.biases.iter().map(|&b| b as f32).collect();
-    let mut y = Vec::with_capacity(out_h * out_w * outputs);
-    for (row, column) in (0..out_h).flat_map(|r| (0..out_w).map(move |c| (r, c))) {
-        let start = y.len();
-        y.extend_from_slice(&biases);
-        let sums = &mut y[start..];
-        for (ky, kx) in (0..3).flat_map(|ky| (0..3).map(move |kx| (ky, kx))) {
-            let (r, c) = ((row * stride + ky).wrapping_sub(top), (column * stride + kx).wrapping_sub(left));
-            if r >= h || c >= w {
-                continue;
-            }
-            let pixel = &x[(r * w + c) * inputs..][..inputs];
-            let kernel = &weights[(ky * 3 + kx) * inputs * outputs..][..inputs * outputs];
-            for (&v, kernel) in pixel.iter().zip(kernel.chunks_exact(outputs)) {
-                for (sums, kernel) in sums.chunks_exact_mut(4).zip(kernel.chunks_exact(4)) {
-                    for (sum, &k) in sums.iter_mut().zip(kernel) {
-                        *sum += v * k;
-                    }
+    let mut y = vec![0.0; out_h * out_w * outputs];
+    let places = (0..out_h).flat_map(|r| (0..out_w).map(move |c| (r, c)));
+    for ((row, column), y) in places.zip(y.chunks_exact_mut(outputs)) {
+        let blocks = weights.chunks_exact(9 * inputs).zip(biases.as_chunks::<N>().0);
+        for ((taps, &biases), y) in blocks.zip(y.as_chunks_mut::<N>().0) {
+            let mut sums = biases;
+            for (ky, kx) in (0..3).flat_map(|ky| (0..3).map(move |kx| (ky, kx))) {
+                let (r, c) =
+                    ((row * stride + ky).wrapping_sub(top), (column * stride + kx).wrapping_sub(left));
+                if r >= h || c >= w {
+                    continue;
+                }
+                let pixel = &x[(r * w + c) * inputs..][..inputs];
+                for (&v, kernel) in pixel.iter().zip(&taps[(ky * 3 + kx) * inputs..]) {
+                    sums.iter_mut().zip(kernel).for_each(|(sum, &k)| *sum += v * k);
                 }
             }
+            *y = sums;
         }
     }
     (y, out_h, out_w)
@@ -285,6 +291,22 @@ mod tests {
             let inside = (1..4).contains(&r) && (1..4).contains(&c);
             let expected = if inside { kernel[(3 - r) * 3 + (3 - c)] as f32 } else { 0.0 };
             assert_eq!(y[(r * 5 + c) * 4..][..4], [0.5 + expected, 1.0, 2.0, 3.0]);
+        }
+    }
+
+    #[test]
+    fn outputs_taken_together_change_no_bit() {
+        let value = |n: usize| libm::sin(1.7 * n as f64);
+        let layer = FoldedLayer {
+            weights: (0..9 * 3 * 16).map(value).collect(),
+            biases: (0..16).map(value).collect(),
+        };
+        let x: Vec<f32> = (0..7 * 6 * 3).map(|n| value(n * n) as f32).collect();
+        for stride in [1, 2] {
+            let four = convolve_by::<4>(&x, [7, 6, 3], &layer, stride);
+            assert_eq!(four, convolve_by::<8>(&x, [7, 6, 3], &layer, stride));
+            assert_eq!(four, convolve_by::<16>(&x, [7, 6, 3], &layer, stride));
+            assert_eq!(four, convolve(&x, [7, 6, 3], &layer, stride));
         }
     }
 

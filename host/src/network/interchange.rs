@@ -10,14 +10,13 @@ use serde::Serialize;
 use super::parameters::Parameters;
 use super::quantization::{QuantizationReport, quantize};
 use super::safetensors;
-use super::spectrograms::collect;
+use super::spectrograms::{Part, Recordings};
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::formats::tflite::{self, ImportDefaults};
 use crate::progress::Progress;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::stored_rho;
-use crate::simulator::dataset::Set;
 use crate::store::limited;
 use crate::store::output::Output;
 
@@ -157,8 +156,8 @@ impl Conversion<'_> {
         let rho = scenario.channel.rho.unwrap_or_else(|| stored_rho(&scenario).0);
         let stage = self.progress.stage("simulate", "calibration recordings");
         let per_class = CALIBRATION_PER_CLASS;
-        let images =
-            collect(&scenario, rho, self.seed, Set::Train, per_class, &|done, all| stage.at(done, all));
+        let images = Recordings { scenario: &scenario, rho, seed: self.seed, part: Part::Train, per_class }
+            .images(&|done, all| stage.at(done, all));
         stage.finish(&format!("calibration: {per_class} recordings of each class at rho = {rho}"));
         quantize(parameters, header(self.scenario, n.into()), &classes, &images.images[0])
             .map_err(|e| named(from)(&e))

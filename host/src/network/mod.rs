@@ -2,7 +2,6 @@
 //!
 //! Paper, section V. What trains needs burn (the feature `train`).
 
-pub mod accuracy;
 #[cfg(feature = "train")]
 pub mod backbone;
 #[cfg(feature = "train")]
@@ -13,6 +12,7 @@ pub mod calibration;
 #[cfg(feature = "train")]
 pub mod checkpoint;
 pub mod early_exits;
+pub mod evaluation;
 pub mod float_network;
 pub mod inference;
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub fn quantize_folded(
     let mut int8_loss = Vec::new();
     for (rule, grids) in calibrate(float, &images) {
         let converted = convert(float, &grids)?;
-        let loss = converted.fake_quantised.evaluate(&images, &mut |a, v| round_all(grids.of(a), v)).loss;
+        let loss = converted.fake_quantised.evaluate(&images, |(), a, v| round_all(grids.of(a), v)).0.loss;
         int8_loss.push((rule, loss));
         if best.as_ref().is_none_or(|b| loss < b.0) {
             best = Some((loss, rule, grids, converted));

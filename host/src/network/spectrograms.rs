@@ -41,55 +41,95 @@ pub fn item(item: u32) -> (Class, u32) {
     (Class::ALL[(item % classes) as usize], item / classes)
 }
 
-/// Images of `per_class` recordings of every class, `[recording]` in the order of [`item`], or `[recording][window]` of
-/// training recordings. Test recordings go the whole way through raw slots; the others start at the beats.
-pub fn collect(
-    scenario: &Scenario,
-    rho: f64,
-    seed: u64,
-    set: Set,
-    per_class: u32,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Collected {
-    let count = per_class * Class::ALL.len() as u32;
-    let slots = scenario.largest_sensing_slots();
-    let done = AtomicU64::new(0);
-    let each: Vec<(Vec<Vec<i8>>, u8)> = (0..count)
-        .into_par_iter()
-        .flat_map_iter(|index| {
-            let (class, n) = item(index);
-            let windows = match set {
-                Set::Test => {
-                    vec![images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots)]
-                }
-                Set::Train => {
-                    let slots = scenario.learning.training_slots(slots);
-                    windows_of(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)
-                }
-                _ => vec![images_of_beats(scenario, &beats(scenario, rho, seed, set, class, n, slots).0)],
-            };
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-            windows.into_iter().map(move |images| (images, class as u8))
-        })
-        .collect();
-    gathered(scenario, &each)
+/// Which recordings of a scenario and seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Those learned from; every window is an image of its own.
+    Train,
+    /// Those behind them, which no network was trained on: early exits are fitted on them.
+    Calibration,
+    /// Those tested with.
+    Test,
+    /// Those shown.
+    Demo,
 }
 
-/// Images of stored training recordings, as [`collect`] makes them of simulated ones.
+/// The first `per_class` recordings of every class of a part, in the order of [`item`].
+#[derive(Debug, Clone, Copy)]
+pub struct Recordings<'a> {
+    /// Their scenario.
+    pub scenario: &'a Scenario,
+    /// AR(1) coefficient rho of the room channel.
+    pub rho: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Which.
+    pub part: Part,
+    /// How many of every class.
+    pub per_class: u32,
+}
+
+impl Recordings<'_> {
+    /// Images at every N_s of all of them, `[recording]`, or `[recording][window]` of training recordings.
+    pub fn images(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Collected {
+        gathered(self.scenario, &self.map(|| (), |(), images| images, progress))
+    }
+
+    /// `answer` to the images at every N_s of each of them, with its label; every thread makes a `state` of its own. Each is simulated
+    /// once and passes the front end once.
+    pub fn map<S, T: Send>(
+        &self,
+        state: impl Fn() -> S + Sync + Send,
+        answer: impl Fn(&mut S, Vec<Vec<i8>>) -> T + Sync + Send,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Vec<(u8, T)> {
+        let count = self.per_class * Class::ALL.len() as u32;
+        let done = AtomicU64::new(0);
+        let one = |state: &mut S, index: u32| {
+            let (class, n) = item(index);
+            let windows = self.windows(class, n).into_iter();
+            let answers: Vec<_> = windows.map(|images| (class as u8, answer(state, images))).collect();
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
+            answers
+        };
+        (0..count).into_par_iter().map_init(state, one).flatten_iter().collect()
+    }
+
+    /// Images of a recording's windows. Recordings that are tested or shown go the whole way through raw slots; the others start at
+    /// the beats.
+    fn windows(&self, class: Class, n: u32) -> Vec<Vec<Vec<i8>>> {
+        let Recordings { scenario, rho, seed, .. } = *self;
+        let slots = scenario.largest_sensing_slots();
+        let raw =
+            |set| vec![images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots)];
+        let beats = |n, slots| beats(scenario, rho, seed, Set::Train, class, n, slots).0;
+        let learning = &scenario.learning;
+        match self.part {
+            Part::Train => windows_of(scenario, &beats(n, learning.training_slots(slots))),
+            Part::Calibration => {
+                vec![images_of_beats(scenario, &beats(learning.train_per_class + n, slots))]
+            }
+            Part::Test => raw(Set::Test),
+            Part::Demo => raw(Set::Demo),
+        }
+    }
+}
+
+/// Images of stored training recordings, as [`Recordings::images`] makes them of simulated ones.
 pub fn collect_from(scenario: &Scenario, recordings: Vec<(Class, Vec<Beat>)>) -> Collected {
-    let each: Vec<(Vec<Vec<i8>>, u8)> = recordings
+    let each: Vec<(u8, Vec<Vec<i8>>)> = recordings
         .par_iter()
         .flat_map_iter(|(class, beats)| {
             let slots = scenario.learning.training_slots(scenario.largest_sensing_slots());
             let windows = windows_of(scenario, &beats[..slots as usize]);
-            windows.into_iter().map(move |images| (images, *class as u8))
+            windows.into_iter().map(move |images| (*class as u8, images))
         })
         .collect();
     gathered(scenario, &each)
 }
 
 /// Every recording's images, N_s by N_s.
-fn gathered(scenario: &Scenario, each: &[(Vec<Vec<i8>>, u8)]) -> Collected {
+fn gathered(scenario: &Scenario, each: &[(u8, Vec<Vec<i8>>)]) -> Collected {
     let settings = scenario.spectrogram.preprocessing();
     let images = scenario
         .frame
@@ -99,8 +139,8 @@ fn gathered(scenario: &Scenario, each: &[(Vec<Vec<i8>>, u8)]) -> Collected {
         .map(|(n, &slots)| Images {
             rows: ROWS,
             frames: settings.frames(slots as usize),
-            pixels: each.iter().flat_map(|(images, _)| images[n].iter().copied()).collect(),
-            labels: each.iter().map(|&(_, label)| label).collect(),
+            pixels: each.iter().flat_map(|(_, images)| images[n].iter().copied()).collect(),
+            labels: each.iter().map(|&(label, _)| label).collect(),
         })
         .collect();
     Collected { images }
@@ -127,7 +167,7 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
 
 /// Images at every N_s of the scenario of a recording's raw slots.
 pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
-    images_of_beats(scenario, &slots.beats(scenario.radar.config()).unwrap_or_default())
+    images_on_the_way(scenario, slots.len(), |front_end, n| front_end.push(&slots[n], &mut ()))
 }
 
 /// Images at every N_s of the scenario of a recording's beats.
@@ -135,6 +175,7 @@ pub fn images_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<i8>> {
     images_on_the_way(scenario, beats.len(), |front_end, n| front_end.push_beat(beats[n], &mut ()))
 }
 
+/// One pass: an image whenever as many slots are in as an N_s asks for.
 fn images_on_the_way(
     scenario: &Scenario,
     slots: usize,
@@ -156,9 +197,6 @@ fn images_on_the_way(
     }
     images
 }
-
-/// Which of each class's demonstrations the run's gallery shows.
-pub const GALLERY_RECORDING: u32 = 0;
 
 /// Length of a gallery's recordings in s, three steps of a walk, and the most slots the front end takes.
 const GALLERY_S: f64 = 2.0;

@@ -263,9 +263,10 @@ mod tests {
         grids.blocks.iter_mut().flatten().for_each(|g| *g = coarse(*g));
         let loss = |network: &FloatNetwork| {
             let fake_quantised = rehearse(network, &grids).unwrap();
-            let visit =
-                &mut |a: Activation, v: &mut [f32]| v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
-            fake_quantised.evaluate(&images, visit).loss
+            let round = |(): &mut (), a: Activation, v: &mut [f32]| {
+                v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
+            };
+            fake_quantised.evaluate(&images, round).0.loss
         };
         let (before, after) = (loss(&float), loss(&tune(&float, &grids, &images, &settings)));
         assert!(after < 0.9 * before, "{before} {after}");

@@ -7,8 +7,8 @@ use super::operating_point::{Rule, choose};
 use super::region::Point;
 use super::theorem::Theorem;
 use super::{OptimizerError, bits_per_slot};
-use crate::network::early_exits::ExitLogits;
 use crate::network::early_exits::policy::{Course, Policy};
+use crate::network::evaluation::ExitLogits;
 use crate::results::{AnytimeGain, AnytimeRegionPoint, AnytimeResult, StaticPoint};
 use crate::scenario::Scenario;
 
@@ -25,14 +25,14 @@ pub struct Evaluated<'a> {
 /// what they reach on the test recordings beside it.
 pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<AnytimeGain> {
     let rows = (0..policy.exits.len()).filter_map(|exit| {
-        let wanted = calibration.exit_logits.alone(exit);
+        let wanted = calibration.exit_logits.accuracy(exit);
         let (threshold, last) =
             policy.cheapest(calibration.courses, &calibration.exit_logits.truth, wanted)?;
         let anytime = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
         let static_slots = policy.exits[exit].sensing_slots;
         Some(AnytimeGain {
             static_slots,
-            static_accuracy: test.exit_logits.alone(exit),
+            static_accuracy: test.exit_logits.accuracy(exit),
             saved: 1.0 - anytime.sensing_slots / f64::from(static_slots),
             anytime,
         })
@@ -95,7 +95,7 @@ pub fn outcome(
         still.extend(policy.exits.iter().enumerate().map(|(exit, e)| StaticPoint {
             case,
             sensing_slots: e.sensing_slots,
-            accuracy: test.alone(exit),
+            accuracy: test.accuracy(exit),
             throughput_bit: theorem.throughput_bit(f64::from(e.sensing_slots)),
         }));
     }

@@ -5,17 +5,15 @@
 use super::{Job, Learned};
 use crate::dataset::Stored;
 use crate::error::Failure;
-use crate::network::accuracy::{share_right, through_core};
 use crate::network::checkpoint::Checkpoint;
-use crate::network::float_network::FloatNetwork;
+use crate::network::evaluation::{confusion, test};
 use crate::network::interchange::header;
 use crate::network::parameters::Parameters;
-use crate::network::spectrograms::{Collected, collect, collect_from};
+use crate::network::spectrograms::{Collected, Part, collect_from};
 use crate::network::training::{self, Backend, train_all};
 use crate::network::tuning::quantize_tuned;
-use crate::results::{Accuracy, Confusion, Epoch, Training};
+use crate::results::{Confusion, Epoch, Training};
 use crate::scenario::Class;
-use crate::simulator::dataset::Set;
 
 /// Float networks of every N_s.
 pub struct Trained {
@@ -50,12 +48,12 @@ pub fn history(training: &[Training]) -> String {
 }
 
 impl Job {
-    /// Images of a set, with progress.
-    pub fn collect(&self, rho: f64, set: Set, what: &str) -> Collected {
+    /// Images of the recordings learned from or tested with, with progress.
+    pub fn collect(&self, rho: f64, part: Part, what: &str) -> Collected {
         let l = &self.scenario.learning;
-        let count = if set == Set::Test { l.test_per_class } else { l.train_per_class };
+        let count = if part == Part::Test { l.test_per_class } else { l.train_per_class };
         let stage = self.progress.stage("simulate", what);
-        let found = collect(&self.scenario, rho, self.seed, set, count, &|done, all| stage.at(done, all));
+        let found = self.recordings(rho, part, count).images(&|done, all| stage.at(done, all));
         stage.finish(&format!("{what}: {count} of each class at rho = {rho}"));
         found
     }
@@ -168,36 +166,27 @@ impl Job {
     ///
     /// Any of the steps'.
     pub fn learn(&self, rho: f64, workers: usize, how: How) -> Result<(Learned, Trained), Failure> {
-        let train = self.collect(rho, Set::Train, "training recordings");
+        let train = self.collect(rho, Part::Train, "training recordings");
         let mut trained = self.train(&train, workers, how)?;
         let models = self.quantize(&trained.parameters, &train)?;
-        let test = self.collect(rho, Set::Test, "test recordings");
-        let stage = self.progress.stage("run", "raw I/Q through the core");
-        let counts = through_core(&self.scenario, rho, self.seed, &models, &|done, all| stage.at(done, all))?;
-        let mut accuracy = Vec::new();
-        let mut confusion = Vec::new();
-        for (index, &sensing_slots) in self.scenario.frame.sensing_slots.iter().enumerate() {
-            let float = FloatNetwork::new(&trained.parameters[index]).classify(&test.images[index]);
-            trained.training[index].float_loss = float.loss;
-            accuracy.push(Accuracy {
-                sensing_slots,
-                float: float.accuracy(),
-                int8: share_right(&counts[index]),
-                tested: float.classes.len() as u32,
-            });
-            let classes = Class::ALL.len();
-            let mut matrix = vec![vec![0; classes]; classes];
-            for (&truth, &answer) in test.images[index].labels.iter().zip(&float.classes) {
-                matrix[usize::from(truth)][usize::from(answer)] += 1;
+        let images = self.collect(rho, Part::Test, "test recordings").images;
+        let stage = self.progress.stage("run", "networks on the test recordings");
+        let slots = &self.scenario.frame.sensing_slots;
+        let (mut accuracy, mut confusions) = (Vec::new(), Vec::new());
+        let tested = test(&trained.parameters, &models, slots, &images)?;
+        for ((tested, images), training) in tested.into_iter().zip(&images).zip(&mut trained.training) {
+            training.float_loss = tested.float.loss;
+            for (arithmetic, answers) in [("float", &tested.float.classes), ("int8", &tested.int8)] {
+                let counts = confusion(&images.labels, answers);
+                let sensing_slots = training.sensing_slots;
+                confusions.push(Confusion { sensing_slots, arithmetic: arithmetic.into(), counts });
             }
-            confusion.push(Confusion { sensing_slots, arithmetic: "float".into(), counts: matrix });
-            let counts = counts[index].clone();
-            confusion.push(Confusion { sensing_slots, arithmetic: "int8".into(), counts });
+            accuracy.push(tested.accuracy);
         }
         let words: Vec<String> =
             accuracy.iter().map(|a| format!("{} {:.3}", a.sensing_slots, a.int8)).collect();
         stage.finish(&format!("int8 accuracy by N_s: {}", words.join(", ")));
         let training = trained.training.clone();
-        Ok((Learned { models, accuracy, training, confusion }, trained))
+        Ok((Learned { models, accuracy, training, confusion: confusions }, trained))
     }
 }

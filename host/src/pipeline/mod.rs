@@ -13,10 +13,12 @@ use crate::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use crate::conformance::verification::Verification;
 use crate::error::{Failure, Invalid};
 use crate::formats::slots::Slots;
+use crate::network::early_exits::Policy;
 use crate::network::early_exits::calibration::weights;
-use crate::network::early_exits::{Part, Policy, collect};
+use crate::network::evaluation::Networks;
 use crate::network::memory::OwnedMemory;
-use crate::network::spectrograms::{GALLERY_RECORDING, images_of, picture};
+use crate::network::parameters::Images;
+use crate::network::spectrograms::{Collected, Part, Recordings, picture};
 use crate::optimizer::anytime;
 use crate::optimizer::shares::integer_rates;
 use crate::optimizer::{Rule, optimise};
@@ -147,18 +149,20 @@ impl Job {
         }
     }
 
-    /// One spectrogram per class.
-    pub fn gallery(&self, rho: f64) -> Vec<Spectrogram> {
-        let s = &self.scenario;
-        let slots = s.largest_sensing_slots();
-        Class::ALL
-            .iter()
-            .map(|&class| {
-                let recording = recording(s, rho, self.seed, Set::Demo, class, GALLERY_RECORDING, slots);
-                let image = images_of(s, &recording.slots).pop().unwrap_or_default();
-                picture(s, class.name(), &image)
-            })
-            .collect()
+    /// The first `per_class` recordings of every class of a part.
+    pub fn recordings(&self, rho: f64, part: Part, per_class: u32) -> Recordings<'_> {
+        Recordings { scenario: &self.scenario, rho, seed: self.seed, part, per_class }
+    }
+
+    /// The gallery: images of one recording per class, and the spectrograms at the largest N_s.
+    pub fn gallery(&self, rho: f64) -> (Collected, Vec<Spectrogram>) {
+        let shown = self.recordings(rho, Part::Demo, 1).images(&|_, _| ());
+        let picture = |images: &Images| {
+            let pictures = Class::ALL.iter().enumerate();
+            pictures.map(|(n, class)| picture(&self.scenario, class.name(), images.image(n))).collect()
+        };
+        let spectrograms = shown.images.last().map(picture).unwrap_or_default();
+        (shown, spectrograms)
     }
 
     /// The learning curve through accuracies.
@@ -223,15 +227,16 @@ impl Job {
                 Invalid::new("frame.sensing_slots (exits)", models.len(), format!("1 to {most}")).into()
             );
         }
+        let networks = Networks::parse(models, &s.frame.sensing_slots)?;
         let gather = |part: Part, per_class: u32, what: &str| {
             let stage = self.progress.stage("early exits", what);
-            let found =
-                collect(s, rho, self.seed, models, (part, per_class), &|done, all| stage.at(done, all))?;
+            let recordings = self.recordings(rho, part, per_class);
+            let found = networks.recordings(&recordings, &|done, all| stage.at(done, all));
             stage.finish(&format!("{what}: {per_class} of each class"));
-            Ok::<_, Failure>(found)
+            found
         };
-        let calibration = gather(Part::Calibration, per_class, "recordings to calibrate on")?;
-        let test = gather(Part::Test, s.learning.test_per_class, "test recordings")?;
+        let calibration = gather(Part::Calibration, per_class, "recordings to calibrate on");
+        let test = gather(Part::Test, s.learning.test_per_class, "test recordings");
         let policy = Policy::new(&calibration.slots, weights(&calibration));
         Ok(anytime::outcome(s, self.seed, &policy, &calibration, &test, rule)?)
     }

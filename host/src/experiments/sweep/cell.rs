@@ -3,11 +3,11 @@
 use crate::error::Failure;
 use crate::experiments::RunContext;
 use crate::experiments::trained::{images, train};
+use crate::network::spectrograms::Part;
 use crate::optimizer::bits_per_slot;
 use crate::optimizer::shares::divide;
 use crate::results::{Cell, Measurement, Throughput};
 use crate::scenario::Scenario;
-use crate::simulator::dataset::Set;
 
 /// Measures a cell; its scenario has its carrier, its rho and its N_s alone. The same bits for any number of threads.
 ///
@@ -18,8 +18,8 @@ use crate::simulator::dataset::Set;
 /// Whatever the training, the core or the optimizer say.
 pub fn measure(cell: &Cell, scenario: &Scenario, context: RunContext) -> Result<Measurement, Failure> {
     let (rho, seed) = (cell.rho, cell.seed);
-    let trained = train(scenario, seed, &images(scenario, rho, seed, Set::Train, context), context)?;
-    let tested = trained.test(scenario, &images(scenario, rho, seed, Set::Test, context))?;
+    let trained = train(scenario, seed, &images(scenario, rho, seed, Part::Train, context), context)?;
+    let tested = trained.test(scenario, &images(scenario, rho, seed, Part::Test, context))?;
     let accuracy = tested.into_iter().next().ok_or("a cell has one N_s")?;
     let left = scenario.frame.period_slots - cell.sensing_slots;
     let price = |(case, slot_bit): (u32, Vec<f64>)| {

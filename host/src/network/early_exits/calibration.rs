@@ -3,7 +3,7 @@
 //! Log loss of softmax(sum over exits so far of w_j logits_j), w_j >= 0, on recordings no network was trained on. Convex; Newton's
 //! method coordinate by coordinate. One exit alone is temperature scaling (Guo, Pleiss, Sun and Weinberger, 2017).
 
-use super::exit_logits::ExitLogits;
+use crate::network::evaluation::ExitLogits;
 use sdp3_core::early_exit::{EVIDENCE_BITS, MAX_WEIGHT};
 
 /// Sweeps over the coordinates.

@@ -1,6 +1,6 @@
 //! The effect of a threshold: accuracy, sensing slots, and where recordings stop.
 
-use super::exit_logits::ExitLogits;
+use crate::network::evaluation::ExitLogits;
 use crate::results::{AnytimeExit, AnytimePoint};
 use sdp3_core::early_exit::{add_evidence, decide};
 
