@@ -1,9 +1,8 @@
 //! The optimizer: what accuracy costs in throughput, and the operating point of the scheduler.
 //!
 //! [`water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
-//! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond it, [`spacings`] and [`sweep`] vary what
-//! else may vary, [`playback`] lets the core's scheduler play it, [`campaign`] for
-//! thousands of periods.
+//! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond
+//! it, [`spacings`] and [`sweep`] vary what else may vary.
 
 pub mod anytime;
 pub mod operating_point;
