@@ -33,26 +33,26 @@ pub fn point(period: u32, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Poi
     Point { sensing_slots: sensing, shares, accuracy, throughput_bit: worst }
 }
 
-/// Least and largest N_s: one window, and the most that fit the period at the spacing `spacing` (N_m).
+/// Least and largest N_s: a recording of four windows, and the most that fit the period at the spacing `spacing` (N_m).
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Period`] if not even one window fits.
+/// [`OptimizerError::Period`] if not even the shortest recording fits.
 pub fn range(scenario: &Scenario, spacing: u32) -> Result<(u32, u32), OptimizerError> {
     let period = scenario.frame.period_slots;
-    let window = u32::from(scenario.spectrogram.window);
+    let least = scenario.least_sensing_slots();
     let most = period / (spacing + 1);
-    if most < window {
-        return Err(OptimizerError::Period { period, least: window * (spacing + 1) });
+    if most < least {
+        return Err(OptimizerError::Period { period, least: least * (spacing + 1) });
     }
-    Ok((window, most))
+    Ok((least, most))
 }
 
 /// The boundary at every N_s, ascending.
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Period`] if not even one window fits; [`OptimizerError::Curve`] if the curve's model is unknown.
+/// [`OptimizerError::Period`] if not even the shortest recording fits; [`OptimizerError::Curve`] if the curve's model is unknown.
 pub fn boundary(scenario: &Scenario, curve: &Curve, slot_bits: &[f64]) -> Result<Vec<Point>, OptimizerError> {
     let f = &scenario.frame;
     let (least, most) = range(scenario, f.spacing_slots)?;

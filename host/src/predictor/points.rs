@@ -51,6 +51,9 @@ pub fn check(points: &[CurvePoint]) -> Result<usize, FitError> {
         if !(0.0..=1.0).contains(&p.accuracy) {
             return refuse("accuracy", p.accuracy, "0 to 1");
         }
+        if let Some(std) = p.std.filter(|s| !(s.is_finite() && *s > 0.0 && *s <= 0.5)) {
+            return refuse("std", std, "above 0, at most 0.5");
+        }
         if let Some(tested) = p.tested.filter(|n| !(n.is_finite() && *n >= 1.0)) {
             return refuse("tested", tested, "at least 1");
         }

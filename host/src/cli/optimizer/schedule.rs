@@ -8,7 +8,7 @@ use clap::Args;
 use sdp3::error::Failure;
 use sdp3::network::memory::OwnedMemory;
 use sdp3::pipeline::Job;
-use sdp3::report::{plot::on_white, timeline};
+use sdp3::report::timeline;
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
 use sdp3::scheduling::campaign::{
@@ -88,7 +88,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     if args.periods.is_none() {
         let schedule = playback::play(&stored(&job)?.operating_point)?;
         job.output.write_json("schedule.json", &schedule)?;
-        draw(&job, &schedule.timeline)?;
+        draw(context, &job, &schedule.timeline)?;
         context.print(&schedule, || one_period(&schedule))?;
         return Ok(true);
     }
@@ -104,16 +104,14 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
-    draw(&job, &found.timeline)?;
+    draw(context, &job, &found.timeline)?;
     context.print(&found, || campaign_words(&found))?;
     Ok(found.broken.is_empty())
 }
 
 /// The (first) period's slots as a picture.
-fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
-    let svg = on_white(timeline::svg(runs));
-    job.output.write("timeline.svg", svg.as_bytes())?;
-    Ok(())
+fn draw(context: &Context, job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
+    context.draw(job, "timeline", &timeline::svg(runs, job.scenario.period_s()))
 }
 
 fn play(job: &Job, args: &ScheduleArgs, settings: &Settings) -> Result<(Campaign, String), Failure> {
