@@ -1,6 +1,6 @@
 //! Early exits beside static sensing: picture and table.
 
-use super::plot::{Axis, Plot, STYLES};
+use super::plot::{Axis, Plot, style};
 use crate::results::AnytimeResult;
 use std::fmt::Write;
 
@@ -12,13 +12,13 @@ pub fn region(found: &AnytimeResult, period_s: f64) -> Plot {
     let bits = found.region.iter().map(|p| p.throughput_bit);
     let bits = bits.chain(found.static_region.iter().map(|p| p.throughput_bit));
     let x = Axis::around(accuracies, "recognition accuracy A (share, test recordings)");
-    let y = Axis::around(bits.map(rate), "throughput R of the worst user (Mbit/s)");
+    let y = Axis::around(bits.map(rate), "worst throughput R (Mbit/s)");
     let mut plot = Plot::new("Accuracy-throughput region with early exits and static", x, y);
     let mut cases: Vec<u32> = found.static_region.iter().map(|p| p.case).collect();
     cases.dedup();
     for (index, case) in cases.into_iter().enumerate() {
-        let style = |k: usize| STYLES[(2 * index + k) % STYLES.len()];
-        let still = plot.series(&format!("static, case {case}"), style(1));
+        let of = |k: usize| style(2 * index + k);
+        let still = plot.series(&format!("static, case {case}"), of(1));
         let own = || found.static_region.iter().filter(|p| p.case == case);
         plot.line(still, &own().map(|p| (p.accuracy, rate(p.throughput_bit))).collect::<Vec<_>>(), 1.4);
         for p in own() {
@@ -26,7 +26,7 @@ pub fn region(found: &AnytimeResult, period_s: f64) -> Plot {
             plot.dot(still, (p.accuracy, rate(p.throughput_bit)), 3.2, &says);
         }
         // the envelope was chosen on other recordings: points that turned out dominated stay dots
-        let early = plot.series(&format!("early exits, case {case}"), style(0));
+        let early = plot.series(&format!("early exits, case {case}"), of(0));
         let (mut most, mut line) = (f64::NEG_INFINITY, Vec::new());
         for p in found.region.iter().filter(|p| p.case == case) {
             let at = (p.point.accuracy, rate(p.throughput_bit));

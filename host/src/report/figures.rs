@@ -1,6 +1,6 @@
 //! The vector figures: KL curve, intensity shares, learning curve, losses, region.
 
-use super::plot::{Axis, COLOURS, INK, Plot, SOFT, STYLES, Style, number};
+use super::plot::{Axis, COLOURS, INK, Plot, SOFT, STYLES, Style, number, style};
 use crate::results::{
     Accuracy, BandPoint, Border, Calibration, Case, CurvePoint, Figures, OperatingPoint, Prediction,
     RegionPoint, Zone,
@@ -133,7 +133,7 @@ pub fn losses(figures: &Figures) -> Plot {
     y.low = y.low.min(0.0);
     let mut plot = Plot::new("Training loss", Axis::new(0.0, epochs as f64, "epoch"), y);
     for (index, training) in figures.training.iter().enumerate() {
-        let series = plot.series(&format!("N_s = {}", training.sensing_slots), STYLES[index % STYLES.len()]);
+        let series = plot.series(&format!("N_s = {}", training.sensing_slots), style(index));
         let points: Vec<_> =
             training.epochs.iter().enumerate().map(|(k, e)| (k as f64 + 1.0, e.loss)).collect();
         plot.line(series, &points, 1.4);
@@ -148,7 +148,7 @@ pub fn losses(figures: &Figures) -> Plot {
 fn zone_tint(zone: Zone) -> (&'static str, f64, &'static str) {
     match zone {
         Zone::CommunicationSaturation => (COLOURS[6], 0.5, "communication saturation"),
-        Zone::Adversarial => (COLOURS[1], 0.12, "adversarial"),
+        Zone::Adversarial => (COLOURS[2], 0.1, "adversarial"),
         Zone::SensingSaturation => (COLOURS[5], 0.35, "sensing saturation"),
     }
 }
@@ -159,8 +159,7 @@ pub fn region(all: &[RegionPoint], p: &OperatingPoint, cases: &[Case], measured:
     let rate = |bit: f64| bit / p.period_s / 1e6;
     let accuracies = all.iter().map(|p| p.accuracy).chain(measured.iter().map(|p| p.accuracy));
     let x = Axis::around(accuracies, "recognition accuracy A (share, 0 to 1)");
-    let y =
-        Axis::around(all.iter().map(|p| rate(p.throughput_bit)), "throughput R of the worst user (Mbit/s)");
+    let y = Axis::around(all.iter().map(|p| rate(p.throughput_bit)), "worst throughput R (Mbit/s)");
     let mut plot = Plot::new("Accuracy-throughput region", x, y);
     let mut numbers: Vec<u32> = all.iter().map(|p| p.case).collect();
     numbers.dedup();

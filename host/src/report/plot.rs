@@ -133,6 +133,12 @@ pub const STYLES: [Style; 7] = [
     Style::new(COLOURS[6], "1 3", Marker::Triangle),
 ];
 
+/// The style of a series among any number: after all colours dashes and markers are paired with others.
+pub fn style(index: usize) -> Style {
+    let Style { dash, marker, .. } = STYLES[(index + index / STYLES.len()) % STYLES.len()];
+    Style { dash, marker, ..STYLES[index % STYLES.len()] }
+}
+
 /// Secondary lines: thin and grey.
 pub const SOFT: Style = Style::new("var(--soft,#999)", "", Marker::Circle);
 

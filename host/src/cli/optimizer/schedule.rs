@@ -105,7 +105,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
     draw(context, &job, &found.timeline)?;
-    context.print(&found, || campaign_words(&found))?;
+    context.print(&found, || campaign_words(&found, job.scenario.period_s()))?;
     Ok(found.broken.is_empty())
 }
 
@@ -213,11 +213,11 @@ fn one_period(s: &Schedule) -> String {
     )
 }
 
-fn campaign_words(found: &Campaign) -> String {
+fn campaign_words(found: &Campaign, period_s: f64) -> String {
     let r = &found.replans;
     let mut text = format!(
         "{} periods, {} decisions: {} sensing, {} idle\n{} new plans: {} joined, {} left, {} rates, {} targets, {} slots lost and \
-         {} of sensing, {} given back\n{:<9}{:>9}{:>13}{:>14}{:>14}{:>10}{:>8}\n",
+         {} of sensing, {} given back\n{:<9}{:>9}{:>13}{:>14}{:>10}{:>14}{:>10}{:>8}\n",
         found.periods,
         found.decisions,
         found.sensing_slots,
@@ -234,6 +234,7 @@ fn campaign_words(found: &Campaign) -> String {
         "periods",
         "slots",
         "bit a period",
+        "Mbit/s",
         "offered",
         "wait",
         "bound"
@@ -242,11 +243,12 @@ fn campaign_words(found: &Campaign) -> String {
         let per_period = |bits: f64| bits / c.periods as f64;
         let _ = writeln!(
             text,
-            "{:<9}{:>9}{:>13}{:>14.0}{:>14.0}{:>10}{:>8}",
+            "{:<9}{:>9}{:>13}{:>14.0}{:>10.3}{:>14.0}{:>10}{:>8}",
             k + 1,
             c.periods,
             c.slots,
             per_period(c.delivered_bit),
+            per_period(c.delivered_bit) / period_s / 1e6,
             per_period(c.offered_bit),
             c.longest_wait_slots,
             c.wait_bound_slots

@@ -11,7 +11,7 @@ use super::{confusion, figures, spectrograms, timeline};
 use crate::results::{Figures, Run};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
 /// Dots of a PNG to the inch.
@@ -89,7 +89,8 @@ pub fn forms(name: &str, svg: &str) -> Result<[(String, Vec<u8>); 3], PaperError
     let fonts = options.fontdb_mut();
     fonts.load_font_data(whole.to_vec());
     fonts.set_sans_serif_family(font::FAMILY);
-    let svg = on_white(svg);
+    // spaced letters are not drawn as one: a ligature has no character of its own
+    let svg = on_white(svg).replacen("<svg ", "<svg letter-spacing=\"0.01\" ", 1);
     let tree =
         Tree::from_str(&svg, &options).map_err(|source| PaperError::Svg { name: name.into(), source })?;
     let letters = font::subset(whole, &text(&svg));
@@ -144,6 +145,8 @@ fn png(name: &str, tree: &Tree) -> Result<Vec<u8>, PaperError> {
     let (width, height) = (side(size.width()), side(size.height()));
     let mut pixels =
         Pixmap::new(width, height).ok_or_else(|| failed("it has no area, or too much".into()))?;
+    // the last row and column may be covered in part
+    pixels.fill(Color::WHITE);
     resvg::render(tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
     let rgb: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
     let mut bytes = Vec::new();
