@@ -190,8 +190,11 @@ pub fn region(all: &[RegionPoint], p: &OperatingPoint, cases: &[Case], measured:
         }
         if let Some(from) = points.iter().position(|p| !p.extrapolated) {
             let to = points.iter().rposition(|p| !p.extrapolated).unwrap_or(from);
-            for part in [&points[..=from], &points[to..]].into_iter().filter(|part| part.len() > 1) {
-                let dotted = plot.series(&format!("case {case}, extrapolated"), style);
+            let parts = [&points[..=from], &points[to..]].into_iter().filter(|part| part.len() > 1);
+            let mut dotted = None;
+            for part in parts {
+                let dotted = *dotted
+                    .get_or_insert_with(|| plot.series(&format!("case {case}, extrapolated"), style));
                 plot.dotted(dotted, &part.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
             }
         }

@@ -48,8 +48,8 @@ fn glyph(cmap: &[u8], character: char) -> u16 {
 pub struct Subset {
     /// The font file.
     pub bytes: Vec<u8>,
-    /// Character and advance, in thousandths of the size, of every glyph but those that are only parts of others.
-    pub glyphs: BTreeMap<u16, (char, f32)>,
+    /// What it stands for and its advance, in thousandths of the size, for every glyph but those that are only parts of others.
+    pub glyphs: BTreeMap<u16, (String, f32)>,
     /// New number of every glyph kept, by its number in the whole font.
     pub numbers: BTreeMap<u16, u16>,
     /// Units of the font for its size.
@@ -103,8 +103,8 @@ fn outline(data: &[u8], numbers: &BTreeMap<u16, u16>) -> Vec<u8> {
     copy
 }
 
-/// The font with the glyphs of `text` alone.
-pub fn subset(font: &[u8], text: &str) -> Subset {
+/// The font with the glyphs of `text` and `drawn` alone; what is drawn has ligatures, which stand for several characters.
+pub fn subset(font: &[u8], text: &str, drawn: &BTreeMap<u16, String>) -> Subset {
     let [head, hhea, maxp, hmtx, loca, glyf, cmap, os2] =
         [b"head", b"hhea", b"maxp", b"hmtx", b"loca", b"glyf", b"cmap", b"OS/2"]
             .map(|name| table(font, *name));
@@ -120,7 +120,7 @@ pub fn subset(font: &[u8], text: &str) -> Subset {
     let characters: Vec<(char, u16)> =
         characters.into_iter().map(|c| (c, glyph(cmap, c))).filter(|(_, g)| *g > 0).collect();
     let mut order = vec![0];
-    order.extend(characters.iter().map(|(_, old)| *old));
+    order.extend(characters.iter().map(|(_, old)| *old).chain(drawn.keys().copied()));
     let mut next = 1;
     while let Some(&old) = order.get(next) {
         if (u16_at(data(old), 0) as i16) < 0 {
@@ -175,7 +175,11 @@ pub fn subset(font: &[u8], text: &str) -> Subset {
     ]);
     let units_per_em = u16_at(head, 18);
     let thousandths = |old: u16| 1000.0 * f32::from(advance(old)) / f32::from(units_per_em.max(1));
-    let glyphs = characters.iter().map(|(c, old)| (numbers[old], (*c, thousandths(*old)))).collect();
+    let mut glyphs: BTreeMap<u16, (String, f32)> =
+        drawn.iter().map(|(old, text)| (numbers[old], (text.clone(), thousandths(*old)))).collect();
+    for (c, old) in &characters {
+        glyphs.insert(numbers[old], (c.to_string(), thousandths(*old)));
+    }
     Subset { bytes, glyphs, numbers, units_per_em }
 }
 

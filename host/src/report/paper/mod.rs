@@ -89,11 +89,10 @@ pub fn forms(name: &str, svg: &str) -> Result<[(String, Vec<u8>); 3], PaperError
     let fonts = options.fontdb_mut();
     fonts.load_font_data(whole.to_vec());
     fonts.set_sans_serif_family(font::FAMILY);
-    // spaced letters are not drawn as one: a ligature has no character of its own
-    let svg = on_white(svg).replacen("<svg ", "<svg letter-spacing=\"0.01\" ", 1);
+    let svg = on_white(svg);
     let tree =
         Tree::from_str(&svg, &options).map_err(|source| PaperError::Svg { name: name.into(), source })?;
-    let letters = font::subset(whole, &text(&svg));
+    let letters = font::subset(whole, &text(&svg), &pdf::glyphs(&tree));
     let files = [
         (format!("{name}.png"), png(name, &tree)?),
         (format!("{name}.pdf"), pdf::pdf(name, &tree, &letters)?),
@@ -167,6 +166,7 @@ fn png(name: &str, tree: &Tree) -> Result<Vec<u8>, PaperError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn drawn(fill: &str, words: &str) -> [(String, Vec<u8>); 3] {
         let svg = format!(
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn files_stand_alone_and_text_is_drawn() {
-        let [(_, png), (_, pdf), (_, svg)] = drawn("var(--ink,#222)", "Aé");
+        let [(_, png), (_, pdf), (_, svg)] = drawn("var(--ink,#222)", "Afié");
         let svg = String::from_utf8(svg).unwrap();
         assert!(
             svg.contains("fill=\"#222\"") && !svg.contains("var(") && svg.contains("@font-face"),
@@ -199,7 +199,7 @@ mod tests {
         // é is made of parts
         let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 60 20\" width=\"60mm\" height=\"20mm\"><title>t</title>\
              <rect width=\"60\" height=\"20\" fill=\"#fff\"/><text x=\"2\" y=\"15\" font-size=\"12\" font-family=\"DejaVu Sans\">σé8−g</text></svg>";
-        let letters = font::subset(dejavu::sans::regular(), "σé8−g");
+        let letters = font::subset(dejavu::sans::regular(), "σé8−g", &BTreeMap::new());
         assert!(letters.bytes.len() < 6000, "{}", letters.bytes.len());
         let render = |bytes: Vec<u8>| {
             let mut options = Options::default();
@@ -207,7 +207,7 @@ mod tests {
             png("t", &Tree::from_str(svg, &options).unwrap()).unwrap()
         };
         let whole = render(dejavu::sans::regular().to_vec());
-        assert_ne!(whole, render(font::subset(dejavu::sans::regular(), "σé8−").bytes));
+        assert_ne!(whole, render(font::subset(dejavu::sans::regular(), "σé8−", &BTreeMap::new()).bytes));
         assert_eq!(whole, render(letters.bytes));
     }
 }

@@ -8,7 +8,9 @@ use pdf_writer::types::{CidFontType, FontFlags, LineCapStyle, LineJoinStyle, Sys
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use resvg::tiny_skia::PathSegment;
 use resvg::tiny_skia::Transform;
+use resvg::usvg::layout::PositionedGlyph;
 use resvg::usvg::{Fill, Group, Image, ImageKind, LineCap, LineJoin, Node, Paint, Path, Stroke, Text, Tree};
+use std::collections::BTreeMap;
 use std::io::Write;
 
 /// Points of a CSS pixel.
@@ -176,19 +178,42 @@ impl Page<'_> {
             self.content.set_font(FONT, 1.0);
             let em = f32::from(self.font.units_per_em);
             for glyph in &span.positioned_glyphs {
-                let Some(number) = u16::try_from(glyph.id.0).ok().and_then(|id| self.font.numbers.get(&id))
-                else {
+                let Some(own) = self.font.numbers.get(&number(glyph)) else {
                     return Err(format!("{:?} is not in the embedded font", glyph.text));
                 };
                 let place = text.abs_transform().pre_concat(glyph.outline_transform()).pre_scale(em, em);
                 self.content.set_text_matrix(matrix(place));
-                self.content.show(Str(&number.to_be_bytes()));
+                self.content.show(Str(&own.to_be_bytes()));
             }
             self.content.end_text();
             self.content.restore_state();
         }
         Ok(())
     }
+}
+
+/// A glyph's number in the whole font; TrueType has 16 bits.
+fn number(glyph: &PositionedGlyph) -> u16 {
+    u16::try_from(glyph.id.0).unwrap_or(0)
+}
+
+/// Every glyph that is drawn, by its number in the whole font, and the characters it stands for.
+pub fn glyphs(tree: &Tree) -> BTreeMap<u16, String> {
+    fn collect(group: &Group, all: &mut BTreeMap<u16, String>) {
+        for node in group.children() {
+            match node {
+                Node::Group(group) => collect(group, all),
+                Node::Text(text) => {
+                    let glyphs = text.layouted().iter().flat_map(|span| &span.positioned_glyphs);
+                    all.extend(glyphs.map(|glyph| (number(glyph), glyph.text.clone())));
+                }
+                Node::Path(_) | Node::Image(_) => {}
+            }
+        }
+    }
+    let mut all = BTreeMap::new();
+    collect(tree.root(), &mut all);
+    all
 }
 
 /// The file.
@@ -259,8 +284,8 @@ pub fn pdf(name: &str, tree: &Tree, font: &Subset) -> Result<Vec<u8>, PaperError
         .filter(Filter::FlateDecode)
         .pair(Name(b"Length1"), font.bytes.len() as i32);
     let mut unicode = UnicodeCmap::new(Name(b"sdp3"), SYSTEM);
-    for (number, (character, _)) in &font.glyphs {
-        unicode.pair(*number, *character);
+    for (number, (text, _)) in font.glyphs.iter().filter(|(_, (text, _))| !text.is_empty()) {
+        unicode.pair_with_multiple(*number, text.chars());
     }
     pdf.cmap(cmap, &unicode.finish());
     for (k, opacity) in opacities.iter().enumerate() {
