@@ -131,7 +131,8 @@ pub fn losses(figures: &Figures) -> Plot {
     let all = figures.training.iter().flat_map(|t| t.epochs.iter().map(|e| e.loss));
     let mut y = Axis::around(all, "training loss (nat)");
     y.low = y.low.min(0.0);
-    let mut plot = Plot::new("Training loss", Axis::new(0.0, epochs as f64, "epoch"), y);
+    let x = Axis { whole: true, ..Axis::new(0.0, epochs as f64, "epoch") };
+    let mut plot = Plot::new("Training loss", x, y);
     for (index, training) in figures.training.iter().enumerate() {
         let series = plot.series(&format!("N_s = {}", training.sensing_slots), style(index));
         let points: Vec<_> =
@@ -193,8 +194,8 @@ pub fn region(all: &[RegionPoint], p: &OperatingPoint, cases: &[Case], measured:
             let parts = [&points[..=from], &points[to..]].into_iter().filter(|part| part.len() > 1);
             let mut dotted = None;
             for part in parts {
-                let dotted = *dotted
-                    .get_or_insert_with(|| plot.series(&format!("case {case}, extrapolated"), style));
+                let dotted =
+                    *dotted.get_or_insert_with(|| plot.series(&format!("case {case}, extrapolated"), style));
                 plot.dotted(dotted, &part.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
             }
         }

@@ -89,7 +89,7 @@ fn answer(run: &Run) -> String {
     };
     format!(
         "With {} of the {} slots of a {} s period spent on sensing, the learning curve predicts that {:.1} %{band} of the recordings \
-         are recognised, and the other slots leave {:.2} Mbit/s to every user.{beyond}",
+         are recognised, and the other slots leave at least {:.2} Mbit/s to every user.{beyond}",
         p.sensing_slots,
         p.period_slots,
         number(p.period_s),

@@ -156,12 +156,14 @@ pub struct Axis {
     pub name: String,
     /// Logarithmic (base 10).
     pub log: bool,
+    /// Whole numbers alone.
+    pub whole: bool,
 }
 
 impl Axis {
     /// A linear axis between two values.
     pub fn new(low: f64, high: f64, name: &str) -> Self {
-        Axis { low, high, name: name.into(), log: false }
+        Axis { low, high, name: name.into(), log: false, whole: false }
     }
 
     /// A linear axis around values, with a margin.
@@ -174,7 +176,7 @@ impl Axis {
             (low, high) = (0.0, 1.0);
         }
         let margin = ((high - low) * 0.05).max(1e-9);
-        Axis { low: low - margin, high: high + margin, name: name.into(), log: false }
+        Axis { low: low - margin, high: high + margin, name: name.into(), log: false, whole: false }
     }
 
     fn share(&self, value: f64) -> f64 {
@@ -189,9 +191,13 @@ impl Axis {
             return (low..=high).map(|e| 10_f64.powi(e)).collect();
         }
         let raw = (self.high - self.low) / most.clamp(2, 6) as f64;
+        let raw = if self.whole { raw.max(1.0) } else { raw };
         let power = 10_f64.powf(raw.log10().floor());
-        let step =
-            [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw).unwrap_or(raw);
+        let step = [1.0, 2.0, 2.5, 5.0, 10.0]
+            .map(|m| m * power)
+            .into_iter()
+            .find(|s| *s >= raw && !(self.whole && s.fract() > 0.0))
+            .unwrap_or(raw);
         let first = (self.low / step).ceil() as i64;
         (first..).map(|k| k as f64 * step).take_while(|x| *x <= self.high + step * 1e-9).take(20).collect()
     }
@@ -415,7 +421,7 @@ impl Plot {
             drawn.push(kind);
             svg += &match shape {
                 Shape::Line { width, dash, .. } => format!(
-                    "<path d=\"M{x:.1} {y:.1}h{SAMPLE}\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-dasharray=\"{}\"/>",
+                    "<path d=\"M{x:.1} {y:.1}h{SAMPLE}\" stroke=\"{colour}\" stroke-width=\"{width}\" fill=\"none\" stroke-dasharray=\"{}\"/>",
                     if dash.is_empty() { "none" } else { dash }
                 ),
                 Shape::Dot { radius, .. } => style.mark((middle, y), radius.clamp(2.0, 4.0), ""),
@@ -525,12 +531,13 @@ impl Frame<'_> {
             Shape::Ring { at, label } => {
                 let (x, y) = self.at(*at);
                 let left = x > self.medium.left + 12.0 + self.medium.width_of(label);
+                let low = y + self.medium.font + 8.0 > self.medium.height - self.medium.bottom;
                 let (anchor, shift) = if left { ("end", -9.0) } else { ("start", 9.0) };
                 format!(
                     "{}<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                     ring((x, y), 6.0, colour),
                     x + shift,
-                    y + self.medium.font + 4.0,
+                    if low { y - 8.0 } else { y + self.medium.font + 4.0 },
                     escape(label)
                 )
             }

@@ -72,7 +72,7 @@ fn ramp() -> Vec<u8> {
 }
 
 /// Where the image of a page's picture stands: x, y, width, height.
-pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 212.0, 196.0);
+pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 204.0, 196.0);
 
 /// The page's picture.
 const PAGE: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.0, bottom: 0.0, mm: 0.0 };
@@ -94,8 +94,8 @@ pub fn svg(s: &Spectrogram, medium: Medium) -> String {
          <image href=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
          style=\"image-rendering:pixelated\"/>\
          <text class=\"axis-y\" transform=\"translate(12 106) rotate(-90)\" text-anchor=\"middle\">Doppler (Hz)</text>\
-         <text class=\"axis-x\" x=\"162\" y=\"238\" text-anchor=\"middle\">time (s)</text>\
-         <text transform=\"translate(308 106) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>",
+         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">time (s)</text>\
+         <text transform=\"translate(310 106) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>",
         medium.root(250.0),
         escape(&s.title),
         data(&bytes),
