@@ -444,7 +444,10 @@ impl Plot {
         let frame = Frame { plot: self, medium };
         let (right, bottom) = (medium.width - RIGHT, medium.height - medium.bottom);
         let mut body = String::new();
-        for (series, shape) in &self.shapes {
+        // tints lie under lines
+        let tint = |(_, shape): &&(usize, Shape)| matches!(shape, Shape::Strip { .. } | Shape::Band { .. });
+        let tints = self.shapes.iter().filter(tint);
+        for (series, shape) in tints.chain(self.shapes.iter().filter(|shape| !tint(shape))) {
             let _ = write!(
                 body,
                 "<g data-series=\"{series}\">{}</g>",
