@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn the_boundary_is_its_own_pareto_front_but_for_ties() {
         let points = boundary(&Scenario::default(), &curve(), &[1500.0, 2500.0, 3000.0]).unwrap();
-        assert_eq!(points.len(), 873);
+        assert_eq!(points.len(), 849);
         let front = pareto(&points);
         for (p, front) in points.iter().zip(front) {
             let tie = points

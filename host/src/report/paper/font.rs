@@ -183,17 +183,17 @@ pub fn subset(font: &[u8], text: &str, drawn: &BTreeMap<u16, String>) -> Subset 
     Subset { bytes, glyphs, numbers, units_per_em }
 }
 
-/// Family and style, for Windows in English.
+/// Family, style, full and PostScript name, for Windows in English.
 fn names() -> Vec<u8> {
-    let words = [FAMILY, "Regular"];
-    let mut table: Vec<u8> = [0, 2, 6 + 2 * 12].iter().flat_map(|x: &u16| x.to_be_bytes()).collect();
+    let words = [(1, FAMILY), (2, "Regular"), (4, FAMILY), (6, "DejaVuSans")];
+    let mut table: Vec<u8> = [0, 4, 6 + 4 * 12].iter().flat_map(|x: &u16| x.to_be_bytes()).collect();
     let mut at = 0;
-    for (id, word) in (1..).zip(words) {
+    for (id, word) in words {
         let length = 2 * word.len() as u16;
         table.extend([3, 1, 0x409, id, length, at].iter().flat_map(|x| x.to_be_bytes()));
         at += length;
     }
-    table.extend(words.concat().encode_utf16().flat_map(u16::to_be_bytes));
+    table.extend(words.map(|(_, word)| word).concat().encode_utf16().flat_map(u16::to_be_bytes));
     table
 }
 

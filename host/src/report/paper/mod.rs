@@ -207,7 +207,7 @@ mod tests {
             png("t", &Tree::from_str(svg, &options).unwrap()).unwrap()
         };
         let whole = render(dejavu::sans::regular().to_vec());
-        assert_ne!(whole, render(font::subset(dejavu::sans::regular(), "σé8−", &BTreeMap::new()).bytes));
-        assert_eq!(whole, render(letters.bytes));
+        assert!(whole != render(font::subset(dejavu::sans::regular(), "σé8−", &BTreeMap::new()).bytes));
+        assert!(whole == render(letters.bytes));
     }
 }
