@@ -21,7 +21,7 @@ fn no_fit_is_worse_than_scipys() {
         let points: Vec<CurvePoint> = numbers(&curve["sensing_slots"])
             .into_iter()
             .zip(numbers(&curve["accuracy"]))
-            .map(|(sensing_slots, accuracy)| CurvePoint { sensing_slots, accuracy, tested: None })
+            .map(|(sensing_slots, accuracy)| CurvePoint { sensing_slots, accuracy, tested: None, std: None })
             .collect();
         for model in Model::ALL {
             let (parameters, error) = fit(model, &points);

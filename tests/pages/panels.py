@@ -1,6 +1,6 @@
 """What a visitor does in every panel, and what must then be read there."""
 
-from results import digits, grouped, percent, say_region, stop_of, use_colour, use_name
+from results import digits, grouped, percent, stop_of, use_colour, use_name
 
 
 class Visit:
@@ -39,7 +39,8 @@ class Visit:
 def lonely(visit, case):
     """Points of a boundary that no other point lies near, so that pointing at them is unambiguous."""
     at = visit.scale("region")
-    places = [(at(p["accuracy"], p["throughput_bit"] / 1e6), p) for p in visit.results.run["region"]]
+    period_s = visit.results.run["operating_point"]["period_s"]
+    places = [(at(p["accuracy"], p["throughput_bit"] / period_s / 1e6), p) for p in visit.results.run["region"]]
     far = lambda a, b: ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5
     apart = lambda own, place: all(far(place, there) > 3 for there, p in places if p is not own)
     return [(place, p) for place, p in places if p["case"] == case and apart(p, place)]
@@ -68,12 +69,12 @@ def region(visit):
     page, results = visit.page, visit.results
     point = results.run["operating_point"]
     own = next(p for p in results.boundary(point["case"]) if p["sensing_slots"] == point["sensing_slots"])
-    visit.same("region at first", visit.readout("#region"), say_region(own))
+    visit.same("region at first", visit.readout("#region"), visit.results.say_region(own))
     plan(visit, own)
     for case in results.cases():
         for place, p in lonely(visit, case)[::7]:
             page.mouse.move(*place)
-            visit.same(f"region hovered at N_s = {p['sensing_slots']}", visit.readout("#region"), say_region(p))
+            visit.same(f"region hovered at N_s = {p['sensing_slots']}", visit.readout("#region"), visit.results.say_region(p))
     plan(visit, own)
     case = results.cases()[-1]
     steps = lonely(visit, case)
@@ -81,7 +82,7 @@ def region(visit):
     page.mouse.down()
     for place, p in steps[1::5]:
         page.mouse.move(*place, steps=4)
-        visit.same(f"region dragged to N_s = {p['sensing_slots']}", visit.readout("#region"), say_region(p))
+        visit.same(f"region dragged to N_s = {p['sensing_slots']}", visit.readout("#region"), visit.results.say_region(p))
         plan(visit, p)
     page.mouse.up()
     boundary = results.boundary(case)
@@ -90,7 +91,7 @@ def region(visit):
     for key, p in [("Home", boundary[0]), ("ArrowRight", boundary[1]), ("PageDown", boundary[0]), ("End", boundary[-1]),
                    ("ArrowLeft", boundary[-2]), ("PageUp", boundary[-1])]:
         page.keyboard.press(key)
-        visit.same(f"region after {key}", visit.readout("#region"), say_region(p))
+        visit.same(f"region after {key}", visit.readout("#region"), visit.results.say_region(p))
         plan(visit, p)
     spoken = handle.get_attribute("aria-valuetext")
     visit.same("region spoken", f"N_s {boundary[-1]['sensing_slots']}," in spoken, True)
@@ -102,10 +103,10 @@ def region(visit):
         for k in [0, len(weighted) // 4, len(weighted) // 2, len(weighted) - 1]:
             visit.set_range("#weight", k)
             p = next(p for p in results.boundary(case) if p["sensing_slots"] == weighted[k]["sensing_slots"])
-            visit.same(f"region at weight {weighted[k]['weight']}", visit.readout("#region"), say_region(p))
+            visit.same(f"region at weight {weighted[k]['weight']}", visit.readout("#region"), visit.results.say_region(p))
             plan(visit, p)
     page.locator("#region button").click()
-    visit.same("region back", visit.readout("#region"), say_region(own))
+    visit.same("region back", visit.readout("#region"), visit.results.say_region(own))
 
 
 def gallery(visit):
@@ -183,7 +184,7 @@ def confusion(visit):
         page.locator("#confusion-slots").select_option(str(n))
         for c in (c for c in figures["confusion"] if c["sensing_slots"] == n):
             table = page.locator(f"#confusion table[data-arithmetic={c['arithmetic']}]")
-            cells = table.evaluate("t => [...t.rows].map(r => [...r.querySelectorAll('td')].map(c => Number(c.textContent)))")
+            cells = table.evaluate("t => [...t.rows].slice(1).map(r => [...r.querySelectorAll('td')].map(c => Number(c.textContent)))")
             visit.same(f"confusion {c['arithmetic']} at {n}", cells, c["counts"])
     page.locator("#confusion table[data-arithmetic=float] td").first.focus()
     page.keyboard.press("ArrowDown")

@@ -23,6 +23,20 @@ class Results:
         same = lambda plan: (plan["case"], plan["sensing_slots"]) == (point["case"], point["sensing_slots"])
         return next(filter(same, self.figures["plans"]))
 
+    def say_region(self, point):
+        """The readout of a region's point."""
+        return {
+            "case": str(point["case"]),
+            "N_s": str(point["sensing_slots"]),
+            "N_c": " + ".join(map(str, point["communication_slots"])),
+            "accuracy": digits(point["accuracy"], 4),
+            "95 % band": f"{digits(point['accuracy_low'], 3)}–{digits(point['accuracy_high'], 3)}",
+            "throughput": f"{digits(point['throughput_bit'] / 1e6, 3)} Mbit per period",
+            "rate": f"{digits(point['throughput_bit'] / self.run['operating_point']['period_s'] / 1e6, 3)} Mbit/s",
+            "curve": "extrapolated" if point["extrapolated"] else "measured range",
+            "zone": point["zone"].replace("-", " "),
+        }
+
     def slots(self):
         """The played period, slot by slot."""
         return [code for code, count in self.run["schedule"]["timeline"] for _ in range(count)]
@@ -47,19 +61,6 @@ def use_name(code):
 
 def use_colour(code):
     return {-2: "#e6e6e6", -1: "var(--ink)"}.get(code, f"var(--series-{code})" if code < 7 else "#f0e442")
-
-
-def say_region(point):
-    """The readout of a region's point."""
-    return {
-        "case": str(point["case"]),
-        "N_s": str(point["sensing_slots"]),
-        "N_c": " + ".join(map(str, point["communication_slots"])),
-        "accuracy": digits(point["accuracy"], 4),
-        "95 % band": f"{digits(point['accuracy_low'], 3)}–{digits(point['accuracy_high'], 3)}",
-        "throughput": f"{digits(point['throughput_bit'] / 1e6, 3)} Mbit",
-        "zone": point["zone"].replace("-", " "),
-    }
 
 
 def stop_of(recording, threshold, most):

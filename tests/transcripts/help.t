@@ -847,7 +847,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 predict [OPTIONS]
   
   Options:
-        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run
+        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
@@ -868,7 +868,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 optimize [OPTIONS]
   
   Options:
-        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run
+        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run
         --curve <NAME>               Learning curve; absent: the best one
         --accuracy <ACCURACY>        Accuracy of at least this, 0 to 1
         --throughput <THROUGHPUT>    Throughput of at least this, in bits per period

@@ -31,20 +31,20 @@ Learning curves, regions and schedules from a table of accuracies.
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.9
   most throughput with accuracy at least 0.9 by pow3, rmse 0.0066
-  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884 to 0.921), 10573046 bit per period, adversarial
-    adversarial from N_s = 182
-    sensing-saturation from N_s = 464
-  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884 to 0.921), 10762309 bit per period, adversarial
-    adversarial from N_s = 182
-    sensing-saturation from N_s = 464
+  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884 to 0.921), 10573046 bit per period (10.573 Mbit/s), adversarial
+    adversarial from N_s = 204
+    sensing-saturation from N_s = 521
+  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884 to 0.921), 10762309 bit per period (10.762 Mbit/s), adversarial
+    adversarial from N_s = 204
+    sensing-saturation from N_s = 521
   zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
 
   $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep receivers=1,2
-  carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit (esc)
-  3500000000\t0.1\t1\t1\t1\t290\t0.887107011222643\t26385569.08805367 (esc)
-  3500000000\t0.1\t1\t1\t2\t290\t0.887107011222643\t26910235.496592067 (esc)
-  3500000000\t0.1\t2\t1\t1\t295\t0.8897979096655485\t13775969.628991904 (esc)
-  3500000000\t0.1\t2\t1\t2\t288\t0.8859853527989875\t14086009.936798658 (esc)
+  carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
+  3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t26129536.611727543\t26.129536611727545 (esc)
+  3500000000\t0.1\t1\t1\t2\t326\t0.9034692688492608\t26649111.917649396\t26.649111917649396 (esc)
+  3500000000\t0.1\t2\t1\t1\t322\t0.9019547911315136\t13675188.465890884\t13.675188465890884 (esc)
+  3500000000\t0.1\t2\t1\t2\t330\t0.9049211952410439\t13926590.876942527\t13.926590876942527 (esc)
 
   $ sdp3 optimize --points points.csv --accuracy 1.5
   sdp3: command line: --accuracy is 1.5, must be 0 to 1
@@ -55,17 +55,17 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
-  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.4690 to 0.9498 and at most 11118041 bit
+  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.6347 to 0.9498 and at most 11051224 bit
   [2]
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 300
   5 periods, 20000 decisions: 1500 sensing, 0 idle
   5 new plans: 1 joined, 0 left, 2 rates, 0 targets, 7 slots lost and 2 of sensing, 0 given back
-  user       periods        slots  bit a period       offered      wait   bound
-  1                5         5821       9320458       9320458         7      22
-  2                5         4929       9323838       9323838         9      27
-  3                5         5597       9323322       9323322         9      22
-  6                2         2153       7511454       7511454         6      20
+  user       periods        slots  bit a period    Mbit/s       offered      wait   bound
+  1                5         5821       9320458     9.320       9320458         7      22
+  2                5         4929       9323838     9.324       9323838         9      27
+  3                5         5597       9323322     9.323       9323322         9      22
+  6                2         2153       7511454     7.511       7511454         6      20
   every property held
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 5000

@@ -10,8 +10,8 @@ use sdp3::results::CurvePoint;
 /// (sensing slots, accuracy[, tested]).
 fn points(rows: &[Vec<f64>]) -> PyResult<Vec<CurvePoint>> {
     let point = |(n, row): (usize, &Vec<f64>)| match row[..] {
-        [sensing_slots, accuracy] => Ok(CurvePoint { sensing_slots, accuracy, tested: None }),
-        [sensing_slots, accuracy, tested] => Ok(CurvePoint { sensing_slots, accuracy, tested: Some(tested) }),
+        [sensing_slots, accuracy] => Ok(CurvePoint { sensing_slots, accuracy, tested: None, std: None }),
+        [sensing_slots, accuracy, tested] => Ok(CurvePoint { sensing_slots, accuracy, tested: Some(tested), std: None }),
         _ => Err(refused(sdp3::error::Invalid::new("numbers", row.len(), "2 or 3").at(format!("point {}", n + 1)))),
     };
     rows.iter().enumerate().map(point).collect()
@@ -59,7 +59,7 @@ pub fn optimize<'py>(
     let rule = rule(accuracy, throughput, weight, scenario.trade.accuracy_weight)?;
     let found = py.detach(|| {
         let curve = best_curve(&fit_all(&points).map_err(|e| e.to_string())?);
-        let outcome = optimise(&curve, &replicates(&curve, &points, seed), &scenario, rule, seed);
+        let outcome = optimise(&curve, &points, &replicates(&curve, &points, seed), &scenario, rule, seed);
         outcome.map(|outcome| (curve, outcome)).map_err(|e| e.to_string())
     });
     let (curve, outcome) = found.map_err(refused)?;

@@ -173,6 +173,14 @@ impl Context {
         if text.is_empty() { Ok(()) } else { say(&text) }
     }
 
+    /// A picture beside the results, as SVG, PDF and PNG.
+    pub fn draw(&self, job: &Job, name: &str, svg: &str) -> Result<(), Failure> {
+        for (file, bytes) in sdp3::report::paper::forms(name, svg)? {
+            job.output.write(&file, &bytes)?;
+        }
+        Ok(())
+    }
+
     /// The files that were written, one on a line.
     pub fn print_files(&self, files: &[PathBuf]) -> Result<(), Failure> {
         let names = Files(files.iter().map(|file| file.display().to_string()).collect());

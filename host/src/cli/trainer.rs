@@ -213,16 +213,15 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     let cells = Cells::open(&job.output, &request)?;
     job.warn_of_few_tests();
     let run_context = RunContext { progress: job.progress, workers: context.workers() };
-    let draw = |name: &str, svg: String| job.output.write(name, svg.as_bytes());
     match name {
         Study::LearningCurve => {
             let found = learning_curve::study(&request, &cells, run_context)?;
-            draw("learning-curve.svg", sdp3::report::studies::learning_curve(&found))?;
+            context.draw(&job, "learning-curve", &sdp3::report::studies::learning_curve(&found))?;
             context.print(&found, || learning_curve::table(&request, &found))?;
         }
         Study::Robustness => {
             let found = robustness::study(&request, &cells, run_context)?;
-            draw("robustness.svg", sdp3::report::studies::robustness(&found))?;
+            context.draw(&job, "robustness", &sdp3::report::studies::robustness(&found))?;
             context.print(&found, || robustness::table(&request, &found))?;
         }
         Study::Fidelity => {
@@ -232,12 +231,14 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
                 None => Default::default(),
             };
             let found = fidelity::study(&request, &cells, recordings, run_context)?;
-            draw("fidelity.svg", sdp3::report::fidelity::picture(&found))?;
+            for (name, svg) in sdp3::report::fidelity::pictures(&found) {
+                context.draw(&job, &name, &svg)?;
+            }
             context.print(&found, || fidelity::table(&request, &found))?;
         }
         Study::Baselines => {
             let found = baselines::study(&request, &cells, run_context)?;
-            draw("baselines.svg", sdp3::report::studies::baselines(&found))?;
+            context.draw(&job, "baselines", &sdp3::report::studies::baselines(&found))?;
             context.print(&found, || baselines::table(&request, &found))?;
         }
     }

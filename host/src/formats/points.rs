@@ -1,4 +1,4 @@
-//! Accuracy points: CSV `sensing_slots,accuracy[,tested]` with a header line, JSON of the same fields, or this tool's own results
+//! Accuracy points: CSV `sensing_slots,accuracy[,tested][,std]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
 use crate::error::Invalid;
@@ -26,6 +26,7 @@ pub enum PointsError {
 const SLOTS: &str = "a number of slots above 1";
 const ACCURACY: &str = "0 to 1";
 const TESTED: &str = "a number of recordings, at least 2";
+const STD: &str = "a standard deviation above 0, at most 0.5";
 const LEAST_TESTED: f64 = 2.0;
 
 /// Reads points; a file that begins with `{` or `[` is JSON.
@@ -47,8 +48,13 @@ type Refuse<'a> = dyn Fn(String, &'static str, &str, &'static str) -> PointsErro
 fn csv(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let header = lines.next().map_or("", |(_, line)| line.trim());
-    if !matches!(header, "sensing_slots,accuracy" | "sensing_slots,accuracy,tested") {
-        let legal = "sensing_slots,accuracy or sensing_slots,accuracy,tested";
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let known = ["sensing_slots", "accuracy", "tested", "std"];
+    let optional = names.get(2..).unwrap_or_default();
+    if names.get(..2) != Some(&known[..2])
+        || !matches!(optional, [] | ["tested"] | ["std"] | ["tested", "std"])
+    {
+        let legal = "sensing_slots,accuracy, then none, one or both of tested,std";
         return Err(refuse("line 1".into(), "header", &format!("{header:?}"), legal));
     }
     lines
@@ -58,24 +64,35 @@ fn csv(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
             let cell = |k: usize| cells.get(k).copied().unwrap_or("");
             let number = |k: usize| cell(k).parse::<f64>().ok().filter(|x| x.is_finite());
             let refuse = |k: usize, field, legal| refuse(place(), field, &format!("{:?}", cell(k)), legal);
-            let tested = number(2).filter(|&n| n >= LEAST_TESTED);
-            if cells.len() > 2 && tested.is_none() {
-                return Err(refuse(2, "tested", TESTED));
+            if cells.len() != names.len() {
+                let legal = "as many cells as the header has";
+                return Err(refuse(names.len(), "cell", legal));
             }
+            let column = |name: &str| names.iter().position(|own| *own == name);
+            let optional = |name, legal, within: fn(f64) -> bool| match column(name) {
+                None => Ok(None),
+                Some(k) => number(k).filter(|&x| within(x)).map(Some).ok_or_else(|| refuse(k, name, legal)),
+            };
+            let tested = optional("tested", TESTED, |n| n >= LEAST_TESTED)?;
+            let std = optional("std", STD, legal_std)?;
             let slots = number(0).filter(|&n| n > 1.0);
             let accuracy = number(1).filter(|a| (0.0..=1.0).contains(a));
             Ok(CurvePoint {
                 sensing_slots: slots.ok_or_else(|| refuse(0, "sensing_slots", SLOTS))?,
                 accuracy: accuracy.ok_or_else(|| refuse(1, "accuracy", ACCURACY))?,
                 tested,
+                std,
             })
         })
         .collect()
 }
 
+fn legal_std(std: f64) -> bool {
+    std > 0.0 && std <= 0.5
+}
+
 fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
-    let legal =
-        "a list of {sensing_slots, accuracy[, tested]}, or results of `sdp3 run`, `predict` or `study`";
+    let legal = "a list of {sensing_slots, accuracy[, tested][, std]}, or results of `sdp3 run`, `predict` or `study`";
     let whole: Value = serde_json::from_str(text)
         .map_err(|error| refuse("the whole".into(), "JSON", &format!("({error})"), legal))?;
     let places = [Some(&whole), whole.get("points"), whole.get("accuracy"), whole.get("rows")];
@@ -96,6 +113,10 @@ fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
             if tested.is_some() && number(tested).is_none_or(|n| n < LEAST_TESTED) {
                 return Err(refuse("tested", tested, TESTED));
             }
+            let std = entry.get("std").filter(|value| !value.is_null());
+            if std.is_some() && !number(std).is_some_and(legal_std) {
+                return Err(refuse("std", std, STD));
+            }
             let legal_accuracy = number(accuracy).filter(|a| (0.0..=1.0).contains(a));
             Ok(CurvePoint {
                 sensing_slots: number(slots)
@@ -103,6 +124,7 @@ fn json(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
                     .ok_or_else(|| refuse("sensing_slots", slots, SLOTS))?,
                 accuracy: legal_accuracy.ok_or_else(|| refuse("accuracy", accuracy, ACCURACY))?,
                 tested: number(tested),
+                std: number(std),
             })
         })
         .collect()

@@ -250,6 +250,7 @@ pub fn picture(scenario: &Scenario, title: &str, image: &[i8]) -> Spectrogram {
         row_hz,
         frame_s: f64::from(scenario.spectrogram.hop) * scenario.interval_s(),
         carrier_hz: scenario.radar.carrier_hz,
+        range_db: scenario.spectrogram.range_db,
         grey: image.iter().map(|&p| (i16::from(p) + 128) as u8).collect(),
     }
 }

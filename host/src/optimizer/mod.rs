@@ -19,7 +19,7 @@ pub use operating_point::Rule;
 
 use crate::error::Invalid;
 use crate::predictor::bootstrap::interval;
-use crate::results::{Case, Curve, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
+use crate::results::{Case, Curve, CurvePoint, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
 use region::Point;
@@ -38,7 +38,7 @@ pub enum OptimizerError {
         /// Bits per slot.
         bits: f64,
     },
-    /// Not one STFT window fits the period; a learning curve that is none of the seven.
+    /// Not even the shortest recording fits the period; a learning curve that is none of the seven.
     #[error(transparent)]
     Invalid(#[from] Invalid),
     /// No point satisfies the rule.
@@ -155,6 +155,7 @@ fn price(
             sensing_slots: p.sensing_slots,
             spacing_slots: scenario.frame.spacing_slots,
             period_slots: scenario.frame.period_slots,
+            period_s: scenario.period_s(),
             communication_slots: p.shares.clone(),
             slot_bit: slot_bit.clone(),
             accuracy: p.accuracy,
@@ -197,14 +198,15 @@ pub fn cases(curve: &Curve, scenario: &Scenario, rule: Rule, seed: u64) -> Resul
     all.map(|index| Ok(price(curve, scenario, rule, index, seed)?.case)).collect()
 }
 
-/// The boundary of every case and the point `rule` chooses in case `trade.case`; `replicates` are the curve as other tests would
-/// have it, for the bands.
+/// The boundary of every case and the point `rule` chooses in case `trade.case`; `points` are those that the curve was fitted to,
+/// `replicates` the curve as other tests would have it, for the bands.
 ///
 /// # Errors
 ///
 /// [`OptimizerError`].
 pub fn optimise(
     curve: &Curve,
+    points: &[CurvePoint],
     replicates: &[Curve],
     scenario: &Scenario,
     rule: Rule,
@@ -224,6 +226,8 @@ pub fn optimise(
     let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
     let operating = operating.map(|point| point.sensing_slots);
     let chosen: Vec<u32> = operating.chain(weighted.iter().map(|point| point.sensing_slots)).collect();
+    let measured = |n: u32| points.iter().any(|p| p.sensing_slots == f64::from(n));
+    let (first, last) = crate::predictor::points::range(points);
     for Priced { case, points } in &outcome {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
         for (p, front) in points.iter().zip(region::pareto(points)) {
@@ -238,7 +242,7 @@ pub fn optimise(
                 zone.name(),
                 shares.join(" ")
             );
-            if !chosen.contains(&n) && !region::shown(scenario, range, n) {
+            if !chosen.contains(&n) && !measured(n) && !region::shown(scenario, range, n) {
                 continue;
             }
             let band = (!replicates.is_empty()).then(|| interval(replicates, f64::from(n)));
@@ -251,6 +255,7 @@ pub fn optimise(
                 accuracy_high: band.map(|b| b.1),
                 throughput_bit: p.throughput_bit,
                 closed_form_bit,
+                extrapolated: !(first..=last).contains(&f64::from(n)),
                 zone,
             });
         }
@@ -274,7 +279,7 @@ mod tests {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
         let scenario = Scenario::default();
-        optimise(&curve, &[], &scenario, rule, 1)
+        optimise(&curve, &[], &[], &scenario, rule, 1)
     }
 
     #[test]

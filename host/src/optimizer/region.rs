@@ -34,25 +34,25 @@ pub fn point(period: u32, curve: &Curve, slot_bits: &[f64], sensing: u32) -> Poi
     Point { sensing_slots: sensing, shares, accuracy, throughput_bit: worst }
 }
 
-/// Least and largest N_s: one window, and the most that fit the period at the spacing `spacing` (N_m).
+/// Least and largest N_s: a recording of four windows, and the most that fit the period at the spacing `spacing` (N_m).
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Invalid`] if not even one window fits.
+/// [`OptimizerError::Invalid`] if not even the shortest recording fits.
 pub fn range(scenario: &Scenario, spacing: u32) -> Result<(u32, u32), OptimizerError> {
     let period = scenario.frame.period_slots;
-    let window = u32::from(scenario.spectrogram.window);
+    let least = scenario.least_sensing_slots();
     let most = period / (spacing + 1);
-    let legal = format!("at least {}, one STFT window of sensing slots", window * (spacing + 1));
-    Invalid::unless(most >= window, "frame.period_slots", period, legal)?;
-    Ok((window, most))
+    let legal = format!("at least {}, four STFT windows of sensing slots", least * (spacing + 1));
+    Invalid::unless(most >= least, "frame.period_slots", period, legal)?;
+    Ok((least, most))
 }
 
 /// The boundary at every N_s, ascending.
 ///
 /// # Errors
 ///
-/// [`OptimizerError::Invalid`] if not even one window fits, or the curve's model is unknown.
+/// [`OptimizerError::Invalid`] if not even the shortest recording fits, or the curve's model is unknown.
 pub fn boundary(scenario: &Scenario, curve: &Curve, slot_bits: &[f64]) -> Result<Vec<Point>, OptimizerError> {
     let f = &scenario.frame;
     let (least, most) = range(scenario, f.spacing_slots)?;
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn the_boundary_is_its_own_pareto_front_but_for_ties() {
         let points = boundary(&Scenario::default(), &curve(), &[1500.0, 2500.0, 3000.0]).unwrap();
-        assert_eq!(points.len(), 873);
+        assert_eq!(points.len(), 849);
         let front = pareto(&points);
         for (p, front) in points.iter().zip(front) {
             let tie = points

@@ -9,11 +9,11 @@ use super::region::{point, range};
 use crate::results::{Curve, Spacing};
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 
-/// A row for every N_m from 0 to the widest that lets one window fit.
+/// A row for every N_m from 0 to the widest that lets the shortest recording fit.
 pub fn spacings(scenario: &Scenario, curve: &Curve, slot_bits: &[f64], rule: Rule) -> Vec<Spacing> {
     let f = &scenario.frame;
     let wavelength = SPEED_OF_LIGHT / scenario.radar.carrier_hz;
-    let widest = (f.period_slots / u32::from(scenario.spectrogram.window)).saturating_sub(1);
+    let widest = (f.period_slots / scenario.least_sensing_slots()).saturating_sub(1);
     let rows = (0..=widest).filter_map(|spacing_slots| {
         let (least, most) = range(scenario, spacing_slots).ok()?;
         let interval_s = f.slot_s * f64::from(spacing_slots + 1);

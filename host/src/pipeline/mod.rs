@@ -177,6 +177,7 @@ impl Job {
                 sensing_slots: f64::from(a.sensing_slots),
                 accuracy: a.int8,
                 tested: Some(f64::from(a.tested)),
+                std: None,
             })
             .collect();
         let prediction = predict(&points, self.seed)?;
@@ -199,11 +200,14 @@ impl Job {
     ) -> Result<crate::optimizer::Outcome, Failure> {
         let stage = self.progress.stage("optimize", "accuracy against throughput");
         let replicates = replicates(curve, points, self.seed);
-        let outcome = optimise(curve, &replicates, &self.scenario, rule, self.seed)?;
+        let outcome = optimise(curve, points, &replicates, &self.scenario, rule, self.seed)?;
         let p = &outcome.operating_point;
         stage.finish(&format!(
-            "N_s = {}: accuracy {:.3}, {:.0} bit per period to the worst user",
-            p.sensing_slots, p.accuracy, p.throughput_bit
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user",
+            p.sensing_slots,
+            p.accuracy,
+            p.throughput_bit,
+            p.throughput_bit / p.period_s / 1e6
         ));
         Ok(outcome)
     }

@@ -30,7 +30,7 @@ pub fn predict(points: &[CurvePoint], seed: u64) -> Result<Prediction, FitError>
         let at = |&n: &f64| model.map_or(0.0, |model| within(model.at(&fitted.parameters, n)));
         fitted.accuracy = prediction.slots.iter().map(at).collect();
     }
-    prediction.band = Some(bootstrap::band(&best_curve(&prediction), points, seed));
+    prediction.band = bootstrap::band(&best_curve(&prediction), points, seed);
     Ok(prediction)
 }
 

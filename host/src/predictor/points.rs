@@ -37,9 +37,10 @@ pub fn check(points: &[CurvePoint]) -> Result<usize, FitError> {
     }
     for (index, p) in points.iter().enumerate() {
         let slots = p.sensing_slots.is_finite() && p.sensing_slots > 1.0;
-        let tested = p.tested.unwrap_or(1.0);
+        let (std, tested) = (p.std.unwrap_or(0.5), p.tested.unwrap_or(1.0));
         Invalid::unless(slots, "sensing_slots", p.sensing_slots, "a number above 1")
             .and(Invalid::unless((0.0..=1.0).contains(&p.accuracy), "accuracy", p.accuracy, "0 to 1"))
+            .and(Invalid::unless(std > 0.0 && std <= 0.5, "std", std, "above 0, at most 0.5"))
             .and(Invalid::unless(tested.is_finite() && tested >= 1.0, "tested", tested, "at least 1"))
             .map_err(|invalid| invalid.at(format!("points, point {}", index + 1)))?;
     }

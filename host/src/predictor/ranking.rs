@@ -56,13 +56,16 @@ fn parameters(m: &FittedCurve) -> usize {
     Model::by_name(&m.name).map_or(0, Model::count)
 }
 
-/// Variance of an accuracy: the binomial law's mean over the points if all have counts, else what the model with the least
-/// residual variance leaves.
+/// Variance of an accuracy: the mean over the points of the stated or else the binomial one if all have either, else what the
+/// model with the least residual variance leaves.
 fn noise(models: &[FittedCurve], points: &[CurvePoint]) -> f64 {
     let n = points.len();
-    let binomial: Option<f64> = points
+    let known: Option<f64> = points
         .iter()
         .map(|p| {
+            if let Some(std) = p.std {
+                return Some(std * std / n as f64);
+            }
             // one right and one wrong answer more: all right is no proof of certainty
             let tested = p.tested?;
             let share = (p.accuracy * tested + 1.0) / (tested + 2.0);
@@ -75,7 +78,7 @@ fn noise(models: &[FittedCurve], points: &[CurvePoint]) -> f64 {
     };
     let residual = models.iter().filter_map(left).fold(f64::INFINITY, f64::min);
     let least = 1e-12;
-    binomial.unwrap_or(if residual.is_finite() { residual } else { least }).max(least)
+    known.unwrap_or(if residual.is_finite() { residual } else { least }).max(least)
 }
 
 /// Hurvich and Tsai's corrected criterion (1989) for least squares; the variance counts as a parameter. `None` if there are
@@ -110,7 +113,8 @@ mod tests {
     use super::*;
 
     fn paper() -> Vec<CurvePoint> {
-        let point = |(n, accuracy)| CurvePoint { sensing_slots: f64::from(n), accuracy, tested: None };
+        let point =
+            |(n, accuracy)| CurvePoint { sensing_slots: f64::from(n), accuracy, tested: None, std: None };
         POINTS.map(point).to_vec()
     }
 
@@ -123,7 +127,7 @@ mod tests {
         let point = |k: u32| {
             let sensing_slots = 200.0 + 10.0 * f64::from(k);
             let accuracy = model.at(&parameters, sensing_slots) - if k == 35 { 0.1 } else { 0.0 };
-            CurvePoint { sensing_slots, accuracy, tested: None }
+            CurvePoint { sensing_slots, accuracy, tested: None, std: None }
         };
         let points: Vec<CurvePoint> = (0..71).map(point).collect();
         let found = leave_one_out(model, &points).unwrap();

@@ -1,55 +1,52 @@
 //! Early exits beside static sensing: picture and table.
 
-use super::plot::{Axis, COLOURS, Plot};
+use super::plot::{Axis, Plot, style};
 use crate::results::AnytimeResult;
 use std::fmt::Write;
 
-/// Accuracy against throughput of both, for every user placement.
-pub fn region(found: &AnytimeResult) -> String {
+/// Accuracy against throughput of both, for every user placement; a period lasts `period_s`.
+pub fn region(found: &AnytimeResult, period_s: f64) -> Plot {
+    let rate = |bit: f64| bit / period_s / 1e6;
     let accuracies = found.region.iter().map(|p| p.point.accuracy);
-    let x = Axis::around(
-        accuracies.chain(found.static_region.iter().map(|p| p.accuracy)),
-        "recognition accuracy A (test recordings)",
-    );
+    let accuracies = accuracies.chain(found.static_region.iter().map(|p| p.accuracy));
     let bits = found.region.iter().map(|p| p.throughput_bit);
-    let y = Axis::around(
-        bits.chain(found.static_region.iter().map(|p| p.throughput_bit)).map(|bit| bit / 1e6),
-        "worst throughput R (Mbit per period)",
-    );
+    let bits = bits.chain(found.static_region.iter().map(|p| p.throughput_bit));
+    let x = Axis::around(accuracies, "recognition accuracy A (share, test recordings)");
+    let y = Axis::around(bits.map(rate), "worst throughput R (Mbit/s)");
     let mut plot = Plot::new("Accuracy-throughput region with early exits and static", x, y);
     let mut cases: Vec<u32> = found.static_region.iter().map(|p| p.case).collect();
     cases.dedup();
     for (index, case) in cases.into_iter().enumerate() {
-        let (colour, other) = (COLOURS[index % 7], COLOURS[(index + 4) % 7]);
-        let still = found.static_region.iter().filter(|p| p.case == case);
-        let line: Vec<_> = still.map(|p| (p.accuracy, p.throughput_bit / 1e6)).collect();
-        plot.line(&line, other, 1.5, &format!("static, case {case}"));
-        for p in found.static_region.iter().filter(|p| p.case == case) {
+        let of = |k: usize| style(2 * index + k);
+        let still = plot.series(&format!("static, case {case}"), of(1));
+        let own = || found.static_region.iter().filter(|p| p.case == case);
+        plot.line(still, &own().map(|p| (p.accuracy, rate(p.throughput_bit))).collect::<Vec<_>>(), 1.4);
+        for p in own() {
             let says = format!("N_s = {}: A = {:.3}", p.sensing_slots, p.accuracy);
-            plot.dot(p.accuracy, p.throughput_bit / 1e6, 4.0, other, &says);
+            plot.dot(still, (p.accuracy, rate(p.throughput_bit)), 3.2, &says);
         }
         // the envelope was chosen on other recordings: points that turned out dominated stay dots
-        let points: Vec<_> = found.region.iter().filter(|p| p.case == case).collect();
-        let mut most = f64::NEG_INFINITY;
-        let mut line = Vec::new();
-        for p in &points {
+        let early = plot.series(&format!("early exits, case {case}"), of(0));
+        let (mut most, mut line) = (f64::NEG_INFINITY, Vec::new());
+        for p in found.region.iter().filter(|p| p.case == case) {
+            let at = (p.point.accuracy, rate(p.throughput_bit));
             if p.point.accuracy > most {
                 most = p.point.accuracy;
-                line.push((p.point.accuracy, p.throughput_bit / 1e6));
+                line.push(at);
             }
             let says = format!(
                 "threshold {:.3}, at most {}: A = {:.3} with {:.0} slots",
                 p.point.threshold, p.point.most_sensing_slots, p.point.accuracy, p.point.sensing_slots
             );
-            plot.dot(p.point.accuracy, p.throughput_bit / 1e6, 2.5, colour, &says);
+            plot.dot(early, at, 2.0, &says);
         }
-        plot.line(&line, colour, 2.0, &format!("early exits, case {case}"));
+        plot.line(early, &line, 1.4);
     }
-    plot.standalone()
+    plot
 }
 
 /// The gains in plain text.
-pub fn table(found: &AnytimeResult) -> String {
+pub fn table(found: &AnytimeResult, period_s: f64) -> String {
     let mut text = format!(
         "weights and thresholds from {} recordings, figures from {} others\n{:>9}{:>10}{:>8}{:>11}{:>8}{:>10}{:>12}{:>8}{:>12}\n",
         found.calibrated_on,
@@ -82,13 +79,14 @@ pub fn table(found: &AnytimeResult) -> String {
     let p = &found.operating_point;
     let _ = write!(
         text,
-        "operating point of case {}: threshold {:.3}, at most {} slots: accuracy {:.3}, {:.0} slots, {:.0} bit per period",
+        "operating point of case {}: threshold {:.3}, at most {} slots: accuracy {:.3}, {:.0} slots, {:.0} bit per period ({:.3} Mbit/s)",
         p.case,
         p.point.threshold,
         p.point.most_sensing_slots,
         p.point.accuracy,
         p.point.sensing_slots,
-        p.throughput_bit
+        p.throughput_bit,
+        p.throughput_bit / period_s / 1e6
     );
     text
 }

@@ -1,16 +1,15 @@
 //! Confusion matrices, float beside int8: a table for the page, a picture for a paper.
 
-use super::plot::{COLOURS, escape};
+use super::plot::{COLOURS, Medium, escape};
 use crate::results::{Confusion, Figures};
 use std::fmt::Write;
 
 /// The arithmetics in the order they stand.
 const ARITHMETICS: [&str; 2] = ["float", "int8"];
 
-/// Edge of a cell, room of the class names, and of a matrix's heading.
-const CELL: f64 = 44.0;
-const NAMES: f64 = 110.0;
-const HEAD: f64 = 60.0;
+/// Edge of a cell, and distance of two matrices.
+const CELL: f64 = 34.0;
+const GAP: f64 = 24.0;
 
 /// Every N_s that has a matrix, ascending.
 pub fn slots(figures: &Figures) -> Vec<u32> {
@@ -41,7 +40,8 @@ fn share(row: &[u32], n: u32) -> f64 {
 }
 
 fn table(c: &Confusion, classes: &[String]) -> String {
-    let mut rows = String::new();
+    let names = classes.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name)));
+    let mut rows = format!("<tr><th scope=\"col\">truth \\ answer</th>{}</tr>", names.collect::<String>());
     for (truth, row) in c.counts.iter().enumerate() {
         let name = classes.get(truth).map_or("", String::as_str);
         let _ = write!(rows, "<tr><th scope=\"row\">{}</th>", escape(name));
@@ -60,44 +60,54 @@ fn table(c: &Confusion, classes: &[String]) -> String {
 
 /// The picture of one N_s: rows are the truth, columns the answer.
 pub fn svg(figures: &Figures, sensing_slots: u32) -> String {
-    let classes = figures.classes.len();
-    let side = CELL * classes as f64;
-    let width = NAMES + 2.0 * side + 60.0;
-    let height = HEAD + side + 30.0;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" font-size=\"12\" \
-         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Confusion, N_s = {sensing_slots}</title>"
+    let side = CELL * figures.classes.len() as f64;
+    let longest = figures.classes.iter().map(String::as_str).max_by_key(|name| name.chars().count());
+    let names = Medium::DOUBLE.width_of(longest.unwrap_or_default());
+    let needed = names + 34.0 + 2.0 * side + GAP + 10.0;
+    let medium = if needed > Medium::SINGLE.width { Medium::DOUBLE } else { Medium::SINGLE };
+    let (edge, top) = ((medium.width - needed) / 2.0, 26.0);
+    let left = edge + names + 34.0;
+    // names of columns stand upright
+    let height = top + side + names + 30.0;
+    let name = |k: usize| figures.classes.get(k).map_or("", String::as_str);
+    let mut svg = format!("<svg {}><title>Confusion, N_s = {sensing_slots}</title>", medium.root(height));
+    let _ = write!(
+        svg,
+        "<text class=\"axis-y\" transform=\"translate({:.1} {:.1}) rotate(-90)\" text-anchor=\"middle\">true class</text>",
+        edge + 14.0,
+        top + side / 2.0
     );
     for (k, c) in of(figures, sensing_slots).enumerate() {
-        let left = NAMES + k as f64 * (side + 30.0);
+        let left = left + k as f64 * (side + GAP);
         let middle = left + side / 2.0;
         let _ = write!(
             svg,
-            "<text x=\"{middle}\" y=\"20\" text-anchor=\"middle\" font-size=\"14\">{}, N_s = {sensing_slots}</text>\
-             <text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">answer (in the order of the rows)</text>",
+            "<text x=\"{middle:.1}\" y=\"15\" text-anchor=\"middle\">{}, N_s = {sensing_slots} (recordings)</text>\
+             <text class=\"axis-x\" x=\"{middle:.1}\" y=\"{:.1}\" text-anchor=\"middle\">recognised class</text>",
             escape(&c.arithmetic),
-            height - 10.0
+            height - 8.0
         );
         for (truth, row) in c.counts.iter().enumerate() {
-            let y = HEAD - 20.0 + CELL * truth as f64;
+            let y = top + CELL * truth as f64;
+            let column = left + CELL * (truth as f64 + 0.5) + 4.0;
+            let _ = write!(
+                svg,
+                "<text transform=\"translate({column:.1} {:.1}) rotate(-90)\" text-anchor=\"end\">{}</text>",
+                top + side + 6.0,
+                escape(name(truth))
+            );
             if k == 0 {
-                let name = figures.classes.get(truth).map_or("", String::as_str);
-                let _ = write!(
-                    svg,
-                    "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>",
-                    left - 8.0,
-                    y + CELL / 2.0 + 4.0,
-                    escape(name)
-                );
+                let (x, y, name) = (left - 8.0, y + CELL / 2.0 + 4.0, escape(name(truth)));
+                let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"end\">{name}</text>");
             }
             for (answer, &n) in row.iter().enumerate() {
                 let x = left + CELL * answer as f64;
-                let colour = if truth == answer { COLOURS[2] } else { COLOURS[1] };
                 let _ = write!(
                     svg,
-                    "<rect x=\"{x}\" y=\"{y}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"{colour}\" fill-opacity=\"{:.2}\" \
-                     stroke=\"#aaa\"/><text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{n}</text>",
-                    0.7 * share(row, n),
+                    "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"{}\" fill-opacity=\"{:.2}\" \
+                     stroke=\"#888\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{n}</text>",
+                    COLOURS[0],
+                    0.6 * share(row, n),
                     x + CELL / 2.0,
                     y + CELL / 2.0 + 4.0
                 );

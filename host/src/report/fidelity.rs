@@ -1,39 +1,51 @@
-//! The picture of the fidelity study: intensity distributions, and accuracies as squares.
+//! The pictures of the fidelity study: intensity distributions, and accuracies as squares.
 
-use super::plot::{Axis, COLOURS, Plot, escape};
+use super::plot::{Axis, COLOURS, Medium, Plot, STYLES, escape};
 use crate::experiments::fidelity::{DOMAINS, Fidelity, Levels};
 use crate::simulator::randomised::Motion;
 use std::fmt::Write;
 
 /// Most measured recordings with drawn intensities.
 const MOST: usize = 8;
-const PANEL: f64 = 430.0;
+/// Height of a panel of squares.
+const SQUARES: f64 = 220.0;
 
 /// Shares of the intensities of three domains.
 fn levels(title: &str, found: &Levels, truth: &str) -> String {
     let most = found.pmf.iter().flatten().copied().fold(0.0, f64::max);
-    let x = Axis { low: 0.0, high: 63.0, name: format!("intensity: {title}"), log: false };
-    let y = Axis { low: 0.0, high: 1.05 * most.min(0.2), name: "share".into(), log: false };
-    let top = y.high;
+    let x = Axis::new(0.0, 63.0, &format!("intensity (level 0 to 63): {title}"));
+    let y = Axis::new(0.0, 105.0 * most.min(0.2), "share of pixels (%)");
+    let top = 1.05 * most.min(0.2);
     let mut plot = Plot::new(title, x, y);
     let names = [
-        format!("DAHC, KL {:.3}", found.dahc),
-        format!("ray tracing, KL {:.3}", found.ray_tracing),
+        format!("DAHC, KL {:.3} nat", found.dahc),
+        format!("ray tracing, KL {:.3} nat", found.ray_tracing),
         truth.into(),
     ];
-    for ((pmf, name), colour) in found.pmf.iter().zip(&names).zip([COLOURS[0], COLOURS[1], COLOURS[6]]) {
-        let points: Vec<_> = pmf.iter().enumerate().map(|(k, p)| (k as f64, p.min(top))).collect();
-        plot.line(&points, colour, 2.0, name);
+    for ((pmf, name), style) in found.pmf.iter().zip(&names).zip(STYLES) {
+        let points: Vec<_> = pmf.iter().enumerate().map(|(k, p)| (k as f64, 100.0 * p.min(top))).collect();
+        let series = plot.series(name, style);
+        plot.line(series, &points, 1.4);
     }
-    plot.svg()
+    plot.svg(Medium::DOUBLE)
 }
 
 /// Shares 0 to 1 as squares with their numbers, `[row][column]`.
-fn squares(title: &str, names: &[&str; 3], shares: &[[f64; 3]; 3], says: &[[String; 3]; 3]) -> String {
+fn squares(
+    title: &str,
+    axes: [&str; 2],
+    names: &[&str; 3],
+    shares: &[[f64; 3]; 3],
+    says: &[[String; 3]; 3],
+) -> String {
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 220\" role=\"img\" font-size=\"13\" \
-         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>{0}</title><text x=\"20\" y=\"20\">{0}</text>",
-        escape(title)
+        "<svg {1}><title>{0}</title><text x=\"20\" y=\"16\">{0}</text>\
+         <text class=\"axis-x\" x=\"377\" y=\"32\" text-anchor=\"middle\">{2}</text>\
+         <text class=\"axis-y\" transform=\"translate(20 130) rotate(-90)\" text-anchor=\"middle\">{3}</text>",
+        escape(title),
+        Medium::DOUBLE.root(SQUARES),
+        axes[0],
+        axes[1]
     );
     for (r, row) in shares.iter().enumerate() {
         let y = 55.0 + 52.0 * r as f64;
@@ -63,18 +75,17 @@ fn squares(title: &str, names: &[&str; 3], shares: &[[f64; 3]; 3], says: &[[Stri
     svg + "</svg>"
 }
 
-/// The whole picture, panel below panel.
-pub fn picture(found: &Fidelity) -> String {
-    let mut panels = vec![(levels("the stand-in", &found.levels, "stand-in"), PANEL)];
+/// Every panel by name.
+pub fn pictures(found: &Fidelity) -> Vec<(String, String)> {
+    let mut panels =
+        vec![("fidelity-levels".to_owned(), levels("the stand-in", &found.levels, "stand-in, simulated"))];
     let means = found.int8.map(|row| row.map(|s| s.mean));
     let says = std::array::from_fn(|r| std::array::from_fn(|c| found.int8[r][c].to_string()));
-    panels.push((
-        squares("Accuracy (int8): trained on (row), tested on (column)", &DOMAINS, &means, &says),
-        220.0,
-    ));
-    for m in found.measured.iter().take(MOST) {
+    let axes = ["tested on", "trained on"];
+    panels.push(("fidelity".to_owned(), squares("Accuracy (int8, share)", axes, &DOMAINS, &means, &says)));
+    for (k, m) in found.measured.iter().take(MOST).enumerate() {
         let title = format!("{} ({}), rho = {}", m.name, m.motion.name(), m.levels.rho);
-        panels.push((levels(&title, &m.levels, "measured"), PANEL));
+        panels.push((format!("fidelity-measured-{}", k + 1), levels(&title, &m.levels, "measured")));
     }
     if let Some(s) = &found.sim_to_real {
         let shares = s.confusion.map(|row| {
@@ -84,18 +95,8 @@ pub fn picture(found: &Fidelity) -> String {
         let says = s.confusion.map(|row| row.map(|n| n.to_string()));
         let names = Motion::ALL.map(Motion::name);
         let title = format!("Measured windows, learned from simulated ones: {} right", s.float);
-        panels.push((squares(&title, &names, &shares, &says), 220.0));
+        let axes = ["recognised motion", "true motion"];
+        panels.push(("fidelity-confusion".to_owned(), squares(&title, axes, &names, &shares, &says)));
     }
-    let height: f64 = panels.iter().map(|p| p.1).sum();
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 {height}\"><rect width=\"640\" height=\"{height}\" \
-         fill=\"var(--paper,#fff)\"/>"
-    );
-    let mut y = 0.0;
-    for (panel, tall) in panels {
-        let placed = format!("<svg y=\"{y}\" width=\"640\" height=\"{tall}\" ");
-        svg += &panel.replacen("<svg ", &placed, 1);
-        y += tall;
-    }
-    svg + "</svg>"
+    panels
 }

@@ -5,6 +5,10 @@ use super::{STYLE, confusion, explorer, figures as pictures, spectrograms, table
 use crate::results::{Figures, Run};
 use std::fmt::Write;
 
+/// What is reproduced.
+const PAPER: &str =
+    "Li et al., \"Integrated Sensing and Communication from Learning Perspective: An SDP3 Approach\".";
+
 /// A section: its address in the page and its title.
 const SECTIONS: [(&str, &str, &str); 7] = [
     ("region", "Region", "Accuracy-throughput region"),
@@ -34,9 +38,12 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
          content=\"width=device-width,initial-scale=1\"><meta name=\"color-scheme\" content=\"light dark\"><title>sdp3: \
          {name}</title><style>{}{STYLE}</style></head><body><a class=\"skip\" href=\"#region\">Skip to the figures</a>\
          <header><h1>{name}</h1><p>How many slots must be spent on radar to recognise how a person moves, and what does \
-         that cost in throughput?</p></header><main>",
+         that cost in throughput?</p><p class=\"answer\">{}</p><p>sdp3 {}, seed {}. Reproduces {PAPER}</p></header><main>",
         explorer::policy(),
-        explorer::colours()
+        explorer::colours(),
+        answer(run),
+        env!("CARGO_PKG_VERSION"),
+        run.seed
     );
     headline(&mut page, run);
     page.push_str("<nav aria-label=\"Sections\">");
@@ -68,16 +75,51 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
     page
 }
 
+/// The result in one sentence.
+fn answer(run: &Run) -> String {
+    let p = &run.operating_point;
+    let own = run.region.iter().find(|r| (r.case, r.sensing_slots) == (p.case, p.sensing_slots));
+    let band = own.and_then(|r| Some((r.accuracy_low?, r.accuracy_high?)));
+    let band = band.map_or_else(String::new, |(low, high)| {
+        format!(" (95 % band {:.1} % to {:.1} %)", 100.0 * low, 100.0 * high)
+    });
+    let beyond = match own.is_some_and(|r| r.extrapolated) {
+        true => " No accuracy was measured at so few or so many slots: the curve is extrapolated there.",
+        false => "",
+    };
+    format!(
+        "With {} of the {} slots of a {} s period spent on sensing, the learning curve predicts that {:.1} %{band} of the recordings \
+         are recognised, and the other slots leave at least {:.2} Mbit/s to every user.{beyond}",
+        p.sensing_slots,
+        p.period_slots,
+        number(p.period_s),
+        100.0 * p.accuracy,
+        p.throughput_bit / p.period_s / 1e6
+    )
+}
+
 fn headline(page: &mut String, run: &Run) {
     let p = &run.operating_point;
     page.push_str("<ul class=\"headline\">");
     for (value, text) in [
-        (number(run.rho), "channel correlation, ρ"),
-        (p.sensing_slots.to_string(), "sensing slots at the operating point"),
-        (format!("{:.1} %", 100.0 * p.accuracy), "predicted accuracy there"),
-        (format!("{:.2} Mbit", p.throughput_bit / 1e6), "per period to the worst user"),
-        (grouped(run.verify.compared), "values and digests compared"),
-        (run.verify.mismatches.to_string(), "mismatches"),
+        (
+            number(run.rho),
+            "ρ, correlation of the room's channel from one sensing slot to the next (1: it never changes)",
+        ),
+        (
+            p.sensing_slots.to_string(),
+            "sensing slots a period at the operating point, the ring in the first figure",
+        ),
+        (format!("{:.1} %", 100.0 * p.accuracy), "of the recordings recognised there, by the learning curve"),
+        (
+            format!("{:.2} Mbit/s", p.throughput_bit / p.period_s / 1e6),
+            "to the user with the least throughput there",
+        ),
+        (
+            grouped(run.verify.compared),
+            "values and digests of the radar module compared with reference and firmware",
+        ),
+        (run.verify.mismatches.to_string(), "of them differ"),
     ] {
         let _ = write!(page, "<li><b>{value}</b> {text}</li>");
     }
@@ -85,15 +127,17 @@ fn headline(page: &mut String, run: &Run) {
 }
 
 fn region(page: &mut String, run: &Run, figures: &Figures) {
+    let points = &figures.prediction.points;
+    let region = pictures::region(&run.region, &run.operating_point, &figures.cases, points);
     section(
         page,
         "region",
         &format!(
             "Largest worst throughput for every accuracy (paper, Theorem 1), both user placements. The ring is the \
-             operating point: {}.",
+             operating point: {}. Where nothing was measured boundaries are dotted, and zones are left out.",
             escape(&run.operating_point.rule)
         ),
-        &figure("region", pictures::region(run, figures), "Accuracy against throughput"),
+        &figure("region", region, "Accuracy against throughput"),
     );
 }
 
@@ -125,7 +169,7 @@ fn calibration(page: &mut String, figures: &Figures) {
     let both: String = [&c.measured, &c.simulated].into_iter().flatten().map(spectrograms::figure).collect();
     let curve = match c.curve.is_empty() {
         true => String::new(),
-        false => figure("kl-curve", pictures::kl_curve(c), "KL divergence over ρ"),
+        false => figure("kl-curve", pictures::kl_curve(c), "KL divergence over 1 − ρ"),
     };
     section(
         page,
@@ -149,13 +193,17 @@ fn learning(page: &mut String, run: &Run, figures: &Figures) {
         "learning",
         &format!(
             "Accuracy on recordings never seen, from raw I/Q through the radar module's own code, and the learning curves \
-             fitted to it (paper, Tables II and III); the best is {} with rmse {}. Bars: one standard deviation of the count.",
+             fitted to it (paper, Tables II and III); the best is {} with rmse {}. Bars: one standard deviation (1 σ) of the count. Band: 95 % of the curves that other test recordings would give.",
             escape(&run.curve.model),
             number(run.curve.rmse)
         ),
         &format!(
             "<div class=\"row\">{}{}</div>{}{}",
-            figure("learning-curve", pictures::learning_curve(run, figures), "Accuracy over N_s"),
+            figure(
+                "learning-curve",
+                pictures::learning_curve(&figures.prediction, &run.accuracy),
+                "Accuracy over N_s"
+            ),
             figure("training-loss", pictures::losses(figures), "Training loss"),
             tables::models(figures),
             confusion::tables(figures)
@@ -167,7 +215,7 @@ fn schedule(page: &mut String, run: &Run) {
     let s = &run.schedule;
     let recognised = s.recognised.as_ref().map_or_else(String::new, |r| {
         format!(
-            " The core recognised {} as {} ({:.0} %).",
+            " In this period the core recognised one recording of {} as {} with a confidence of {:.0} %: one recording, no accuracy.",
             escape(&r.truth),
             escape(&r.class),
             100.0 * r.confidence

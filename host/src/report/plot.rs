@@ -1,11 +1,12 @@
-//! The plotting kit: scales, ticks, axes, lines, legend, as SVG text.
+//! The plotting kit: scales, ticks, axes, series, legend, as SVG text.
 //!
-//! Colours are CSS variables with fallbacks, so that one picture serves light and dark pages and stands alone.
+//! Colours are CSS variables with fallbacks, so that one picture serves light and dark pages and stands alone. Series differ in
+//! lightness, dash and marker, so that print without colours keeps them apart.
 
 use std::fmt::Write;
 
-/// Colour-blind-safe series colours (Okabe and Ito).
-pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f"];
+/// Colours of series, safe for the colour-blind (Okabe and Ito); neighbours differ in lightness.
+pub const COLOURS: [&str; 7] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#7f7f7f"];
 
 /// Text made safe for HTML and SVG.
 pub fn escape(text: &str) -> String {
@@ -14,19 +15,6 @@ pub fn escape(text: &str) -> String {
         .replace('>', "&gt;")
         .replace('"', "&quot;")
         .replace('\'', "&#39;")
-}
-
-/// A picture that stands alone: on white, every CSS variable replaced by its fallback.
-pub fn on_white(svg: String) -> String {
-    let svg = svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1);
-    let mut parts = svg.split("var(--");
-    let mut plain = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (variable, rest) = part.split_once(')').unwrap_or((part, ""));
-        plain += variable.split_once(',').map_or("none", |(_, fallback)| fallback);
-        plain += rest;
-    }
-    plain
 }
 
 /// A short decimal number.
@@ -63,14 +51,99 @@ pub fn grouped(n: u64) -> String {
     out
 }
 
-/// Names with their colours as a list that wraps.
-pub fn legend(entries: &[(String, String)]) -> String {
-    let items: String = entries
-        .iter()
-        .map(|(name, colour)| format!("<li><i style=\"background:{colour}\"></i>{}</li>", escape(name)))
-        .collect();
-    format!("<ul class=\"legend\">{items}</ul>")
+/// A series' marker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A circle.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle, point up.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
 }
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Style {
+    /// Colour of lines and markers.
+    pub colour: &'static str,
+    /// Dashes of its lines; empty for a solid one.
+    pub dash: &'static str,
+    /// Marker of its points.
+    pub marker: Marker,
+}
+
+impl Style {
+    const fn new(colour: &'static str, dash: &'static str, marker: Marker) -> Self {
+        Style { colour, dash, marker }
+    }
+
+    /// The same with solid lines.
+    pub fn solid(self) -> Self {
+        Style { dash: "", ..self }
+    }
+
+    /// The marker around a place, in SVG.
+    fn mark(self, (x, y): (f64, f64), r: f64, says: &str) -> String {
+        let says = if says.is_empty() { String::new() } else { format!("<title>{}</title>", escape(says)) };
+        let fill = self.colour;
+        match self.marker {
+            Marker::Circle => {
+                format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\" fill=\"{fill}\">{says}</circle>")
+            }
+            Marker::Square => {
+                let (left, top, side) = (x - 0.9 * r, y - 0.9 * r, 1.8 * r);
+                format!(
+                    "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{side:.1}\" height=\"{side:.1}\" fill=\"{fill}\">{says}</rect>"
+                )
+            }
+            Marker::Triangle => {
+                let (a, b) = (1.2 * r, 0.8 * r);
+                format!(
+                    "<path d=\"M{x:.1} {:.1}l{a:.1} {:.1}h{:.1}z\" fill=\"{fill}\">{says}</path>",
+                    y - a,
+                    a + b,
+                    -2.0 * a
+                )
+            }
+            Marker::Diamond => {
+                let a = 1.3 * r;
+                format!(
+                    "<path d=\"M{x:.1} {:.1}l{a:.1} {a:.1}l{:.1} {a:.1}l{:.1} {:.1}z\" fill=\"{fill}\">{says}</path>",
+                    y - a,
+                    -a,
+                    -a,
+                    -a
+                )
+            }
+        }
+    }
+}
+
+/// Styles in the order of series.
+pub const STYLES: [Style; 7] = [
+    Style::new(COLOURS[0], "", Marker::Circle),
+    Style::new(COLOURS[1], "6 2", Marker::Square),
+    Style::new(COLOURS[2], "2 2", Marker::Triangle),
+    Style::new(COLOURS[3], "8 2 2 2", Marker::Diamond),
+    Style::new(COLOURS[4], "10 3", Marker::Circle),
+    Style::new(COLOURS[5], "4 4", Marker::Square),
+    Style::new(COLOURS[6], "1 3", Marker::Triangle),
+];
+
+/// The style of a series among any number: after all colours dashes and markers are paired with others.
+pub fn style(index: usize) -> Style {
+    let Style { dash, marker, .. } = STYLES[(index + index / STYLES.len()) % STYLES.len()];
+    Style { dash, marker, ..STYLES[index % STYLES.len()] }
+}
+
+/// Secondary lines: thin and grey.
+pub const SOFT: Style = Style::new("var(--soft,#999)", "", Marker::Circle);
+
+/// What is neither a case nor a method: text and rings.
+pub const INK: Style = Style::new("var(--ink,#222)", "", Marker::Circle);
 
 /// One axis: the interval shown and its name.
 #[derive(Debug, Clone)]
@@ -83,9 +156,16 @@ pub struct Axis {
     pub name: String,
     /// Logarithmic (base 10).
     pub log: bool,
+    /// Whole numbers alone.
+    pub whole: bool,
 }
 
 impl Axis {
+    /// A linear axis between two values.
+    pub fn new(low: f64, high: f64, name: &str) -> Self {
+        Axis { low, high, name: name.into(), log: false, whole: false }
+    }
+
     /// A linear axis around values, with a margin.
     pub fn around(values: impl IntoIterator<Item = f64>, name: &str) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -96,7 +176,7 @@ impl Axis {
             (low, high) = (0.0, 1.0);
         }
         let margin = ((high - low) * 0.05).max(1e-9);
-        Axis { low: low - margin, high: high + margin, name: name.into(), log: false }
+        Axis { low: low - margin, high: high + margin, name: name.into(), log: false, whole: false }
     }
 
     fn share(&self, value: f64) -> f64 {
@@ -104,230 +184,437 @@ impl Axis {
         (map(value) - map(self.low)) / (map(self.high) - map(self.low)).max(1e-300)
     }
 
-    /// Round values inside the axis.
-    fn ticks(&self) -> Vec<f64> {
+    /// Round values inside the axis, about so many.
+    fn ticks(&self, most: usize) -> Vec<f64> {
         if self.log {
             let (low, high) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
             return (low..=high).map(|e| 10_f64.powi(e)).collect();
         }
-        let raw = (self.high - self.low) / 6.0;
+        let raw = (self.high - self.low) / most.clamp(2, 6) as f64;
+        let raw = if self.whole { raw.max(1.0) } else { raw };
         let power = 10_f64.powf(raw.log10().floor());
-        let step =
-            [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw).unwrap_or(raw);
+        let step = [1.0, 2.0, 2.5, 5.0, 10.0]
+            .map(|m| m * power)
+            .into_iter()
+            .find(|s| *s >= raw && !(self.whole && s.fract() > 0.0))
+            .unwrap_or(raw);
         let first = (self.low / step).ceil() as i64;
         (first..).map(|k| k as f64 * step).take_while(|x| *x <= self.high + step * 1e-9).take(20).collect()
     }
 }
 
-/// A plot being drawn.
+/// Names with samples of their series, in SVG around y = 8, as a list that wraps.
+pub fn legend(entries: &[(String, String)]) -> String {
+    let item = |(name, sample): &(String, String)| {
+        format!(
+            "<li><svg viewBox=\"0 0 {SAMPLE} 16\" aria-hidden=\"true\">{sample}</svg>{}</li>",
+            escape(name)
+        )
+    };
+    format!("<ul class=\"legend\">{}</ul>", entries.iter().map(item).collect::<String>())
+}
+
+/// A filled sample for [`legend`].
+pub fn swatch(colour: &str) -> String {
+    format!("<rect y=\"3\" width=\"{SAMPLE}\" height=\"10\" fill=\"{colour}\"/>")
+}
+
+/// What a picture is drawn for: size, text and margins in units of its view box.
+#[derive(Debug, Clone, Copy)]
+pub struct Medium {
+    /// Width.
+    pub width: f64,
+    /// Height without the legend.
+    pub height: f64,
+    /// Size of its text.
+    pub font: f64,
+    /// Left margin.
+    pub left: f64,
+    /// Lower margin.
+    pub bottom: f64,
+    /// Width in mm on paper; 0 on a page, which scales it.
+    pub mm: f64,
+}
+
+/// Units of a view box for each millimetre of paper.
+pub const UNITS_PER_MM: f64 = 4.0;
+/// Size of text on paper: 7.4 pt.
+pub const PAPER_FONT: f64 = 10.5;
+
+impl Medium {
+    /// The report page.
+    pub const PAGE: Medium =
+        Medium { width: 640.0, height: 380.0, font: 12.0, left: 92.0, bottom: 52.0, mm: 0.0 };
+    /// A single column of a journal.
+    pub const SINGLE: Medium = Medium::paper(88.0, 236.0);
+    /// Two columns of a journal.
+    pub const DOUBLE: Medium = Medium::paper(180.0, 300.0);
+
+    /// Paper of a width in mm and a height in units.
+    pub const fn paper(mm: f64, height: f64) -> Self {
+        Medium { width: mm * UNITS_PER_MM, height, font: PAPER_FONT, left: 56.0, bottom: 42.0, mm }
+    }
+
+    /// Attributes of a picture's root: size, text.
+    pub fn root(&self, height: f64) -> String {
+        let size = match self.mm > 0.0 {
+            true => format!("width=\"{}mm\" height=\"{:.2}mm\" ", self.mm, height / UNITS_PER_MM),
+            false => String::new(),
+        };
+        format!(
+            "xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" {size}role=\"img\" font-size=\"{}\" \
+             font-family=\"{FONTS}\" fill=\"var(--ink,#222)\"",
+            self.width, self.font
+        )
+    }
+
+    /// Estimated width of a text.
+    pub fn width_of(&self, text: &str) -> f64 {
+        0.58 * self.font * text.chars().count() as f64
+    }
+}
+
+/// The font of figures: on paper the one embedded in them.
+pub const FONTS: &str = "'DejaVu Sans',system-ui,sans-serif";
+
+/// What a series shows, in values of the axes.
+#[derive(Debug)]
+enum Shape {
+    Line { points: Vec<(f64, f64)>, width: f64, dash: &'static str },
+    Dot { at: (f64, f64), radius: f64, says: String },
+    Ring { at: (f64, f64), label: String },
+    Bar { x: f64, low: f64, high: f64 },
+    Band { edge: Vec<(f64, f64)> },
+    Strip { from: f64, to: f64, opacity: f64, says: String },
+    Mark { x: f64, label: String },
+}
+
+/// A name in the legend and the style of what belongs to it.
+#[derive(Debug)]
+struct Series {
+    name: String,
+    style: Style,
+}
+
+/// A series of a plot.
+#[derive(Debug, Clone, Copy)]
+pub struct Id(usize);
+
+/// A plot: what is drawn is kept in values of its axes, so that it can be drawn for a page or for paper.
 #[derive(Debug)]
 pub struct Plot {
     x: Axis,
     y: Axis,
-    width: f64,
-    height: f64,
-    body: String,
-    legend: Vec<(String, String)>,
     title: String,
+    series: Vec<Series>,
+    shapes: Vec<(usize, Shape)>,
 }
 
-const LEFT: f64 = 92.0;
 const RIGHT: f64 = 16.0;
-const TOP: f64 = 16.0;
-const BOTTOM: f64 = 52.0;
-/// Left edge of the legend, and the width of a letter.
-const LEGEND: f64 = 40.0;
-const LETTER: f64 = 6.8;
+const TOP: f64 = 12.0;
+/// Width of a legend's sample of a series.
+const SAMPLE: f64 = 26.0;
 
 impl Plot {
     /// An empty plot; `title` is what a screen reader says.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Plot {
-            x,
-            y,
-            width: 640.0,
-            height: 380.0,
-            body: String::new(),
-            legend: Vec::new(),
-            title: title.into(),
-        }
+        Plot { x, y, title: title.into(), series: Vec::new(), shapes: Vec::new() }
     }
 
-    /// Pixel position of a point.
-    pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        let (w, h) = (self.width - LEFT - RIGHT, self.height - TOP - BOTTOM);
-        (LEFT + w * self.x.share(x), TOP + h * (1.0 - self.y.share(y)))
+    /// A series with its name in the legend.
+    pub fn series(&mut self, name: &str, style: Style) -> Id {
+        self.series.push(Series { name: name.into(), style });
+        Id(self.series.len() - 1)
     }
 
-    /// Adds SVG as it is.
-    pub fn raw(&mut self, svg: &str) {
-        self.body.push_str(svg);
+    /// A line through points, with the dashes of its series.
+    pub fn line(&mut self, Id(series): Id, points: &[(f64, f64)], width: f64) {
+        let dash = self.series[series].style.dash;
+        self.shapes.push((series, Shape::Line { points: points.to_vec(), width, dash }));
     }
 
-    /// A line through points; empty `name` stays out of the legend.
-    pub fn line(&mut self, points: &[(f64, f64)], colour: &str, width: f64, name: &str) {
-        let mut path = String::new();
-        for (x, y) in points.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
-            let (px, py) = self.at(*x, *y);
-            let _ = write!(path, "{px:.1},{py:.1} ");
-        }
-        let _ = write!(
-            self.body,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
-             stroke-linejoin=\"round\"/>",
-            path.trim_end()
-        );
-        if !name.is_empty() {
-            self.legend.push((name.into(), colour.into()));
-        }
+    /// A dotted line: values that nothing was measured for.
+    pub fn dotted(&mut self, Id(series): Id, points: &[(f64, f64)], width: f64) {
+        self.shapes.push((series, Shape::Line { points: points.to_vec(), width, dash: "1.5 3" }));
     }
 
-    /// A dot with what it says when pointed at.
-    pub fn dot(&mut self, x: f64, y: f64, radius: f64, colour: &str, says: &str) {
-        let (px, py) = self.at(x, y);
-        let _ = write!(
-            self.body,
-            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{radius}\" fill=\"{colour}\"><title>{}</title></circle>",
-            escape(says)
-        );
+    /// A marker with what it says when pointed at.
+    pub fn dot(&mut self, Id(series): Id, at: (f64, f64), radius: f64, says: &str) {
+        self.shapes.push((series, Shape::Dot { at, radius, says: says.into() }));
+    }
+
+    /// A ring with a label beside it.
+    pub fn ring(&mut self, Id(series): Id, at: (f64, f64), label: &str) {
+        self.shapes.push((series, Shape::Ring { at, label: label.into() }));
     }
 
     /// A vertical bar between two values.
-    pub fn error_bar(&mut self, x: f64, low: f64, high: f64, colour: &str) {
-        let ((px, a), (_, b)) = (self.at(x, low), self.at(x, high));
-        let _ = write!(
-            self.body,
-            "<path d=\"M{px:.1} {a:.1}V{b:.1}M{:.1} {a:.1}h8M{:.1} {b:.1}h8\" stroke=\"{colour}\" fill=\"none\"/>",
-            px - 4.0,
-            px - 4.0
-        );
+    pub fn error_bar(&mut self, Id(series): Id, x: f64, low: f64, high: f64) {
+        self.shapes.push((series, Shape::Bar { x, low, high }));
     }
 
     /// A band between two curves of equal length.
-    pub fn band(&mut self, low: &[(f64, f64)], high: &[(f64, f64)], colour: &str) {
-        let mut path = String::new();
-        for (x, y) in low.iter().chain(high.iter().rev()).filter(|(x, y)| x.is_finite() && y.is_finite()) {
-            // no further than the axes reach
-            let (px, py) = self.at(x.clamp(self.x.low, self.x.high), y.clamp(self.y.low, self.y.high));
-            let _ = write!(path, "{px:.1},{py:.1} ");
-        }
-        let path = path.trim_end();
-        let _ = write!(self.body, "<polygon points=\"{path}\" fill=\"{colour}\" fill-opacity=\"0.13\"/>");
+    pub fn band(&mut self, Id(series): Id, low: &[(f64, f64)], high: &[(f64, f64)]) {
+        let edge = low.iter().chain(high.iter().rev()).copied().collect();
+        self.shapes.push((series, Shape::Band { edge }));
     }
 
     /// A tinted strip from one x to another, over the whole height, with what it says when pointed at.
-    pub fn strip(&mut self, (from, to): (f64, f64), colour: &str, says: &str) {
-        let ((left, top), (right, bottom)) = (self.at(from, self.y.high), self.at(to, self.y.low));
-        let _ = write!(
-            self.body,
-            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\" fill-opacity=\"0.14\">\
-             <title>{}</title></rect>",
-            (right - left).max(0.0),
-            bottom - top,
-            escape(says)
-        );
+    pub fn strip(&mut self, Id(series): Id, (from, to): (f64, f64), opacity: f64, says: &str) {
+        self.shapes.push((series, Shape::Strip { from, to, opacity, says: says.into() }));
     }
 
     /// A dashed vertical line with a label.
-    pub fn mark(&mut self, x: f64, label: &str) {
-        let (px, _) = self.at(x, self.y.low);
-        let bottom = self.height - BOTTOM;
-        let near_right = px > self.width - 150.0;
-        let (anchor, shift) = if near_right { ("end", -5.0) } else { ("start", 5.0) };
-        let _ = write!(
-            self.body,
-            "<path d=\"M{px:.1} {TOP}V{bottom}\" stroke=\"var(--soft,#888)\" stroke-dasharray=\"4 4\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" class=\"small\">{}</text>",
-            px + shift,
-            TOP + 12.0,
-            escape(label)
-        );
-    }
-
-    /// An entry of the legend without a line.
-    pub fn entry(&mut self, name: &str, colour: &str) {
-        self.legend.push((name.into(), colour.into()));
-    }
-
-    /// The finished picture on white.
-    pub fn standalone(self) -> String {
-        on_white(self.svg())
+    pub fn mark(&mut self, Id(series): Id, x: f64, label: &str) {
+        self.shapes.push((series, Shape::Mark { x, label: label.into() }));
     }
 
     /// The finished picture, its legend below it.
-    pub fn svg(self) -> String {
-        // as many entries to a row as the longest leaves room for
-        let longest = self.legend.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let entry = 34.0 + LETTER * longest as f64;
-        let abreast = ((self.width - LEGEND) / entry).clamp(1.0, 4.0) as usize;
-        let rows = self.legend.len().div_ceil(abreast);
-        let mut legend = String::new();
-        for (index, (name, colour)) in self.legend.iter().enumerate() {
-            let x = LEGEND + (index % abreast) as f64 * entry;
-            let y = self.height + 8.0 + (index / abreast) as f64 * 20.0;
-            let _ = write!(
-                legend,
-                "<rect x=\"{x}\" y=\"{}\" width=\"16\" height=\"4\" fill=\"{colour}\"/><text x=\"{}\" y=\"{}\">{}</text>",
-                y - 6.0,
-                x + 22.0,
-                y,
-                escape(name)
-            );
-        }
-        self.drawn(self.height + rows as f64 * 20.0, &legend)
+    pub fn svg(&self, medium: Medium) -> String {
+        let (legend, rows) = self.legend(medium);
+        self.drawn(medium, medium.height + rows as f64 * (medium.font + 5.0) + 4.0, &legend)
     }
 
     /// The finished picture for a page: its legend is text that wraps, its scale is an attribute for scripts.
-    pub fn html(self) -> String {
-        self.drawn(self.height, "") + &legend(&self.legend)
+    pub fn html(&self) -> String {
+        let medium = Medium::PAGE;
+        let entry = |(k, s): (usize, &Series)| (s.name.clone(), self.sample(k, 0.0, 8.0, medium));
+        let entries: Vec<_> = self.series.iter().enumerate().map(entry).collect();
+        self.drawn(medium, medium.height, "") + &legend(&entries)
     }
 
-    fn drawn(&self, height: f64, legend: &str) -> String {
-        let mut grid = String::new();
-        let (right, bottom) = (self.width - RIGHT, self.height - BOTTOM);
-        for tick in self.x.ticks() {
-            let (px, _) = self.at(tick, self.y.low);
+    /// Names and samples in rows as wide as the picture; how many rows.
+    fn legend(&self, medium: Medium) -> (String, usize) {
+        let first = 10.0;
+        let (mut x, mut row, mut svg) = (first, 0, String::new());
+        for (k, series) in self.series.iter().enumerate() {
+            let width = SAMPLE + 6.0 + medium.width_of(&series.name) + 10.0;
+            if x > first && x + width > medium.width {
+                (x, row) = (first, row + 1);
+            }
+            let y = medium.height + medium.font * 0.5 + row as f64 * (medium.font + 5.0);
             let _ = write!(
-                grid,
-                "<path d=\"M{px:.1} {TOP}V{bottom}\" class=\"grid\"/><text x=\"{px:.1}\" y=\"{}\" \
-                 text-anchor=\"middle\">{}</text>",
-                bottom + 16.0,
+                svg,
+                "<g class=\"entry\" data-series=\"{k}\">{}<text x=\"{:.1}\" y=\"{:.1}\">{}</text></g>",
+                self.sample(k, x, y, medium),
+                x + SAMPLE + 6.0,
+                y + medium.font * 0.35,
+                escape(&series.name)
+            );
+            x += width;
+        }
+        let rows = if self.series.is_empty() { 0 } else { row + 1 };
+        (format!("<g class=\"legend\">{svg}</g>"), rows)
+    }
+
+    /// A sample of everything a series draws, from x on around y.
+    fn sample(&self, series: usize, x: f64, y: f64, medium: Medium) -> String {
+        let style = self.series[series].style;
+        let (colour, middle) = (style.colour, x + SAMPLE / 2.0);
+        let (tall, mut svg, mut drawn) = (medium.font * 0.8, String::new(), Vec::new());
+        for (_, shape) in self.shapes.iter().filter(|(own, _)| *own == series) {
+            // one of a kind is enough
+            let kind = std::mem::discriminant(shape);
+            if drawn.contains(&kind) {
+                continue;
+            }
+            drawn.push(kind);
+            svg += &match shape {
+                Shape::Line { width, dash, .. } => format!(
+                    "<path d=\"M{x:.1} {y:.1}h{SAMPLE}\" stroke=\"{colour}\" stroke-width=\"{width}\" fill=\"none\" stroke-dasharray=\"{}\"/>",
+                    if dash.is_empty() { "none" } else { dash }
+                ),
+                Shape::Dot { radius, .. } => style.mark((middle, y), radius.clamp(2.0, 4.0), ""),
+                Shape::Ring { .. } => ring((middle, y), 4.5, colour),
+                Shape::Bar { .. } => bar(middle, y - tall / 2.0, y + tall / 2.0, colour),
+                Shape::Band { .. } => tint((x, y - tall / 2.0), (SAMPLE, tall), colour, BAND),
+                Shape::Strip { opacity, .. } => tint((x, y - tall / 2.0), (SAMPLE, tall), colour, *opacity),
+                Shape::Mark { .. } => {
+                    format!(
+                        "<path d=\"M{middle:.1} {:.1}v{tall}\" stroke=\"{colour}\" stroke-dasharray=\"3 2\"/>",
+                        y - tall / 2.0
+                    )
+                }
+            };
+        }
+        svg
+    }
+
+    fn drawn(&self, medium: Medium, height: f64, legend: &str) -> String {
+        let frame = Frame { plot: self, medium };
+        let (right, bottom) = (medium.width - RIGHT, medium.height - medium.bottom);
+        let mut body = String::new();
+        // tints lie under lines
+        let tint = |(_, shape): &&(usize, Shape)| matches!(shape, Shape::Strip { .. } | Shape::Band { .. });
+        let tints = self.shapes.iter().filter(tint);
+        for (series, shape) in tints.chain(self.shapes.iter().filter(|shape| !tint(shape))) {
+            let _ = write!(
+                body,
+                "<g data-series=\"{series}\">{}</g>",
+                frame.shape(self.series[*series].style, shape)
+            );
+        }
+        format!(
+            "<svg {} data-x=\"{} {} {} {right}\" data-y=\"{} {} {bottom} {TOP}\" data-log-x=\"{}\" data-log=\"{}\"><title>{}</title>\
+             <style>.grid{{stroke:var(--grid,#ddd);fill:none}}.line{{fill:none;stroke-linejoin:round}}</style>{}{body}{legend}</svg>",
+            medium.root(height),
+            self.x.low,
+            self.x.high,
+            medium.left,
+            self.y.low,
+            self.y.high,
+            self.x.log,
+            self.y.log,
+            escape(&self.title),
+            frame.axes(),
+        )
+    }
+}
+
+/// Opacity of a band.
+const BAND: f64 = 0.2;
+
+fn ring((x, y): (f64, f64), r: f64, colour: &str) -> String {
+    format!(
+        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"
+    )
+}
+
+fn bar(x: f64, top: f64, bottom: f64, colour: &str) -> String {
+    format!(
+        "<path d=\"M{x:.1} {top:.1}V{bottom:.1}M{:.1} {top:.1}h6M{:.1} {bottom:.1}h6\" stroke=\"{colour}\" fill=\"none\"/>",
+        x - 3.0,
+        x - 3.0
+    )
+}
+
+fn tint((x, y): (f64, f64), (width, height): (f64, f64), colour: &str, opacity: f64) -> String {
+    format!(
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>",
+        width.max(0.0)
+    )
+}
+
+/// A plot on its medium.
+struct Frame<'a> {
+    plot: &'a Plot,
+    medium: Medium,
+}
+
+impl Frame<'_> {
+    /// Position of a point in the view box.
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let m = self.medium;
+        let (w, h) = (m.width - m.left - RIGHT, m.height - TOP - m.bottom);
+        (m.left + w * self.plot.x.share(x), TOP + h * (1.0 - self.plot.y.share(y)))
+    }
+
+    fn path(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
+        let mut path = String::new();
+        for point in points.filter(|(x, y)| x.is_finite() && y.is_finite()) {
+            let (x, y) = self.at(point);
+            let _ = write!(path, "{x:.1},{y:.1} ");
+        }
+        path.trim_end().to_owned()
+    }
+
+    fn shape(&self, style: Style, shape: &Shape) -> String {
+        let (x_axis, y_axis, colour) = (&self.plot.x, &self.plot.y, style.colour);
+        let top_bottom = |x: f64| (self.at((x, y_axis.high)), self.at((x, y_axis.low)));
+        match shape {
+            Shape::Line { points, width, dash } => {
+                let dash =
+                    if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
+                format!(
+                    "<polyline class=\"line\" points=\"{}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>",
+                    self.path(points.iter().copied())
+                )
+            }
+            Shape::Dot { at, radius, says } => style.mark(self.at(*at), *radius, says),
+            Shape::Ring { at, label } => {
+                let (x, y) = self.at(*at);
+                let left = x > self.medium.left + 12.0 + self.medium.width_of(label);
+                let low = y + self.medium.font + 8.0 > self.medium.height - self.medium.bottom;
+                let (anchor, shift) = if left { ("end", -9.0) } else { ("start", 9.0) };
+                format!(
+                    "{}<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                    ring((x, y), 6.0, colour),
+                    x + shift,
+                    if low { y - 8.0 } else { y + self.medium.font + 4.0 },
+                    escape(label)
+                )
+            }
+            Shape::Bar { x, low, high } => {
+                let ((px, bottom), (_, top)) = (self.at((*x, *low)), self.at((*x, *high)));
+                bar(px, top, bottom, colour)
+            }
+            Shape::Band { edge } => {
+                // no further than the axes reach
+                let inside = |(x, y): &(f64, f64)| {
+                    (x.clamp(x_axis.low, x_axis.high), y.clamp(y_axis.low, y_axis.high))
+                };
+                let path = self.path(edge.iter().map(inside));
+                format!("<polygon points=\"{path}\" fill=\"{colour}\" fill-opacity=\"{BAND}\"/>")
+            }
+            Shape::Strip { from, to, opacity, says } => {
+                let ((left, top), (right, bottom)) = (top_bottom(*from).0, top_bottom(*to).1);
+                let rect = tint((left, top), (right - left, bottom - top), colour, *opacity);
+                rect.replace("/>", &format!("><title>{}</title></rect>", escape(says)))
+            }
+            Shape::Mark { x, label } => {
+                let ((px, top), (_, bottom)) = top_bottom(*x);
+                let near_right = px + self.medium.width_of(label) + 8.0 > self.medium.width - RIGHT;
+                let (anchor, shift) = if near_right { ("end", -4.0) } else { ("start", 4.0) };
+                format!(
+                    "<path d=\"M{px:.1} {top}V{bottom}\" stroke=\"{colour}\" stroke-dasharray=\"3 3\"/>\
+                     <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                    px + shift,
+                    top + self.medium.font,
+                    escape(label)
+                )
+            }
+        }
+    }
+
+    /// Grid, numbers and names of both axes.
+    fn axes(&self) -> String {
+        let Frame { plot, medium: m } = self;
+        let (right, bottom) = (m.width - RIGHT, m.height - m.bottom);
+        let mut svg = String::new();
+        let most = ((right - m.left) / (4.2 * m.font)) as usize;
+        for tick in plot.x.ticks(most) {
+            let (x, _) = self.at((tick, plot.y.low));
+            let _ = write!(
+                svg,
+                "<path d=\"M{x:.1} {TOP}V{bottom}\" class=\"grid\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                bottom + m.font + 3.0,
                 number(tick)
             );
         }
-        for tick in self.y.ticks() {
-            let (_, py) = self.at(self.x.low, tick);
+        for tick in plot.y.ticks(6) {
+            let (_, y) = self.at((plot.x.low, tick));
             let _ = write!(
-                grid,
-                "<path d=\"M{LEFT} {py:.1}H{right}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1}\" \
-                 text-anchor=\"end\">{}</text>",
-                LEFT - 7.0,
-                py + 4.0,
+                svg,
+                "<path d=\"M{} {y:.1}H{right}\" class=\"grid\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                m.left,
+                m.left - 6.0,
+                y + 0.35 * m.font,
                 number(tick)
             );
         }
         let _ = write!(
-            grid,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate(20 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            (LEFT + right) / 2.0,
-            self.height - 8.0,
-            escape(&self.x.name),
+            svg,
+            "<path d=\"M{0} {TOP}V{bottom}H{right}\" fill=\"none\" stroke=\"var(--ink,#222)\"/>\
+             <text class=\"axis-x\" x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"middle\">{3}</text>\
+             <text class=\"axis-y\" transform=\"translate({4:.1} {5:.1}) rotate(-90)\" text-anchor=\"middle\">{6}</text>",
+            m.left,
+            (m.left + right) / 2.0,
+            bottom + 2.0 * m.font + 8.0,
+            escape(&plot.x.name),
+            m.font + 1.0,
             (TOP + bottom) / 2.0,
-            escape(&self.y.name)
+            escape(&plot.y.name)
         );
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" role=\"img\" font-size=\"12\" \
-             data-x=\"{} {} {LEFT} {right}\" data-y=\"{} {} {bottom} {TOP}\" data-log=\"{}\" font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>{}</title><style>.grid{{stroke:\
-             var(--grid,#ddd);fill:none}}.small{{font-size:11px}}</style>{grid}{}{legend}</svg>",
-            self.width,
-            self.x.low,
-            self.x.high,
-            self.y.low,
-            self.y.high,
-            self.y.log,
-            escape(&self.title),
-            self.body
-        )
+        svg
     }
 }

@@ -1,10 +1,11 @@
 //! Spectrograms as images with axes.
 //!
-//! Intensities through a perceptual ramp from black over violet and orange to light yellow.
+//! Intensities in dB below the maximum through a perceptual ramp from black over violet and orange to light yellow.
 
-use super::plot::{escape, number};
+use super::plot::{Medium, escape, number};
 use crate::results::Spectrogram;
 use base64::Engine;
+use std::fmt::Write;
 
 /// Stops of the colour ramp, evenly spaced.
 const RAMP: [[u8; 3]; 9] = [
@@ -48,41 +49,93 @@ pub fn png(s: &Spectrogram) -> Vec<u8> {
     if written.is_ok() { bytes } else { Vec::new() }
 }
 
-/// The picture with its axes; empty for an empty spectrogram.
-pub fn svg(s: &Spectrogram) -> String {
+/// An image as a data address.
+fn data(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png))
+}
+
+/// The colour ramp as an image, brightest on top.
+fn ramp() -> Vec<u8> {
+    let grey = (0..=255).collect();
+    let (rows, frames) = (256, 1);
+    png(&Spectrogram {
+        title: String::new(),
+        rows,
+        frames,
+        first_row_hz: 0.0,
+        row_hz: 1.0,
+        frame_s: 1.0,
+        carrier_hz: 1.0,
+        range_db: 0.0,
+        grey,
+    })
+}
+
+/// Where the image of a page's picture stands: x, y, width, height.
+pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 204.0, 196.0);
+
+/// The page's picture.
+const PAGE: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.0, bottom: 0.0, mm: 0.0 };
+
+/// The picture with its axes and colour bar; empty for an empty spectrogram.
+pub fn svg(s: &Spectrogram, medium: Medium) -> String {
     let bytes = png(s);
     if bytes.is_empty() {
         return String::new();
     }
-    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
     let top = s.first_row_hz + s.row_hz * f64::from(s.rows);
     let seconds = s.frame_s * f64::from(s.frames);
     // 2 v / lambda: an axis of radial speeds on the right
     let speed =
         |hz: f64| number((hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz) * 10.0).round() / 10.0);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 320 250\" role=\"img\" font-size=\"12\" \
-         font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Spectrogram: {}</title>\
-         <image href=\"data:image/png;base64,{data}\" x=\"48\" y=\"8\" width=\"232\" height=\"200\" \
-         preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\"/>\
-         <text x=\"44\" y=\"18\" text-anchor=\"end\">{}</text><text x=\"44\" y=\"208\" text-anchor=\"end\">{}</text>\
-         <text transform=\"translate(14 108) rotate(-90)\" text-anchor=\"middle\">Doppler (Hz)</text>\
-         <text x=\"48\" y=\"224\">0</text><text x=\"280\" y=\"224\" text-anchor=\"end\">{}</text>\
-         <text x=\"284\" y=\"18\">{}</text><text x=\"284\" y=\"208\">{}</text>\
-         <text transform=\"translate(314 108) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>\
-         <text x=\"164\" y=\"240\" text-anchor=\"middle\">time (s)</text></svg>",
+    let (x, y, width, height) = IMAGE;
+    let mut svg = format!(
+        "<svg {}><title>Spectrogram: {}</title>\
+         <image href=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         style=\"image-rendering:pixelated\"/>\
+         <text class=\"axis-y\" transform=\"translate(12 106) rotate(-90)\" text-anchor=\"middle\">Doppler (Hz)</text>\
+         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">time (s)</text>\
+         <text transform=\"translate(310 106) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>",
+        medium.root(250.0),
         escape(&s.title),
-        number(top.round()),
-        number(s.first_row_hz.round()),
-        number((seconds * 100.0).round() / 100.0),
-        speed(top),
-        speed(s.first_row_hz),
-    )
+        data(&bytes),
+    );
+    for k in 0..=4 {
+        let share = f64::from(k) / 4.0;
+        let (hz, at) = (s.first_row_hz + share * (top - s.first_row_hz), y + (1.0 - share) * height);
+        let (time, across) = (number((share * seconds * 100.0).round() / 100.0), x + share * width);
+        let anchor = ["start", "middle", "middle", "middle", "end"][k as usize];
+        let _ = write!(
+            svg,
+            "<path d=\"M{:.1} {at:.1}h4M{:.1} {at:.1}h4M{across:.1} {:.1}v4\" stroke=\"var(--ink,#222)\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><text x=\"{:.1}\" y=\"{:.1}\">{}</text>\
+             <text x=\"{across:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{time}</text>",
+            x - 4.0,
+            x + width,
+            y + height,
+            x - 6.0,
+            at + 4.0,
+            number(hz.round()),
+            x + width + 6.0,
+            at + 4.0,
+            speed(hz),
+            y + height + 16.0,
+        );
+    }
+    let (low, decibels) = (number(-s.range_db), number(-s.range_db / 2.0));
+    let _ = write!(
+        svg,
+        "<g class=\"colour-bar\"><image href=\"{}\" x=\"318\" y=\"34\" width=\"10\" height=\"144\" preserveAspectRatio=\"none\"/>\
+         <text x=\"351\" y=\"22\" text-anchor=\"end\">dB</text><text x=\"331\" y=\"40\">0</text>\
+         <text x=\"331\" y=\"110\">{decibels}</text><text x=\"331\" y=\"178\">{low}</text></g></svg>",
+        data(&ramp())
+    );
+    svg
 }
 
 /// A figure element with the picture and its title.
 pub fn figure(s: &Spectrogram) -> String {
-    let picture = svg(s);
+    let picture = svg(s, PAGE);
     if picture.is_empty() {
         return picture;
     }

@@ -113,6 +113,8 @@ pub fn prediction(prediction: &Prediction) -> String {
             band.draws,
             band.source
         );
+    } else {
+        text += "\nno band: points without tested or std, as few as the curve's parameters, do not say how sure they are";
     }
     text
 }

@@ -94,7 +94,7 @@ pub struct Prediction {
     pub models: Vec<FittedCurve>,
     /// The models in the order of each figure of merit.
     pub ranking: Ranking,
-    /// Confidence band of the best model.
+    /// Confidence band of the best model; absent where points without counts and deviations are as few as its parameters.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub band: Option<Band>,
 }
@@ -121,7 +121,7 @@ pub struct Band {
     pub coverage: f64,
     /// Redrawn curves.
     pub draws: u32,
-    /// What they were redrawn from: `test counts`, or `residuals` where a point has no count.
+    /// What they were redrawn from: `stated deviations`, `test counts`, or `residuals` where a point has neither.
     pub source: String,
     /// The band, N_s ascending.
     pub points: Vec<BandPoint>,
@@ -148,6 +148,9 @@ pub struct CurvePoint {
     /// Number of recordings it was counted on, if known.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub tested: Option<f64>,
+    /// Standard deviation of the accuracy, if known.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub std: Option<f64>,
 }
 
 /// One model's fit with its figures of merit.
@@ -243,6 +246,8 @@ pub struct Spectrogram {
     pub frame_s: f64,
     /// Carrier in Hz: 2 v / lambda is the Doppler of a radial speed v.
     pub carrier_hz: f64,
+    /// What intensities 0 to 255 span, in dB below the maximum.
+    pub range_db: f64,
     /// Intensities `[row][frame]`, from 0 (black, at or below the range) to 255 (the maximum).
     pub grey: Vec<u8>,
 }

@@ -25,6 +25,9 @@ pub struct RegionPoint {
     pub throughput_bit: f64,
     /// The same by Theorem 1, over real numbers of slots.
     pub closed_form_bit: f64,
+    /// Whether `N_s` lies outside the points that the curve was fitted to.
+    #[serde(default)]
+    pub extrapolated: bool,
     /// Which of the paper's three zones it lies in.
     pub zone: Zone,
 }
@@ -154,6 +157,8 @@ pub struct OperatingPoint {
     pub spacing_slots: u32,
     /// `N`.
     pub period_slots: u32,
+    /// Length of the period in s: bits per period over it are bit/s.
+    pub period_s: f64,
     /// `N_c,k` of each user.
     pub communication_slots: Vec<u32>,
     /// Bits one slot carries to each user.

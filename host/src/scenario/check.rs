@@ -44,6 +44,16 @@ impl Scenario {
         self.frame.slot_s * f64::from(self.frame.spacing_slots + 1)
     }
 
+    /// Length of a period in s.
+    pub fn period_s(&self) -> f64 {
+        self.frame.slot_s * f64::from(self.frame.period_slots)
+    }
+
+    /// The fewest sensing slots of a recording: four windows of the spectrogram.
+    pub fn least_sensing_slots(&self) -> u32 {
+        u32::from(self.spectrogram.window) + 3 * u32::from(self.spectrogram.hop)
+    }
+
     /// Checks every value; `origin` (a file, or `command line`) begins each message.
     ///
     /// # Errors
@@ -162,7 +172,7 @@ impl Scenario {
         );
         let most = (f.period_slots / (f.spacing_slots.saturating_add(1))).min(4000);
         // the image needs a column behind the stem and its pooling
-        let least = u32::from(s.window) + 3 * u32::from(s.hop);
+        let least = self.least_sensing_slots();
         for &slots in &f.sensing_slots {
             let legal = format!(
                 "{least} to {most}: N_s must fill four windows and N_s (N_m + 1) <= N = {} with N_m = {}",

@@ -102,7 +102,7 @@ mod tests {
     fn outcome(rule: Rule) -> Result<Outcome, OptimizerError> {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
-        optimise(&curve, &[], &Scenario::default(), rule, 1)
+        optimise(&curve, &[], &[], &Scenario::default(), rule, 1)
     }
 
     #[test]

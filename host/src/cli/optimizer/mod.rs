@@ -11,7 +11,7 @@ use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
 use sdp3::pipeline::Job;
 use sdp3::predictor::{best_curve, fit_all, predict as fitted};
-use sdp3::report;
+use sdp3::report::{self, figures, plot::Medium};
 use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
 use sdp3::scenario::Scenario;
 use std::fmt::Write;
@@ -22,7 +22,7 @@ pub use schedule::{ScheduleArgs, schedule};
 /// Accuracies to fit.
 #[derive(Debug, Clone, Args)]
 pub struct PredictArgs {
-    /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+    /// CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
 }
@@ -30,7 +30,7 @@ pub struct PredictArgs {
 /// A region to draw and a point to choose.
 #[derive(Debug, Clone, Args)]
 pub struct OptimizeArgs {
-    /// CSV or JSON with sensing_slots, accuracy[, tested], or results of this tool; absent: the accuracies of --out's run.
+    /// CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Learning curve; absent: the best one.
@@ -83,6 +83,7 @@ fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
         sensing_slots: f64::from(a.sensing_slots),
         accuracy: a.int8,
         tested: Some(f64::from(a.tested)),
+        std: None,
     };
     Ok(run.accuracy.iter().map(point).collect())
 }
@@ -93,6 +94,9 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
             .map_err(|e| format!("{}: {e}", file.display()))?,
         None => fitted(&stored_points(&context.job()?)?, context.common.seed())?,
     };
+    let job = context.job()?;
+    job.output.write_json("predict.json", &prediction)?;
+    context.draw(&job, "predict", &figures::learning_curve(&prediction, &[]).svg(Medium::SINGLE))?;
     context.print(&prediction, || report::tables::prediction(&prediction))?;
     Ok(true)
 }
@@ -146,9 +150,10 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
             );
         }
         let rows = sweep::rows(&job.scenario, &curve, rule, &ask.sweep, job.seed)?;
+        let period_s = job.scenario.period_s();
         context.record(job, "optimize")?;
-        job.output.write("sweep.csv", sweep_table(&rows, ",").as_bytes())?;
-        context.print(&rows, || sweep_table(&rows, "\t").trim_end().to_owned())?;
+        job.output.write("sweep.csv", sweep_table(&rows, period_s, ",").as_bytes())?;
+        context.print(&rows, || sweep_table(&rows, period_s, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
     let outcome = job.optimize(&curve, &points, rule)?;
@@ -164,11 +169,13 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
     context.record(job, "optimize")?;
     job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
     job.output.write_json("optimize.json", &value)?;
+    let region = figures::region(&value.region, &value.operating_point, &value.cases, &points);
+    context.draw(job, "optimize", &region.svg(Medium::SINGLE))?;
     context.print(&value, || words(&value))?;
     Ok(true)
 }
 
-fn sweep_table(rows: &[SweepRow], comma: &str) -> String {
+fn sweep_table(rows: &[SweepRow], period_s: f64, comma: &str) -> String {
     let head = [
         "carrier_hz",
         "power_w",
@@ -178,6 +185,7 @@ fn sweep_table(rows: &[SweepRow], comma: &str) -> String {
         "sensing_slots",
         "accuracy",
         "throughput_bit",
+        "throughput_mbit_s",
     ];
     let mut text = head.join(comma) + "\n";
     for r in rows {
@@ -191,6 +199,7 @@ fn sweep_table(rows: &[SweepRow], comma: &str) -> String {
             some(r.sensing_slots.map(f64::from)),
             some(r.accuracy),
             some(r.throughput_bit),
+            some(r.throughput_bit.map(|bit| bit / period_s / 1e6)),
         ];
         text += &(cells.join(comma) + "\n");
     }
@@ -210,13 +219,14 @@ fn words(found: &Optimum) -> String {
                     band.and_then(|r| Some(format!(" ({:.3} to {:.3})", r.accuracy_low?, r.accuracy_high?)));
                 let _ = writeln!(
                     text,
-                    "case {}: N_s = {}, N_c = {:?}, accuracy {:.4}{}, {:.0} bit per period, {}",
+                    "case {}: N_s = {}, N_c = {:?}, accuracy {:.4}{}, {:.0} bit per period ({:.3} Mbit/s), {}",
                     p.case,
                     p.sensing_slots,
                     p.communication_slots,
                     p.accuracy,
                     band.unwrap_or_default(),
                     p.throughput_bit,
+                    p.throughput_bit / p.period_s / 1e6,
                     p.zone.name()
                 );
             }
@@ -245,7 +255,8 @@ pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
     let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
     context.record(&job, "anytime")?;
     job.output.write_json("anytime.json", &found)?;
-    job.output.write("anytime.svg", report::anytime::region(&found).as_bytes())?;
-    context.print(&found, || report::anytime::table(&found))?;
+    let period_s = job.scenario.period_s();
+    context.draw(&job, "anytime", &report::anytime::region(&found, period_s).svg(Medium::SINGLE))?;
+    context.print(&found, || report::anytime::table(&found, period_s))?;
     Ok(true)
 }

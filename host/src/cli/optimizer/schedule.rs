@@ -8,7 +8,7 @@ use clap::Args;
 use sdp3::error::{Failure, Invalid};
 use sdp3::network::memory::OwnedMemory;
 use sdp3::pipeline::Job;
-use sdp3::report::{plot::on_white, timeline};
+use sdp3::report::timeline;
 use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
 use sdp3::scenario::Scenario;
 use sdp3::scheduling::campaign::{
@@ -88,7 +88,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     if args.periods.is_none() {
         let schedule = playback::play(&stored(&job)?.operating_point)?;
         job.output.write_json("schedule.json", &schedule)?;
-        draw(&job, &schedule.timeline)?;
+        draw(context, &job, &schedule.timeline)?;
         context.print(&schedule, || one_period(&schedule))?;
         return Ok(true);
     }
@@ -104,16 +104,14 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
     job.output.write_json("campaign.json", &found)?;
-    draw(&job, &found.timeline)?;
-    context.print(&found, || campaign_words(&found))?;
+    draw(context, &job, &found.timeline)?;
+    context.print(&found, || campaign_words(&found, job.scenario.period_s()))?;
     Ok(found.broken.is_empty())
 }
 
 /// The (first) period's slots as a picture.
-fn draw(job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
-    let svg = on_white(timeline::svg(runs));
-    job.output.write("timeline.svg", svg.as_bytes())?;
-    Ok(())
+fn draw(context: &Context, job: &Job, runs: &[(i32, u32)]) -> Result<(), Failure> {
+    context.draw(job, "timeline", &timeline::svg(runs, job.scenario.period_s()))
 }
 
 fn play(job: &Job, args: &ScheduleArgs, settings: &Settings) -> Result<(Campaign, String), Failure> {
@@ -216,11 +214,11 @@ fn one_period(s: &Schedule) -> String {
     )
 }
 
-fn campaign_words(found: &Campaign) -> String {
+fn campaign_words(found: &Campaign, period_s: f64) -> String {
     let r = &found.replans;
     let mut text = format!(
         "{} periods, {} decisions: {} sensing, {} idle\n{} new plans: {} joined, {} left, {} rates, {} targets, {} slots lost and \
-         {} of sensing, {} given back\n{:<9}{:>9}{:>13}{:>14}{:>14}{:>10}{:>8}\n",
+         {} of sensing, {} given back\n{:<9}{:>9}{:>13}{:>14}{:>10}{:>14}{:>10}{:>8}\n",
         found.periods,
         found.decisions,
         found.sensing_slots,
@@ -237,6 +235,7 @@ fn campaign_words(found: &Campaign) -> String {
         "periods",
         "slots",
         "bit a period",
+        "Mbit/s",
         "offered",
         "wait",
         "bound"
@@ -245,11 +244,12 @@ fn campaign_words(found: &Campaign) -> String {
         let per_period = |bits: f64| bits / c.periods as f64;
         let _ = writeln!(
             text,
-            "{:<9}{:>9}{:>13}{:>14.0}{:>14.0}{:>10}{:>8}",
+            "{:<9}{:>9}{:>13}{:>14.0}{:>10.3}{:>14.0}{:>10}{:>8}",
             k + 1,
             c.periods,
             c.slots,
             per_period(c.delivered_bit),
+            per_period(c.delivered_bit) / period_s / 1e6,
             per_period(c.offered_bit),
             c.longest_wait_slots,
             c.wait_bound_slots

@@ -145,6 +145,7 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
                 sensing_slots: f64::from(p.sensing_slots),
                 accuracy: p.int8.mean,
                 tested: Some(f64::from(p.tested)),
+                std: None,
             })
             .collect();
         fitted.sort_by(|a, b| a.sensing_slots.total_cmp(&b.sensing_slots));

@@ -22,9 +22,11 @@ function matrix(own, other, read) {
     });
   });
   cells[0][0].tabIndex = 0;
+  const names = figures.classes.map((name) => html("th", { scope: "col" }, name));
+  const head = html("tr", {}, html("th", { scope: "col" }, "truth \\ answer"), ...names);
   const rows = cells.map((row, truth) => html("tr", {}, html("th", { scope: "row" }, figures.classes[truth]), ...row));
   const caption = html("caption", {}, `${own.arithmetic}, N_s = ${own.sensing_slots}: truth down, answer across`);
-  return html("figure", {}, html("table", { class: "confusion", "data-arithmetic": own.arithmetic }, caption, ...rows));
+  return html("figure", {}, html("table", { class: "confusion", "data-arithmetic": own.arithmetic }, caption, head, ...rows));
 }
 
 function confusionPanel() {

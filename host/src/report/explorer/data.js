@@ -7,7 +7,8 @@ const figures = read("figures");
 const known = (x) => x !== null && x !== undefined;
 const digits = (x, n) => (known(x) ? x.toFixed(n) : "–");
 const percent = (x) => `${digits(100 * x, 1)} %`;
-const megabit = (bit) => `${digits(bit / 1e6, 3)} Mbit`;
+const megabit = (bit) => `${digits(bit / 1e6, 3)} Mbit per period`;
+const megabitPerSecond = (bit) => `${digits(bit / run.operating_point.period_s / 1e6, 3)} Mbit/s`;
 const grouped = (n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 const words = (name) => name.replaceAll("-", " ");
 

@@ -1,7 +1,7 @@
 // The gallery: the classification at every early exit of a recording, and where it stops at a threshold.
 
 /** The picture's box in a spectrogram: left edge, width, top, bottom. */
-const PICTURE = { left: 48, width: 232, top: 8, bottom: 208 };
+const PICTURE = { left: 56, width: 204, top: 8, bottom: 204 };
 
 /** The exit at which a recording stops: the first that is sure enough, or the last in use. */
 function stopOf(recording, threshold) {

@@ -32,7 +32,7 @@ function scaleOf(picture) {
     const at = (value) => from + ((to - from) * (map(value) - map(low))) / (map(high) - map(low));
     return Object.assign(at, { low, high, from, to });
   };
-  return { x: axis(picture.dataset.x, false), y: axis(picture.dataset.y, picture.dataset.log === "true") };
+  return { x: axis(picture.dataset.x, picture.dataset.logX === "true"), y: axis(picture.dataset.y, picture.dataset.log === "true") };
 }
 
 /** A pointer's place in the units of a picture's view box. */

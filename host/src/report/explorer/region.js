@@ -6,7 +6,7 @@ function regionPanel() {
   const series = cases.map((number) =>
     run.region
       .filter((point) => point.case === number)
-      .map((point) => ({ ...point, x: point.accuracy, y: point.throughput_bit / 1e6 })),
+      .map((point) => ({ ...point, x: point.accuracy, y: point.throughput_bit / run.operating_point.period_s / 1e6 })),
   );
   // results of every optimum hold its point; where they do not, the nearest is shown
   const find = (number, slots) => {
@@ -22,6 +22,8 @@ function regionPanel() {
     ["accuracy", digits(point.accuracy, 4)],
     ["95 % band", `${digits(point.accuracy_low, 3)}–${digits(point.accuracy_high, 3)}`],
     ["throughput", megabit(point.throughput_bit)],
+    ["rate", megabitPerSecond(point.throughput_bit)],
+    ["curve", point.extrapolated ? "extrapolated" : "measured range"],
     ["zone", words(point.zone)],
   ];
   const plan = html("div", { class: "plan", role: "group", "aria-label": "slot plan of the chosen point" });

@@ -44,10 +44,10 @@ function planStrips(plan, period) {
   return mark(
     "svg",
     { viewBox: "0 0 640 170", role: "img", "aria-label": "slots of the plan", "font-size": 12, fill: "var(--ink)" },
-    title(`the period: who has how many of ${period} slots`, 20),
+    title(`share of each use along the ${period} slots of the period (slot number)`, 20),
     ...inColumns(boxes[0], plan.columns),
     ...ticks(boxes[0], 0, period),
-    title("its first slots, one by one", 106),
+    title("its first slots, one by one (slot number)", 106),
     ...oneByOne(boxes[1], plan.first),
     ...ticks(boxes[1], 0, plan.first.length),
   );
@@ -75,7 +75,7 @@ function timelinePanel() {
   };
   const draw = () => {
     const own = slots.slice(shown(), shown() + WINDOW);
-    const title = mark("text", { x: near[0], y: near[1] - 6 }, "slots one by one");
+    const title = mark("text", { x: near[0], y: near[1] - 6 }, "slots one by one (slot number)");
     first.replaceChildren(...oneByOne(near, own), title, ...ticks(near, shown(), shown() + WINDOW));
     frame.setAttribute("x", wide[0] + (wide[2] * shown()) / slots.length);
     say();
