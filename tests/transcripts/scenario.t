@@ -301,11 +301,11 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set radar.carrier_hz=fast
-  sdp3: command line: --set: radar.carrier_hz = "fast" is outside its legal range: invalid type: string "fast", expected f64
+  sdp3: command line: --set: radar.carrier_hz = fast is outside its legal range: a number, 500000000 to 100000000000
   [2]
 
   $ sdp3 scenario show --set radar.carier_hz=1e9
-  sdp3: command line: --set: radar.carier_hz = 1000000000.0 is outside its legal range: unknown field `carier_hz`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+  sdp3: command line: --set: radar.carier_hz = 1e9 is outside its legal range: unknown field `carier_hz`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
   [2]
 
   $ sdp3 scenario show --set channel.rho
@@ -316,4 +316,11 @@ Scenarios: listed, shown, written, checked, set field by field.
 
   $ sdp3 scenario show --set channel.rho=1.5
   sdp3: command line: --set: channel.rho = 1.5 is outside its legal range: 0 to 1
+  [2]
+
+  $ sdp3 scenario show --set channel.model=38901 | grep '^model'
+  model = "38901"
+
+  $ sdp3 scenario show --set channel.model=38902
+  sdp3: command line: --set: channel.model = 38902 is outside its legal range: one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis
   [2]

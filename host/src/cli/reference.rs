@@ -2,6 +2,7 @@
 
 use super::Cli;
 use super::context::{Context, say};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use sdp3::error::Failure;
@@ -28,7 +29,7 @@ pub struct ManArgs {
 #[derive(Debug, Clone, Args)]
 pub struct SchemaArgs {
     /// A command, with hyphens between its words, or `scenario`; absent: the names there are.
-    #[arg(value_name = "COMMAND")]
+    #[arg(value_name = "COMMAND", value_parser = PossibleValuesParser::new(PUBLISHED.map(|(name, _)| name)))]
     pub name: Option<String>,
 }
 
@@ -71,10 +72,8 @@ pub fn schema(context: &Context, args: &SchemaArgs) -> Result<bool, Failure> {
         context.print(&names().to_vec(), || names().join("\n"))?;
         return Ok(true);
     };
-    let (_, text) = PUBLISHED.iter().find(|(name, _)| name == asked).ok_or_else(|| {
-        let names = names().join(", ");
-        format!("command line: COMMAND = {asked} is outside its legal range: one of {names}")
-    })?;
-    say(text.trim_end())?;
+    if let Some((_, text)) = PUBLISHED.iter().find(|(name, _)| name == asked) {
+        say(text.trim_end())?;
+    }
     Ok(true)
 }

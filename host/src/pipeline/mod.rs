@@ -4,6 +4,8 @@
 //! functions here.
 
 #[cfg(feature = "train")]
+pub mod expected;
+#[cfg(feature = "train")]
 pub mod learn;
 
 use crate::conformance::compare::verify_host;
@@ -28,9 +30,10 @@ use crate::results::{
     Accuracy, AnytimeResult, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction,
     Recognised, Schedule, Spectrogram, Training, Verify,
 };
-use crate::scenario::{Class, Scenario};
+use crate::scenario::{Class, Room, Scenario};
 use crate::scheduling::campaign::radar::Station;
 use crate::scheduling::playback;
+use crate::simulator::channel::link::knows_walls;
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
 use crate::store::output::Output;
@@ -130,6 +133,30 @@ impl Job {
                 a.limb_m_s, a.unambiguous_m_s
             );
             self.progress.note("simulate", &text);
+        }
+    }
+
+    /// A warning if the stored rho, which is used where the scenario states none, is of another carrier or slot interval.
+    pub fn warn_of_rho(&self) {
+        let stored =
+            self.scenario.channel.rho.is_none().then(|| calibration::stored_elsewhere(&self.scenario));
+        if let Some(text) = stored.flatten() {
+            self.progress.note("calibrate", &format!("warning: {text}"));
+        }
+    }
+
+    /// A note if the room was set to a size that the links do not depend on.
+    pub fn note_room(&self) {
+        let s = &self.scenario;
+        let stated = s.communication.slot_bit.is_some() || s.room == Room::default();
+        if !stated && !knows_walls(s) {
+            let name = s.channel.model.name();
+            let text = format!(
+                "room.size_m = {:?} does not change the throughput: channel.model = {name} has no walls in its links; \
+                 channel.clusters = 80211ay (of dahc) and ray-tracing have",
+                s.room.size_m
+            );
+            self.progress.note("optimize", &text);
         }
     }
 

@@ -2,7 +2,7 @@
 
 mod schedule;
 
-use super::context::{Context, count, stored_models};
+use super::context::{Context, count, one_of, stored_models};
 use super::{job, simulator};
 use clap::Args;
 use sdp3::error::Failure;
@@ -10,7 +10,7 @@ use sdp3::formats::points;
 use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
 use sdp3::pipeline::Job;
-use sdp3::predictor::{best_curve, fit_all, predict as fitted};
+use sdp3::predictor::{Model, best_curve, fit_all, predict as fitted};
 use sdp3::report;
 use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
 use sdp3::scenario::Scenario;
@@ -34,8 +34,8 @@ pub struct OptimizeArgs {
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Learning curve; absent: the best one.
-    #[arg(long, value_name = "NAME")]
-    pub curve: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Model::ALL, Model::name))]
+    pub curve: Option<Model>,
     #[command(flatten)]
     pub rule: RuleArgs,
     /// Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
@@ -131,11 +131,10 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
     let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
     let curve = match &ask.curve {
         None => best_curve(&prediction),
-        Some(name) => {
-            let found = prediction.models.iter().find(|m| m.name == *name);
+        Some(model) => {
+            let found = prediction.models.iter().find(|m| m.name == model.name());
             let m = found.ok_or_else(|| {
-                let names: Vec<&str> = prediction.models.iter().map(|m| m.name.as_str()).collect();
-                format!("command line: --curve = {name} is outside its legal range: {}", names.join(", "))
+                format!("command line: --curve = {}: it has no fit through these points", model.name())
             })?;
             Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }
         }
@@ -153,6 +152,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
         context.print(&rows, || sweep_table(&rows, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
+    job.note_room();
     let outcome = job.optimize(&curve, &points, rule)?;
     let value = Optimum {
         curve,
@@ -165,7 +165,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
     };
     context.record(job, "optimize")?;
     job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
-    job.output.write_json("optimize.json", &value)?;
+    job.output.write_result("optimize.json", &value)?;
     context.print(&value, || words(&value))?;
     Ok(true)
 }
@@ -246,7 +246,7 @@ pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
     let rule = rule(&args.rule, &job.scenario)?;
     let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
     context.record(&job, "anytime")?;
-    job.output.write_json("anytime.json", &found)?;
+    job.output.write_result("anytime.json", &found)?;
     job.output.write("anytime.svg", report::anytime::region(&found).as_bytes())?;
     context.print(&found, || report::anytime::table(&found))?;
     Ok(true)
