@@ -22,7 +22,10 @@ The main job in short, and every command about its results. Needs the feature `t
   report: out/report.html
 
   $ sdp3 run --scenario small.toml --targets z80
-  sdp3: command line: --targets = z80 is none of host-reference, * (glob)
+  error: invalid value 'z80' for '--targets <NAMES>'
+    [possible values: host-reference, cortex-m3, cortex-m4f, cortex-m7, cortex-m33, cortex-m55, riscv32imac, riscv32imafc, cortex-a53]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 run -q --scenario small.toml --targets host-reference --resume --json | head -2

@@ -29,7 +29,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The room's walls.
   [room]
-  # Length (x), width (y), height (z) in m. Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
+  # Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the
+  # throughput, depend on it only where the channel model reflects at walls: not in the default one (`dahc` with
+  # the clusters `80211ax`). Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
   size_m = [3.0, 4.5, 3.0]
   
   # The monostatic radar.

@@ -85,10 +85,12 @@ mod tests {
         assert!(!knows_walls(&scenario));
         scenario.channel.clusters = Clusters::Ieee80211ay;
         assert!(knows_walls(&scenario));
-        scenario.channel.model = Model::RayTracing;
-        assert!(knows_walls(&scenario));
-        scenario.channel.model = Model::Tr38901;
-        assert!(!knows_walls(&scenario));
+        let known = Model::ALL.into_iter().filter(|&model| {
+            scenario.channel.model = model;
+            knows_walls(&scenario)
+        });
+        let known: Vec<&str> = known.map(Model::name).collect();
+        assert_eq!(known, ["dahc", "primitive", "ray-tracing", "80211ay", "metis"]);
     }
 
     #[test]
