@@ -91,7 +91,7 @@ Help: the tool and every command, with examples.
             Which array of an NPZ or which dataset of an HDF5 file
   
         --motion <CLASS>
-            How the person in it moves: a class, such as adult-walking or standing
+            How the person in it moves: rho is found for this motion, and a wrong one changes it
             
             [default: adult-walking]
             [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
@@ -223,7 +223,7 @@ Help: the tool and every command, with examples.
         --rate <HZ>                  Its sampling or slow-time rate in Hz, if the file does not say
         --gain <DB>                  Gain of the sensor in dB, which is subtracted
         --dataset <NAME>             Which array of an NPZ or which dataset of an HDF5 file
-        --motion <CLASS>             How the person in it moves: a class, such as adult-walking or standing [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+        --motion <CLASS>             How the person in it moves: rho is found for this motion, and a wrong one changes it [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
         --table <FILE.toml>          Write the look-up table of rho again, to this file
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it

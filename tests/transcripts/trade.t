@@ -84,7 +84,7 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize --points points.csv --set room.size_m=[4,5,3] 2>&1 | head -2
-    optimize  room.size_m = [4.0, 5.0, 3.0] does not change the throughput: channel.model = dahc has no walls in its links; channel.clusters = 80211ay (of dahc) and ray-tracing have
+    optimize  room.size_m = [4.0, 5.0, 3.0] does not change the throughput: links of channel.model = dahc have no walls here; those of ray-tracing have, and those of dahc with channel.clusters = 80211ay
     optimize  accuracy against throughput
 
   $ head -5 out/optimize.json

@@ -31,7 +31,7 @@ pub struct MeasuredArgs {
     /// Which array of an NPZ or which dataset of an HDF5 file.
     #[arg(long, value_name = "NAME", requires = "measured")]
     pub dataset: Option<String>,
-    /// How the person in it moves: a class, such as adult-walking or standing.
+    /// How the person in it moves: rho is found for this motion, and a wrong one changes it.
     #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking",
         value_parser = one_of(&Class::EVERY, Class::name))]
     pub motion: Class,

@@ -148,13 +148,13 @@ impl Job {
     /// A note if the room was set to a size that the links do not depend on.
     pub fn note_room(&self) {
         let s = &self.scenario;
-        let stated = s.communication.slot_bit.is_some() || s.room == Room::default();
-        if !stated && !knows_walls(s) {
-            let name = s.channel.model.name();
+        let of_links = s.room != Room::default() && s.communication.slot_bit.is_none();
+        if of_links && !knows_walls(s) {
             let text = format!(
-                "room.size_m = {:?} does not change the throughput: channel.model = {name} has no walls in its links; \
-                 channel.clusters = 80211ay (of dahc) and ray-tracing have",
-                s.room.size_m
+                "room.size_m = {:?} does not change the throughput: links of channel.model = {} have no walls here; those of \
+                 ray-tracing have, and those of dahc with channel.clusters = 80211ay",
+                s.room.size_m,
+                s.channel.model.name()
             );
             self.progress.note("optimize", &text);
         }

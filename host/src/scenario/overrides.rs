@@ -117,7 +117,7 @@ mod tests {
         refused("radar.left_justified=1", &["radar.left_justified = 1", "true or false"]);
         refused("learning.blocks=2.5", &["learning.blocks = 2.5", "a whole number, 1 to 8"]);
         refused("learning.blocks=300", &["learning.blocks = 300", "a whole number, 1 to 8"]);
-        refused("room.size_m=[3, x]", &["room.size_m = [3, x]", "3 elements"]);
+        refused("room.size_m=[3, x]", &["room.size_m = [3, x]", "an array of length 3"]);
         refused("channel.rho=1.5", &["channel.rho = 1.5", "0 to 1"]);
         refused("communication.cases=[[[9.0, 1.0, 1.0]]]", &["communication.cases[0][0]", "inside the room"]);
         assert!("channel.rho".parse::<Override>().unwrap_err().contains("FIELD=VALUE"));
