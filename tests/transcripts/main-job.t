@@ -36,6 +36,21 @@ The main job in short, and every command about its results. Needs the feature `t
   target              compared  mismatches    instructions
   host-reference* 0               - (glob)
 
+  $ sdp3 verify -q --targets host-reference --scenario small.toml
+  target              compared  mismatches    instructions
+  host-reference* 0               - (glob)
+
+  $ sdp3 verify --scenario small.toml --set channel.rho=0.5
+  sdp3: out/scenario.toml: channel.rho = null, but the command line says 0.5: what has been made is not changed; another --out takes another scenario
+  [2]
+
+  $ head -5 out/run.json
+  {
+    "provenance": {
+      "program": "sdp3 0.1.0",
+      "seed": 1
+    },
+
   $ sdp3 verify --seed 5
   sdp3: command line: --seed = 5, but run.json was made with 1
   [2]
