@@ -100,7 +100,7 @@ fn measured_signals_that_cannot_be() {
     refused(&calibrate("--carrier=24e9"), silence(1), &["x.wav", "length (s) is 1.000", "at least 1.5"]);
     refused(&calibrate("--carrier=-3"), silence(2), &["x.wav", "carrier (Hz) is -3", "0.5e9 to 100e9"]);
     refused(&calibrate("--gain=3"), silence(2), &["x.wav", "carrier (Hz)", "state it with --carrier"]);
-    refused(&calibrate("--motion=flying"), silence(2), &["--motion is flying", "adult-walking"]);
+    refused(&calibrate("--motion=flying"), silence(2), &["'flying' for '--motion", "adult-walking"]);
 }
 
 /// A scenario with people that move as a file of joints says.
@@ -220,7 +220,7 @@ fn trades_that_cannot_be() {
     refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy is 1.5", "0 to 1"]);
     refused(&optimize(&["--throughput", "1e12"]), trade(""), &["no point", "throughput at least"]);
     refused(&optimize(&["--weights", "1"]), trade(""), &["--weights", "two numbers"]);
-    refused(&optimize(&["--curve", "spline"]), trade(""), &["--curve is spline", "pow3"]);
+    refused(&optimize(&["--curve", "spline"]), trade(""), &["'spline' for '--curve", "pow3"]);
     refused(&optimize(&["--sweep", "power_w=0"]), trade(""), &["power_w is 0", "above 0"]);
     refused(&optimize(&["--sweep", "colour=3"]), trade(""), &["--sweep", "carrier_hz, power_w"]);
     let one = |folder: &Path| {

@@ -32,3 +32,6 @@ pub mod store;
 
 /// Name and version, as files say what made them.
 pub const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));
+
+/// The commit it was built of, where the environment variable `SDP3_COMMIT` stated it to the compiler.
+pub const COMMIT: Option<&str> = option_env!("SDP3_COMMIT");

@@ -8,7 +8,7 @@ use crate::formats::model_file::{Summary, Verdict};
 use crate::network::interchange::Exchanged;
 use crate::results::{
     AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Files, Listed, Merged, Optimum, Prediction,
-    Run, Schedule, Submitted, SweepRow, Swept, Training, Verify,
+    Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -93,13 +93,14 @@ enum Studied {
     Baselines(crate::experiments::baselines::Baselines),
 }
 
-/// What a shard did, or with `--slurm` or `--kubernetes` the job's files.
+/// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.
 #[derive(JsonSchema)]
 #[serde(untagged)]
 #[allow(dead_code)]
 enum ShardOrJob {
     Shard(Swept),
     Job(Submitted),
+    Status(SweepStatus),
 }
 
 /// The schema of this name as the types have it; of none that this build has no type for.

@@ -30,5 +30,8 @@ Calibration: the stored table with its self-check, and measured signals that can
   [2]
 
   $ sdp3 calibrate --measured nothing.wav --motion flying
-  sdp3: command line: --motion is flying, must be one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
+  error: invalid value 'flying' for '--motion <CLASS>'
+    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+  
+  For more information, try '--help'.
   [2]

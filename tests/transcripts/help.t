@@ -67,8 +67,8 @@ Help: the tool and every command, with examples.
             Size of the job
   
             Possible values:
-            - quick: Minutes: fewer recordings, a strided network
-            - paper: The paper's sizes: 200 recordings per class to train, 500 to test
+            - quick: Minutes: fewer recordings and epochs, a smaller network. A size that the scenario's file or --set states is kept
+            - paper: The scenario's sizes; where it states none the paper's: 200 recordings per class to train, 500 to test
             
             [default: quick]
   
@@ -91,14 +91,16 @@ Help: the tool and every command, with examples.
             Which array of an NPZ or which dataset of an HDF5 file
   
         --motion <CLASS>
-            How the person in it moves: a class, such as adult-walking or standing
+            How the person in it moves: rho is found for this motion, and a wrong one changes it
             
             [default: adult-walking]
+            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
   
-        --targets <TARGETS>
+        --targets <NAMES>
             Targets to compare
             
             [default: host-reference cortex-m4f riscv32imac]
+            [possible values: host-reference, cortex-m3, cortex-m4f, cortex-m7, cortex-m33, cortex-m55, riscv32imac, riscv32imafc, cortex-a53]
   
         --firmware <DIR>
             Folder of ready-built firmware; absent: firmware-sim/build makes it
@@ -154,10 +156,14 @@ Help: the tool and every command, with examples.
             [default: 20]
   
         --channel <NAME>
-            Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent: the scenario's
+            Channel model; absent: the scenario's
+            
+            [possible values: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis]
   
         --classes <NAMES>
-            Classes, by name; absent: the paper's five. Also child-stepping, adult-stepping, child-running, adult-running
+            Classes; absent: the paper's five
+            
+            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
   
         --raw
             Store the raw slots in the parts too
@@ -217,7 +223,7 @@ Help: the tool and every command, with examples.
         --rate <HZ>                  Its sampling or slow-time rate in Hz, if the file does not say
         --gain <DB>                  Gain of the sensor in dB, which is subtracted
         --dataset <NAME>             Which array of an NPZ or which dataset of an HDF5 file
-        --motion <CLASS>             How the person in it moves: a class, such as adult-walking or standing [default: adult-walking]
+        --motion <CLASS>             How the person in it moves: rho is found for this motion, and a wrong one changes it [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
         --table <FILE.toml>          Write the look-up table of rho again, to this file
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
@@ -286,8 +292,8 @@ Help: the tool and every command, with examples.
             Size of the job
   
             Possible values:
-            - quick: Minutes: fewer recordings, a strided network
-            - paper: The paper's sizes: 200 recordings per class to train, 500 to test
+            - quick: Minutes: fewer recordings and epochs, a smaller network. A size that the scenario's file or --set states is kept
+            - paper: The scenario's sizes; where it states none the paper's: 200 recordings per class to train, 500 to test
             
             [default: quick]
   
@@ -454,8 +460,11 @@ Help: the tool and every command, with examples.
             
             [default: sdp3]
   
+        --status
+            Say where the sweep of --out stands and compute nothing: cells that are there, missing and unusable, of every shard with --shards, and the time that is left at the pace of the last 20 cells
+  
         --shards <N>
-            Shards of the job, at most one a cell; absent: one a cell, at most 100
+            Shards of the job, at most one a cell; absent: one a cell, at most 100. With --status, shards to count apart
   
         --scenario <FILE.toml|NAME>
             Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
@@ -491,13 +500,14 @@ Help: the tool and every command, with examples.
   Examples:
     sdp3 sweep docs/plans/quick.toml --out quick
     sdp3 sweep plan.toml --shard 2/8 --out sweep
+    sdp3 sweep plan.toml --status --shards 8 --out sweep
     sdp3 sweep plan.toml --slurm --shards 60 --sbatch=--partition=long --out sweep
     sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep
 
   $ sdp3 merge --help
   Join the cells of a sweep.
   
-  Writes merged.csv and merged.json if every cell is there, complete and of the same plan.
+  Writes merged.csv and merged.json if every cell is there, complete and of the same plan, and draws accuracy and throughput over every axis of the plan that varies.
   
   Usage: sdp3 merge [OPTIONS] <DIR>
   
@@ -506,6 +516,9 @@ Help: the tool and every command, with examples.
             The folder that `sdp3 sweep` was given as --out
   
   Options:
+        --partial
+            Join the cells that are there and list those that are not: partial.csv, partial.json
+  
         --scenario <FILE.toml|NAME>
             Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
   
@@ -539,6 +552,7 @@ Help: the tool and every command, with examples.
   
   Examples:
     sdp3 merge quick
+    sdp3 merge quick --partial
     sdp3 merge quick --json
 
   $ sdp3 quantize --help
@@ -798,10 +812,11 @@ Help: the tool and every command, with examples.
   Usage: sdp3 verify [OPTIONS]
   
   Options:
-        --targets <TARGETS>
+        --targets <NAMES>
             Targets to compare
             
             [default: host-reference cortex-m4f riscv32imac]
+            [possible values: host-reference, cortex-m3, cortex-m4f, cortex-m7, cortex-m33, cortex-m55, riscv32imac, riscv32imafc, cortex-a53]
   
         --firmware <DIR>
             Folder of ready-built firmware; absent: firmware-sim/build makes it
@@ -869,7 +884,7 @@ Help: the tool and every command, with examples.
   
   Options:
         --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run
-        --curve <NAME>               Learning curve; absent: the best one
+        --curve <NAME>               Learning curve; absent: the best one [possible values: vapor_pressure, pow3, log_power, exp4, log_log_linear, ilog2, pow4]
         --accuracy <ACCURACY>        Accuracy of at least this, 0 to 1
         --throughput <THROUGHPUT>    Throughput of at least this, in bits per period
         --weight <WEIGHT>            Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary
@@ -1114,7 +1129,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

@@ -22,7 +22,10 @@ The main job in short, and every command about its results. Needs the feature `t
   report: out/report.html
 
   $ sdp3 run --scenario small.toml --targets z80
-  sdp3: command line: --targets = z80 is none of host-reference, * (glob)
+  error: invalid value 'z80' for '--targets <NAMES>'
+    [possible values: host-reference, cortex-m3, cortex-m4f, cortex-m7, cortex-m33, cortex-m55, riscv32imac, riscv32imafc, cortex-a53]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 run -q --scenario small.toml --targets host-reference --resume --json | head -2
@@ -32,6 +35,21 @@ The main job in short, and every command about its results. Needs the feature `t
   $ sdp3 verify -q --targets host-reference
   target              compared  mismatches    instructions
   host-reference* 0               - (glob)
+
+  $ sdp3 verify -q --targets host-reference --scenario small.toml
+  target              compared  mismatches    instructions
+  host-reference* 0               - (glob)
+
+  $ sdp3 verify --scenario small.toml --set channel.rho=0.5
+  sdp3: out/scenario.toml: channel.rho = null, but the command line says 0.5: what has been made is not changed; another --out takes another scenario
+  [2]
+
+  $ head -5 out/run.json
+  {
+    "provenance": {
+      "program": "sdp3 0.1.0",
+      "seed": 1
+    },
 
   $ sdp3 verify --seed 5
   sdp3: command line: --seed = 5, but run.json was made with 1

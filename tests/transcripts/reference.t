@@ -57,7 +57,10 @@ Schemas, completions and man pages.
   }
 
   $ sdp3 schema nothing
-  sdp3: command line: COMMAND is nothing, must be one of anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify
+  error: invalid value 'nothing' for '[COMMAND]'
+    [possible values: anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 completions tcsh
@@ -106,3 +109,15 @@ Schemas, completions and man pages.
   $ sdp3 man /proc/sdp3
   sdp3: /proc/sdp3: cannot be written: No such file or directory (os error 2)
   [2]
+
+  $ sdp3 completions bash | grep -c 'compgen -W "dahc primitive ray-tracing statistical 80211ay 80211ax 38901 quadriga metis"'
+  1
+
+  $ sdp3 completions bash | grep -c 'compgen -W "host-reference cortex-m3 cortex-m4f '
+  2
+
+  $ sdp3 completions bash | grep -c 'compgen -W "standing child-walking child-pacing adult-walking '
+  3
+
+  $ sdp3 completions bash | grep -c 'compgen -W "vapor_pressure pow3 log_power '
+  1

@@ -29,7 +29,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The room's walls.
   [room]
-  # Length (x), width (y), height (z) in m. Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
+  # Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the
+  # throughput, depend on it only where the channel model reflects at walls: not in the default one (`dahc` with
+  # the clusters `80211ax`). Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
   size_m = [3.0, 4.5, 3.0]
   
   # The monostatic radar.
@@ -301,7 +303,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set radar.carrier_hz=fast
-  sdp3: command line: --set: radar.carrier_hz is "fast", must be f64
+  sdp3: command line: --set: radar.carrier_hz is fast, must be a number, 500000000 to 100000000000
   [2]
 
   $ sdp3 scenario show --set radar.carier_hz=1e9
@@ -316,4 +318,11 @@ Scenarios: listed, shown, written, checked, set field by field.
 
   $ sdp3 scenario show --set channel.rho=1.5
   sdp3: command line: --set: channel.rho is 1.5, must be 0 to 1
+  [2]
+
+  $ sdp3 scenario show --set channel.model=38901 | grep '^model'
+  model = "38901"
+
+  $ sdp3 scenario show --set channel.model=38902
+  sdp3: command line: --set: channel.model is 38902, must be one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis
   [2]

@@ -25,11 +25,17 @@ Datasets: made, complete, refused.
   }
 
   $ sdp3 simulate --channel fog
-  sdp3: command line: --channel is fog, must be one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis
+  error: invalid value 'fog' for '--channel <NAME>'
+    [possible values: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 simulate --classes flying
-  sdp3: command line: --classes is flying, must be one of standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running
+  error: invalid value 'flying' for '--classes <NAMES>'
+    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 simulate --per-class 0
@@ -47,3 +53,18 @@ Datasets: made, complete, refused.
   $ sdp3 simulate --out /proc/sdp3
   sdp3: /proc/sdp3: cannot be written: No such file or directory (os error 2); --out needs a folder this user may write to
   [2]
+
+  $ sdp3 simulate --channel ray-tracng
+  error: invalid value 'ray-tracng' for '--channel <NAME>'
+    [possible values: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga, metis]
+  
+    tip: a similar value exists: 'ray-tracing'
+  
+  For more information, try '--help'.
+  [2]
+
+  $ sdp3 simulate --scenario short.toml --set radar.carrier_hz=5.8e9 --set frame.slot_s=0.001 --per-class 1 --out other
+    simulate  warning: limbs at 4.7 m/s alias above 3.2 m/s at this carrier and spacing; frame.spacing_slots = 1 would not
+   calibrate  warning: rho = 0.997 is the stored one of 3.500 GHz and 1 ms between sensing slots, but the scenario has 5.800 GHz and 4 ms between sensing slots, where rho may be another: `sdp3 calibrate --measured FILE` finds it on a recording, channel.rho states it
+    simulate  recordings
+    simulate  1 parts made, 0 kept; 5 recordings in other, complete

@@ -51,7 +51,10 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize --points points.csv --curve spline
-  sdp3: command line: --curve is spline, must be one of pow3, log_power, pow4, exp4, vapor_pressure, ilog2, log_log_linear
+  error: invalid value 'spline' for '--curve <NAME>'
+    [possible values: vapor_pressure, pow3, log_power, exp4, log_log_linear, ilog2, pow4]
+  
+  For more information, try '--help'.
   [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
@@ -79,3 +82,14 @@ Learning curves, regions and schedules from a table of accuracies.
   $ sdp3 anytime
   sdp3: out/scenario.toml: No such file or directory (os error 2)
   [2]
+
+  $ sdp3 optimize --points points.csv --set room.size_m=[4,5,3] 2>&1 | head -2
+    optimize  room.size_m = [4.0, 5.0, 3.0] does not change the throughput: links of channel.model = dahc have no walls here; those of ray-tracing have, and those of dahc with channel.clusters = 80211ay
+    optimize  accuracy against throughput
+
+  $ head -5 out/optimize.json
+  {
+    "provenance": {
+      "program": "sdp3 0.1.0",
+      "seed": 1
+    },

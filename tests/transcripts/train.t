@@ -41,3 +41,16 @@ Training by steps. Needs the feature `train`.
   $ sdp3 study robustness --measured folder
   sdp3: command line: --measured belongs to the study fidelity
   [2]
+
+  $ sdp3 train --scenario small.toml --out noted 2>&1 | head -3
+      preset  quick: mask_rows = 0; --preset paper takes the scenario's sizes
+    expected  about * on * processors, a rough estimate: 40 recordings to train, 0 to test, 2 epochs of 80 images for each of 2 networks (glob)
+    simulate  training recordings
+
+  $ sdp3 train --preset paper --scenario small.toml --set learning.mask_rows=0 --out paper 2>&1 | head -2
+    expected  about * on * processors, a rough estimate: 40 recordings to train, 0 to test, 2 epochs of 80 images for each of 2 networks (glob)
+    simulate  training recordings
+
+  $ cmp noted/scenario.toml paper/scenario.toml
+
+  $ cmp noted/models/dsn-200.json paper/models/dsn-200.json

@@ -41,7 +41,7 @@ pub fn simulate<'py>(
         scenario.channel.rho = Some(rho);
         scenario = parsed(&scenario.to_toml())?;
     }
-    if !PER_CLASS.contains(&i64::from(per_class)) {
+    if !PER_CLASS.contains(&per_class) {
         return Err(refused(sdp3::error::Invalid::new("per_class", per_class, format!("{PER_CLASS:?}"))));
     }
     let classes = match classes {

@@ -3,13 +3,16 @@
 use super::context::{Context, count};
 use super::trainer;
 use clap::Args;
+use indicatif::HumanDuration;
 use sdp3::dataset::Shard;
 use sdp3::error::{Failure, Invalid};
 use sdp3::experiments::sweep::plan::Sweep;
+use sdp3::experiments::sweep::status::status;
 use sdp3::experiments::sweep::{kubernetes, shard, slurm};
-use sdp3::results::{Merged, Submitted, Swept};
+use sdp3::results::{Merged, Submitted, SweepStatus, Swept};
 use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Shards of a job where `--shards` does not say, unless there are fewer cells.
 const SHARDS: u32 = 100;
@@ -41,7 +44,11 @@ pub struct SweepArgs {
     /// Persistent volume claim, writable by many nodes, for the results.
     #[arg(long, value_name = "NAME", default_value = "sdp3", requires = "kubernetes")]
     claim: String,
-    /// Shards of the job, at most one a cell; absent: one a cell, at most 100.
+    /// Say where the sweep of --out stands and compute nothing: cells that are there, missing and unusable, of every shard with
+    /// --shards, and the time that is left at the pace of the last 20 cells.
+    #[arg(long, conflicts_with_all = ["slurm", "kubernetes", "shard"])]
+    status: bool,
+    /// Shards of the job, at most one a cell; absent: one a cell, at most 100. With --status, shards to count apart.
     #[arg(long, value_name = "N", value_parser = count(1..=u32::MAX))]
     shards: Option<u32>,
 }
@@ -52,6 +59,9 @@ pub struct MergeArgs {
     /// The folder that `sdp3 sweep` was given as --out.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Join the cells that are there and list those that are not: partial.csv, partial.json.
+    #[arg(long)]
+    partial: bool,
 }
 
 pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
@@ -63,10 +73,19 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
         context.print(&done, || written(&done))?;
         return Ok(true);
     }
+    if args.status {
+        let found = status(&sweep, &common.out, shards(args, &sweep, 1)?)?;
+        context.print(&found, || standing(&found))?;
+        return Ok(true);
+    }
     if args.shards.is_some() {
         return Err(
-            "command line: --shards belongs to --slurm and --kubernetes; a share is --shard I/N".into()
+            "command line: --shards belongs to --slurm, --kubernetes and --status; a share is --shard I/N"
+                .into(),
         );
+    }
+    for text in sweep.stored_elsewhere() {
+        context.progress.note("sweep", &format!("warning: {text}"));
     }
     let choice = shard::choose(args.shard, |name| std::env::var(name).ok())?;
     if let Some(conflict) = &choice.conflict {
@@ -77,13 +96,21 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
+/// The number of shards that is asked for, or else `absent`.
+fn shards(args: &SweepArgs, sweep: &Sweep, absent: u32) -> Result<u32, Failure> {
+    let cells = sweep.cells.len() as u32;
+    match args.shards.unwrap_or(absent) {
+        shards if shards > cells => {
+            let legal = format!("1 to {cells}, the plan's cells");
+            Err(Invalid::option("--shards", shards, legal).into())
+        }
+        shards => Ok(shards),
+    }
+}
+
 /// Writes the job's files, and submits them if asked to.
 fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Failure> {
-    let cells = sweep.cells.len() as u32;
-    let shards = args.shards.unwrap_or(cells.min(SHARDS));
-    if shards > cells {
-        return Err(Invalid::option("--shards", shards, format!("1 to {cells}, the plan's cells")).into());
-    }
+    let shards = shards(args, sweep, (sweep.cells.len() as u32).min(SHARDS))?;
     let output = &Output::create(out)?;
     match &args.image {
         Some(image) => Ok(kubernetes::write(sweep, shards, (image, &args.claim), output)?),
@@ -95,7 +122,13 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Fa
 }
 
 pub fn merge(context: &Context, args: &MergeArgs) -> Result<bool, Failure> {
-    let merged = sdp3::experiments::sweep::merge::merge(&args.folder)?;
+    let merged = sdp3::experiments::sweep::merge::merge(&args.folder, args.partial)?;
+    let output = Output::create(&args.folder)?;
+    for (name, svg) in sdp3::report::sweep::pictures(&merged) {
+        for (file, bytes) in sdp3::report::paper::forms(&name, &svg)? {
+            output.write(&file, &bytes)?;
+        }
+    }
     context.print(&merged, || table(&merged))?;
     Ok(true)
 }
@@ -109,6 +142,19 @@ fn swept(done: &Swept, out: &Path) -> String {
     format!("shard {shard}: {made} cells made, {kept} kept; of {cells} cells in all {next}")
 }
 
+fn standing(found: &SweepStatus) -> String {
+    let mut text = format!("{:<9}{:>8}{:>8}{:>9}{:>10}", "shard", "cells", "done", "missing", "unusable");
+    for s in &found.shards {
+        text += &format!("\n{:<9}{:>8}{:>8}{:>9}{:>10}", s.shard, s.cells, s.done, s.missing, s.unusable);
+    }
+    text += &format!("\n{} of {} cells are there", found.done, found.cells);
+    if let Some(left) = found.left_s.filter(|left| *left > 0.0) {
+        text += &format!(", about {} left", HumanDuration(Duration::from_secs_f64(left)));
+    }
+    found.faults.iter().for_each(|fault| text += &format!("\n{fault}"));
+    text
+}
+
 fn written(done: &Submitted) -> String {
     let mut lines = vec![format!("{} shards", done.shards)];
     lines.extend(done.files.iter().cloned());
@@ -118,20 +164,30 @@ fn written(done: &Submitted) -> String {
     lines.join("\n")
 }
 
-/// Means over seeds, a line for every N_s.
+/// Means over seeds, a line for every N_s; throughput in Mbit/s of every case.
 fn table(merged: &Merged) -> String {
-    let mut text = format!("{:<24}{:>10}{:>9}{:>7}  {:<17}float", "scenario", "GHz", "rho", "N_s", "int8");
+    let cases = merged.groups.iter().flat_map(|g| &g.points).map(|p| p.throughput.len()).max().unwrap_or(0);
+    let mut text = format!(
+        "{:<24}{:>10}{:>9}{:>7}  {:<17}{:<17}{:>7}",
+        "scenario", "GHz", "rho", "N_s", "int8", "float", "tested"
+    );
+    (1..=cases).for_each(|case| text += &format!("{:>16}", format!("case {case}, Mbit/s")));
     for group in &merged.groups {
         for p in &group.points {
             let (ghz, name) = (group.carrier_hz / 1e9, &group.scenario);
+            let (int8, float) = (p.int8.to_string(), p.float.to_string());
             text += &format!(
-                "\n{name:<24}{ghz:>10.3}{:>9}{:>7}  {:<17}{}",
-                group.rho,
-                p.sensing_slots,
-                p.int8.to_string(),
-                p.float
+                "\n{name:<24}{ghz:>10.3}{:>9}{:>7}  {int8:<17}{float:<17}{:>7}",
+                group.rho, p.sensing_slots, p.tested
             );
+            p.throughput.iter().for_each(|t| text += &format!("{:>16.3}", t.throughput_bit_s / 1e6));
         }
+    }
+    text += &format!("\nby guessing: {:.3}", merged.chance);
+    if !merged.missing.is_empty() {
+        let (missing, whole) = (merged.missing.len(), merged.missing.len() + merged.cells.len());
+        let indices: Vec<String> = merged.missing.iter().map(|cell| cell.index.to_string()).collect();
+        text += &format!("\n{missing} of {whole} cells are missing: {}", indices.join(", "));
     }
     text
 }

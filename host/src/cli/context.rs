@@ -1,5 +1,6 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use sdp3::error::{Failure, Invalid};
 use sdp3::formats::model_file::check_use;
@@ -16,9 +17,9 @@ use std::path::{Path, PathBuf};
 /// Size of the main job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// Minutes: fewer recordings, a strided network.
+    /// Minutes: fewer recordings and epochs, a smaller network. A size that the scenario's file or --set states is kept.
     Quick,
-    /// The paper's sizes: 200 recordings per class to train, 500 to test.
+    /// The scenario's sizes; where it states none the paper's: 200 recordings per class to train, 500 to test.
     Paper,
 }
 
@@ -106,28 +107,27 @@ impl Context {
 
     /// The scenario and a writable output folder.
     pub fn job(&self) -> Result<Job, OutputError> {
-        let output = Output::create(&self.common.out)?;
+        let output = Output::create(&self.common.out)?.of_seed(self.common.seed());
         Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed(), progress: self.progress, output })
     }
 
-    /// The same at the size of a preset: quick makes the paper's room small; a scenario that is given is taken as it is, and
-    /// so is every field that is set.
+    /// The same at the size of a preset, and a note of the sizes that it set.
     #[cfg(feature = "train")]
     pub fn job_of(&self, preset: Preset) -> Result<Job, Failure> {
         let mut job = self.job()?;
-        if preset == Preset::Quick && !self.given() {
-            let mut small = Scenario::default();
-            let learning = &mut small.learning;
-            learning.train_per_class = 100;
-            learning.test_per_class = 60;
-            learning.windows = 4;
-            learning.epochs = 12;
-            learning.channels = 8;
-            // so few passes do not overfit
-            learning.mask_rows = 0;
-            job.scenario = small.with(&self.common.set, "--preset quick")?;
+        if preset == Preset::Quick {
+            let (scenario, sizes) = self.quick()?;
+            job.scenario = scenario;
+            if !sizes.is_empty() {
+                let text = format!("quick: {sizes}; --preset paper takes the scenario's sizes");
+                self.progress.note("preset", &text);
+            }
         }
         Ok(job)
+    }
+
+    fn quick(&self) -> Result<(Scenario, String), Failure> {
+        Ok(Scenario::quick(self.common.scenario.as_deref(), &self.common.set)?)
     }
 
     /// The resolved scenario of `--out`'s run, which nothing changes any more: one on the command line must be the same.
@@ -135,7 +135,12 @@ impl Context {
         let made = job.output.path("scenario.toml");
         let found = Scenario::load(&made)?;
         let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
-        match difference("", &json(&found), &json(&self.trained(job)?)) {
+        let mut asked = self.trained(job)?;
+        if self.given() && asked.learning != found.learning {
+            // the run's preset may have been quick
+            asked = Some(self.quick()?.0).filter(|quick| quick.learning == found.learning).unwrap_or(asked);
+        }
+        match difference("", &json(&found), &json(&asked)) {
             None => Ok(found),
             Some((field, found, asked)) => Err(format!(
                 "{}: {field} = {found}, but the command line says {asked}: what has been made is not changed; another --out takes \
@@ -197,6 +202,15 @@ pub fn count(
         let legal = u32::try_from(number).ok().filter(|number| range.contains(number));
         legal.ok_or_else(|| format!("{number} is not in {} to {}", range.start(), range.end()))
     }
+}
+
+/// A parser of a closed choice by its names, which clap lists, suggests and completes.
+pub fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let find = move |text: String| all.iter().copied().find(|one| name(*one) == text).ok_or("unknown");
+    PossibleValuesParser::new(all.iter().map(|one| name(*one))).try_map(find)
 }
 
 /// A line or more on stdout. A reader who has gone away has read enough.

@@ -3,9 +3,10 @@
 use super::context::{Context, Preset, stored_models};
 use super::simulator::MeasuredArgs;
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use sdp3::conformance::qemu::MACHINES;
 use sdp3::conformance::suite::ScheduleCase;
-use sdp3::error::{Failure, Invalid};
+use sdp3::error::Failure;
 use sdp3::pipeline::{Job, REFERENCE, TARGETS};
 use sdp3::results::{Figures, Run, Verify};
 use sdp3::store::output::OutputError;
@@ -31,7 +32,8 @@ pub struct RunArgs {
 #[derive(Debug, Clone, Args)]
 pub struct VerifyArgs {
     /// Targets to compare.
-    #[arg(long, value_delimiter = ',', default_values = TARGETS)]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = TARGETS,
+        value_parser = PossibleValuesParser::new([REFERENCE].into_iter().chain(MACHINES)))]
     pub targets: Vec<String>,
     /// Folder of ready-built firmware; absent: firmware-sim/build makes it.
     #[arg(long, value_name = "DIR")]
@@ -68,21 +70,9 @@ pub fn stored(job: &Job) -> Result<Run, OutputError> {
 }
 
 fn compare(job: &Job, run: &Run, args: &VerifyArgs) -> Result<Verify, Failure> {
-    check_targets(args)?;
     let models = stored_models(job, RUN_FIRST)?;
     let suite = job.suite(run.rho, &models, schedule_case(run))?;
     job.verify(&suite, &args.targets, args.firmware.as_deref())
-}
-
-pub fn check_targets(args: &VerifyArgs) -> Result<(), Failure> {
-    let legal = || [REFERENCE].into_iter().chain(MACHINES);
-    match args.targets.iter().find(|target| legal().all(|name| name != *target)) {
-        Some(unknown) => {
-            let names: Vec<&str> = legal().collect();
-            Err(Invalid::option("--targets", unknown, format!("one of {}", names.join(", "))).into())
-        }
-        None => Ok(()),
-    }
 }
 
 pub fn schedule_case(run: &Run) -> ScheduleCase {

@@ -104,14 +104,17 @@ pub enum Command {
     #[command(after_help = "Examples:
   sdp3 sweep docs/plans/quick.toml --out quick
   sdp3 sweep plan.toml --shard 2/8 --out sweep
+  sdp3 sweep plan.toml --status --shards 8 --out sweep
   sdp3 sweep plan.toml --slurm --shards 60 --sbatch=--partition=long --out sweep
   sdp3 sweep plan.toml --kubernetes --shards 60 --image registry.example/sdp3:0.1.0 --out sweep")]
     Sweep(cluster::SweepArgs),
     /// Join the cells of a sweep.
     ///
-    /// Writes merged.csv and merged.json if every cell is there, complete and of the same plan.
+    /// Writes merged.csv and merged.json if every cell is there, complete and of the same plan, and draws accuracy and throughput
+    /// over every axis of the plan that varies.
     #[command(after_help = "Examples:
   sdp3 merge quick
+  sdp3 merge quick --partial
   sdp3 merge quick --json")]
     Merge(cluster::MergeArgs),
     /// Convert trained networks into int8 model files.

@@ -1,9 +1,9 @@
 //! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
 
-use super::context::{Context, count, folder_of, name_of};
+use super::context::{Context, count, folder_of, name_of, one_of};
 use clap::Args;
 use sdp3::dataset::{self, PER_CLASS, Shard};
-use sdp3::error::{Failure, Invalid};
+use sdp3::error::Failure;
 use sdp3::pipeline::Measured;
 use sdp3::recordings::Stated;
 use sdp3::report;
@@ -31,9 +31,10 @@ pub struct MeasuredArgs {
     /// Which array of an NPZ or which dataset of an HDF5 file.
     #[arg(long, value_name = "NAME", requires = "measured")]
     pub dataset: Option<String>,
-    /// How the person in it moves: a class, such as adult-walking or standing.
-    #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking")]
-    pub motion: String,
+    /// How the person in it moves: rho is found for this motion, and a wrong one changes it.
+    #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking",
+        value_parser = one_of(&Class::EVERY, Class::name))]
+    pub motion: Class,
 }
 
 /// A dataset to simulate.
@@ -42,13 +43,12 @@ pub struct SimulateArgs {
     /// Recordings of each class.
     #[arg(long, default_value_t = 20, value_parser = count(PER_CLASS))]
     pub per_class: u32,
-    /// Channel model: dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga or metis; absent:
-    /// the scenario's.
-    #[arg(long, value_name = "NAME")]
-    pub channel: Option<String>,
-    /// Classes, by name; absent: the paper's five. Also child-stepping, adult-stepping, child-running, adult-running.
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub classes: Option<Vec<String>>,
+    /// Channel model; absent: the scenario's.
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Model::ALL, Model::name))]
+    pub channel: Option<Model>,
+    /// Classes; absent: the paper's five.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = one_of(&Class::EVERY, Class::name))]
+    pub classes: Option<Vec<Class>>,
     /// Store the raw slots in the parts too.
     #[arg(long)]
     pub raw: bool,
@@ -73,12 +73,10 @@ pub struct CalibrateArgs {
 pub fn simulate(context: &Context, args: SimulateArgs) -> Result<bool, Failure> {
     let mut job = context.job()?;
     let SimulateArgs { per_class, channel, classes, raw, sigmf, shard } = args;
-    with_channel(&mut job.scenario, channel.as_deref())?;
-    let classes = match classes {
-        Some(names) => names.iter().map(|name| class(name, "--classes")).collect::<Result<_, _>>()?,
-        None => Class::ALL.to_vec(),
-    };
+    job.scenario.channel.model = channel.unwrap_or(job.scenario.channel.model);
+    let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
     job.warn_of_aliasing();
+    job.warn_of_rho();
     let rho = rho(&job.scenario);
     let stage = job.progress.stage("simulate", "recordings");
     let work = dataset::Work::new(&job.scenario, rho, job.seed, per_class, classes, raw, sigmf);
@@ -101,9 +99,13 @@ pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure
         return calibrate_table(context, &file);
     }
     let job = context.job()?;
-    let found = job.calibrate(measurement(measured)?.as_ref())?;
+    let measured = measurement(measured);
+    if measured.is_none() {
+        job.warn_of_rho();
+    }
+    let found = job.calibrate(measured.as_ref())?;
     context.record(&job, "calibrate")?;
-    let path = job.output.write_json("calibration.json", &found)?;
+    let path = job.output.write_result("calibration.json", &found)?;
     context
         .print(&found, || format!("rho = {} ({}); curve in {}", found.rho, found.source, path.display()))?;
     Ok(true)
@@ -125,7 +127,7 @@ pub fn channels(context: &Context) -> Result<bool, Failure> {
     let table = properties::table(&job.scenario, job.seed, &|done, all| stage.at(done, all));
     stage.finish(&format!("{} models", table.models.len()));
     context.record(&job, "channels")?;
-    job.output.write_json("channels.json", &table)?;
+    job.output.write_result("channels.json", &table)?;
     context.print(&table, || report::tables::channels(&table))?;
     Ok(true)
 }
@@ -148,29 +150,8 @@ pub fn rho(scenario: &Scenario) -> f64 {
 }
 
 /// The measured signal that the command line names.
-pub fn measurement(args: MeasuredArgs) -> Result<Option<Measured>, Failure> {
-    let Some(file) = args.measured else { return Ok(None) };
-    let motion = class(&args.motion, "--motion")?;
-    let stated =
-        Stated { carrier_hz: args.carrier, rate_hz: args.rate, gain_db: args.gain, dataset: args.dataset };
-    Ok(Some(Measured { file, stated, motion }))
-}
-
-/// A class by its name.
-fn class(name: &str, flag: &str) -> Result<Class, Failure> {
-    Class::EVERY.into_iter().find(|class| class.name() == name).ok_or_else(|| {
-        let names = Class::EVERY.map(Class::name).join(", ");
-        Invalid::option(flag, name, format!("one of {names}")).into()
-    })
-}
-
-/// The scenario with the channel model of this name.
-fn with_channel(scenario: &mut Scenario, name: Option<&str>) -> Result<(), Failure> {
-    let Some(name) = name else { return Ok(()) };
-    let found = Model::ALL.into_iter().find(|model| model.name() == name);
-    scenario.channel.model = found.ok_or_else(|| {
-        let names = Model::ALL.map(Model::name).join(", ");
-        Invalid::option("--channel", name, format!("one of {names}"))
-    })?;
-    Ok(())
+pub fn measurement(args: MeasuredArgs) -> Option<Measured> {
+    let MeasuredArgs { measured, carrier, rate, gain, dataset, motion } = args;
+    let stated = Stated { carrier_hz: carrier, rate_hz: rate, gain_db: gain, dataset };
+    Some(Measured { file: measured?, stated, motion })
 }

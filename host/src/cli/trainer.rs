@@ -1,7 +1,7 @@
 //! Commands that train: `run`, `train`, `quantize`, `study`, a shard of `sweep`.
 
 use super::context::{Context, model_name};
-use super::job::{self, RunArgs, check_targets, schedule_case};
+use super::job::{self, RunArgs, schedule_case};
 use super::simulator::{measurement, rho};
 use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
 use sdp3::dataset::{Shard, Stored};
@@ -13,8 +13,9 @@ use sdp3::network::parameters::Parameters;
 use sdp3::network::safetensors;
 use sdp3::network::spectrograms::{Collected, Part};
 use sdp3::optimizer::Rule;
-use sdp3::pipeline::Job;
+use sdp3::pipeline::expected::Work;
 use sdp3::pipeline::learn::{How, history};
+use sdp3::pipeline::{Job, REFERENCE};
 use sdp3::recordings::Stated;
 use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
 use sdp3::scheduling::playback;
@@ -25,16 +26,25 @@ use sdp3_core::early_exit::EXITS;
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
     let job = &context.job_of(preset)?;
-    check_targets(&verify)?;
     job.warn_of_aliasing();
     job.warn_of_few_tests();
+    job.note_room();
     job.output.write("scenario.toml", job.scenario.to_toml().as_bytes())?;
-    let measured = measurement(measured)?;
+    let measured = measurement(measured);
+    if measured.is_none() {
+        job.warn_of_rho();
+    }
+    let emulated = verify.targets.iter().filter(|target| *target != REFERENCE).count();
+    let work = Work::Run { calibrates: measured.is_none(), emulated };
+    job.say_expected(work, rho(&job.scenario), context.workers());
     let calibration = job.calibrate(measured.as_ref())?;
     // a measurement at another carrier says nothing about this one: its rho is used only at its own
     let same = (calibration.carrier_hz / job.scenario.radar.carrier_hz - 1.0).abs() < 0.2;
     let rho = match (&measured, job.scenario.channel.rho) {
-        (Some(_), None) if !same => calibration::stored_rho(&job.scenario).0,
+        (Some(_), None) if !same => {
+            job.warn_of_rho();
+            calibration::stored_rho(&job.scenario).0
+        }
         (Some(_), None) | (None, None) => calibration.rho,
         (_, Some(rho)) => rho,
     };
@@ -82,8 +92,8 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
         plans,
         anytime,
     };
-    job.output.write_json("run.json", &result)?;
-    job.output.write_json("figures.json", &figures)?;
+    job.output.write_result("run.json", &result)?;
+    job.output.write_result("figures.json", &figures)?;
     let page = job::page(job, &result, &figures)?;
     context.print(&result, || format!("{}\nreport: {}", job::table(&result.verify), page.display()))?;
     Ok(result.verify.mismatches == 0)
@@ -147,7 +157,11 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
             }
             job.collect_stored(&stored)?
         }
-        None => simulated(&job),
+        None => {
+            job.warn_of_rho();
+            job.say_expected(Work::Train, rho(&job.scenario), context.workers());
+            simulated(&job)
+        }
     };
     let how = How { backend, checkpoints: true, resume: args.resume };
     let trained = job.train(&images, context.workers(), how)?;
@@ -212,6 +226,7 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     let request = Request { study, seed: job.seed, seeds, scenario: job.scenario.clone() };
     let cells = Cells::open(&job.output, &request)?;
     job.warn_of_few_tests();
+    job.warn_of_rho();
     let run_context = RunContext { progress: job.progress, workers: context.workers() };
     match name {
         Study::LearningCurve => {

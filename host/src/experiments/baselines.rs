@@ -177,7 +177,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ba
     }
     rows.iter_mut().for_each(|row| row.accuracy = row.each.iter().map(|each| Spread::of(each)).collect());
     let found = Baselines { rho, rate: rate.ok_or("no seed")?, rows };
-    cells.output.write_json("baselines.json", &found)?;
+    cells.output.write_result("baselines.json", &found)?;
     cells.output.write("baselines.md", table(request, &found).as_bytes())?;
     Ok(found)
 }

@@ -231,7 +231,7 @@ pub fn study(
         sim_to_real,
         left_out,
     };
-    cells.output.write_json("fidelity.json", &found)?;
+    cells.output.write_result("fidelity.json", &found)?;
     cells.output.write("fidelity.md", table(request, &found).as_bytes())?;
     Ok(found)
 }

@@ -78,7 +78,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Le
         .collect();
     // too few numbers of slots for a curve are no failure of the study
     let found = LearningCurve { rho, rows, prediction: fit_all(&points).ok() };
-    cells.output.write_json("learning-curve.json", &found)?;
+    cells.output.write_result("learning-curve.json", &found)?;
     cells.output.write("learning-curve.md", table(request, &found).as_bytes())?;
     Ok(found)
 }

@@ -166,7 +166,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ro
         }
     };
     let found = Robustness { sensing_slots, rows: conditions.iter().zip(&found).map(row).collect() };
-    cells.output.write_json("robustness.json", &found)?;
+    cells.output.write_result("robustness.json", &found)?;
     cells.output.write("robustness.md", table(request, &found).as_bytes())?;
     Ok(found)
 }

@@ -4,6 +4,8 @@
 //! functions here.
 
 #[cfg(feature = "train")]
+pub mod expected;
+#[cfg(feature = "train")]
 pub mod learn;
 
 use crate::conformance::compare::verify_host;
@@ -30,9 +32,10 @@ use crate::results::{
     Accuracy, AnytimeResult, Calibration, Confusion, Curve, CurvePoint, OperatingPoint, Prediction,
     Recognised, Schedule, Spectrogram, Training, Verify,
 };
-use crate::scenario::{Class, Scenario};
+use crate::scenario::{Class, Room, Scenario};
 use crate::scheduling::campaign::radar::Station;
 use crate::scheduling::playback;
+use crate::simulator::channel::link::knows_walls;
 use crate::simulator::dataset::{Set, recording};
 use crate::simulator::{calibration, dataset};
 use crate::store::output::Output;
@@ -132,6 +135,30 @@ impl Job {
                 a.limb_m_s, a.unambiguous_m_s
             );
             self.progress.note("simulate", &text);
+        }
+    }
+
+    /// A warning if the stored rho, which is used where the scenario states none, is of another carrier or slot interval.
+    pub fn warn_of_rho(&self) {
+        let stored =
+            self.scenario.channel.rho.is_none().then(|| calibration::stored_elsewhere(&self.scenario));
+        if let Some(text) = stored.flatten() {
+            self.progress.note("calibrate", &format!("warning: {text}"));
+        }
+    }
+
+    /// A note if the room was set to a size that the links do not depend on.
+    pub fn note_room(&self) {
+        let s = &self.scenario;
+        let of_links = s.room != Room::default() && s.communication.slot_bit.is_none();
+        if of_links && !knows_walls(s) {
+            let text = format!(
+                "room.size_m = {:?} does not change the throughput: links of channel.model = {} have no walls here; those of \
+                 ray-tracing have, and those of dahc with channel.clusters = 80211ay",
+                s.room.size_m,
+                s.channel.model.name()
+            );
+            self.progress.note("optimize", &text);
         }
     }
 

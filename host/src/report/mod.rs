@@ -17,6 +17,7 @@ pub mod plot;
 pub mod spectrograms;
 #[cfg(feature = "train")]
 pub mod studies;
+pub mod sweep;
 pub mod tables;
 pub mod timeline;
 

@@ -80,6 +80,43 @@ pub struct Submitted {
     pub merge: Option<String>,
 }
 
+/// Where a sweep stands: what `sdp3 sweep --status --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SweepStatus {
+    /// SHA-256 of the resolved plan.
+    pub plan: String,
+    /// Cells of the plan.
+    pub cells: u32,
+    /// Cells that are there.
+    pub done: u32,
+    /// Cells without a file.
+    pub missing: u32,
+    /// Cells with a damaged or foreign file.
+    pub unusable: u32,
+    /// Every file that cannot be used, with the reason.
+    pub faults: Vec<String>,
+    /// The same counts for every shard.
+    pub shards: Vec<ShardStatus>,
+    /// Estimated time in s for the cells that are not there, at the pace of the last ones made; absent with fewer than three.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub left_s: Option<f64>,
+}
+
+/// Where a shard of a sweep stands.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ShardStatus {
+    /// The shard, I/N.
+    pub shard: String,
+    /// Its cells.
+    pub cells: u32,
+    /// Cells that are there.
+    pub done: u32,
+    /// Cells without a file.
+    pub missing: u32,
+    /// Cells with a damaged or foreign file.
+    pub unusable: u32,
+}
+
 /// All of a sweep: what `sdp3 merge --json` prints and `merged.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Merged {
@@ -89,8 +126,13 @@ pub struct Merged {
     pub program: String,
     /// SHA-256 of the resolved plan.
     pub plan: String,
+    /// Share recognised by guessing: one class of as many as are tested in equal numbers.
+    pub chance: f64,
     /// Every cell, in the plan's order.
     pub cells: Vec<Measurement>,
+    /// Cells of the plan that a partial merge lacks.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub missing: Vec<Cell>,
     /// Cells that differ in N_s and seed alone, together.
     pub groups: Vec<Group>,
 }
@@ -114,7 +156,7 @@ pub struct Group {
 }
 
 /// One N_s of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GroupPoint {
     /// N_s.
     pub sensing_slots: u32,
@@ -126,4 +168,17 @@ pub struct GroupPoint {
     pub seeds: u32,
     /// Test recordings of all seeds.
     pub tested: u32,
+    /// What the slots left over carry, one for each user placement.
+    pub throughput: Vec<PointThroughput>,
+}
+
+/// Throughput of a placement at one N_s, mean over the seeds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PointThroughput {
+    /// Number of the placement, from 1.
+    pub case: u32,
+    /// Worst user's bits per period.
+    pub throughput_bit: f64,
+    /// The same in bits per second.
+    pub throughput_bit_s: f64,
 }

@@ -11,6 +11,7 @@ mod defaults;
 mod learning;
 mod overrides;
 mod people;
+mod preset;
 mod radar;
 mod read;
 mod rules;
@@ -61,7 +62,8 @@ pub struct Scenario {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Room {
-    /// Length (x), width (y), height (z) in m.
+    /// Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the throughput, depend on it
+    /// only where the channel model reflects at walls: not in the default one (`dahc` with the clusters `80211ax`).
     pub size_m: [f64; 3],
 }
 

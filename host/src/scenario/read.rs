@@ -90,7 +90,7 @@ const MOST_ERRORS: usize = 100;
 const LONGEST_LINE: usize = 800;
 
 /// The TOML of a file, or of the built-in scenario of that name.
-fn text_of(file: &Path) -> Result<String, ScenarioError> {
+pub(super) fn text_of(file: &Path) -> Result<String, ScenarioError> {
     match (limited::read_text(file, limited::TEXT), builtin::named(file)) {
         (Ok(text), _) => Ok(text),
         (Err(source), Some(built_in)) if source.kind() == std::io::ErrorKind::NotFound => {

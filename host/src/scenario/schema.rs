@@ -36,6 +36,26 @@ impl Scenario {
         let name = |one: &Value| one.get("const").and_then(Value::as_str).map(str::to_owned);
         (words.replace('\n', " "), names.into_iter().flatten().filter_map(name).collect())
     }
+
+    /// Which values a field takes, in words; `None` if there is no such field, or for a list.
+    pub(super) fn legal_values(&self, field: &str) -> Option<String> {
+        let schema = Scenario::schema();
+        let found = field_of(&schema, field)?;
+        let (_, names) = Scenario::meaning(&schema, field);
+        if !names.is_empty() {
+            return Some(format!("one of {}", names.join(", ")));
+        }
+        let kind = found.get("type")?;
+        // of a field that may be absent the first of two types
+        let kind = match kind.as_str().or_else(|| kind.get(0)?.as_str())? {
+            "number" => "a number",
+            "integer" => "a whole number",
+            "boolean" => "true or false",
+            _ => return None,
+        };
+        let words = [kind.to_owned(), legal_words(&self.rules(), field)];
+        Some(words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", "))
+    }
 }
 
 /// A number without a fraction where it has none.

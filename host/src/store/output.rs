@@ -3,6 +3,7 @@
 //! Every file is written beside its name and renamed over it.
 
 use crate::store::limited;
+use crate::{COMMIT, PROGRAM};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
@@ -94,6 +95,25 @@ pub fn abandon() {
 #[derive(Debug, Clone)]
 pub struct Output {
     folder: PathBuf,
+    seed: Option<u64>,
+}
+
+/// What made a result. No date: the same command makes the same bytes.
+#[derive(Debug, Serialize)]
+struct Provenance {
+    program: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    commit: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+}
+
+/// A result's file.
+#[derive(Serialize)]
+struct Stated<'a, T> {
+    provenance: Provenance,
+    #[serde(flatten)]
+    result: &'a T,
 }
 
 impl Output {
@@ -103,13 +123,18 @@ impl Output {
     ///
     /// [`OutputError::Write`] naming the folder.
     pub fn create(folder: &Path) -> Result<Self, OutputError> {
-        let output = Output { folder: folder.to_owned() };
+        let output = Output { folder: folder.to_owned(), seed: None };
         let fail = |source| OutputError::Write { path: folder.to_owned(), source };
         std::fs::create_dir_all(folder).map_err(fail)?;
         let probe = folder.join(format!("{PROBE}{}", mark(std::process::id())));
         std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
         output.sweep()?;
         Ok(output)
+    }
+
+    /// The same folder for results of a seed.
+    pub fn of_seed(self, seed: u64) -> Self {
+        Output { seed: Some(seed), ..self }
     }
 
     /// The folder.
@@ -212,6 +237,16 @@ impl Output {
         self.write(name, format!("{}\n", to_json(value)).as_bytes())
     }
 
+    /// Writes a result as JSON that begins with `provenance`: program, commit where it is known, seed. It must be an object, no list.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] naming the file.
+    pub fn write_result(&self, name: &str, result: &impl Serialize) -> Result<PathBuf, OutputError> {
+        let provenance = Provenance { program: PROGRAM, commit: COMMIT, seed: self.seed };
+        self.write_json(name, &Stated { provenance, result })
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -241,6 +276,27 @@ pub fn to_json(value: &impl Serialize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_result_states_what_made_it_and_is_read_as_before() {
+        #[derive(Debug, PartialEq, Serialize, serde::Deserialize)]
+        struct Found {
+            rho: f64,
+            slots: Vec<u32>,
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::create(folder.path()).unwrap().of_seed(7);
+        let found = Found { rho: 0.1 + 0.2, slots: vec![1, 2] };
+        output.write_result("found.json", &found).unwrap();
+        assert_eq!(output.read_json::<Found>("found.json", "").unwrap(), found);
+        let whole: serde_json::Value = output.read_json("found.json", "").unwrap();
+        assert_eq!(
+            (&whole["provenance"]["program"], &whole["provenance"]["seed"]),
+            (&PROGRAM.into(), &7.into())
+        );
+        assert_eq!(whole["provenance"].get("commit").and_then(|commit| commit.as_str()), COMMIT);
+        assert!(whole["provenance"].get("date").is_none());
+    }
 
     #[test]
     fn files_appear_whole_and_leave_nothing_beside_them() {

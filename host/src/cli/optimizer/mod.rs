@@ -2,7 +2,7 @@
 
 mod schedule;
 
-use super::context::{Context, count, stored_models};
+use super::context::{Context, count, one_of, stored_models};
 use super::{job, simulator};
 use clap::Args;
 use sdp3::error::{Failure, Invalid};
@@ -10,7 +10,7 @@ use sdp3::formats::points;
 use sdp3::optimizer::Rule;
 use sdp3::optimizer::sweep::{self, Sweep};
 use sdp3::pipeline::Job;
-use sdp3::predictor::{best_curve, fit_all, predict as fitted};
+use sdp3::predictor::{Model, best_curve, fit_all, predict as fitted};
 use sdp3::report::{self, figures, plot::Medium};
 use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
 use sdp3::scenario::Scenario;
@@ -34,8 +34,8 @@ pub struct OptimizeArgs {
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Learning curve; absent: the best one.
-    #[arg(long, value_name = "NAME")]
-    pub curve: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Model::ALL, Model::name))]
+    pub curve: Option<Model>,
     #[command(flatten)]
     pub rule: RuleArgs,
     /// Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
@@ -133,11 +133,10 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
     let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
     let curve = match &ask.curve {
         None => best_curve(&prediction),
-        Some(name) => {
-            let found = prediction.models.iter().find(|m| m.name == *name);
+        Some(model) => {
+            let found = prediction.models.iter().find(|m| m.name == model.name());
             let m = found.ok_or_else(|| {
-                let names: Vec<&str> = prediction.models.iter().map(|m| m.name.as_str()).collect();
-                Invalid::option("--curve", name, format!("one of {}", names.join(", ")))
+                format!("command line: --curve {}: it has no fit through these points", model.name())
             })?;
             Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }
         }
@@ -156,6 +155,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
         context.print(&rows, || sweep_table(&rows, period_s, "\t").trim_end().to_owned())?;
         return Ok(true);
     }
+    job.note_room();
     let outcome = job.optimize(&curve, &points, rule)?;
     let value = Optimum {
         curve,
@@ -168,7 +168,7 @@ pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
     };
     context.record(job, "optimize")?;
     job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
-    job.output.write_json("optimize.json", &value)?;
+    job.output.write_result("optimize.json", &value)?;
     let region = figures::region(&value.region, &value.operating_point, &value.cases, &points);
     context.draw(job, "optimize", &region.svg(Medium::SINGLE))?;
     context.print(&value, || words(&value))?;
@@ -254,7 +254,7 @@ pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
     let rule = rule(&args.rule, &job.scenario)?;
     let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
     context.record(&job, "anytime")?;
-    job.output.write_json("anytime.json", &found)?;
+    job.output.write_result("anytime.json", &found)?;
     let period_s = job.scenario.period_s();
     context.draw(&job, "anytime", &report::anytime::region(&found, period_s).svg(Medium::SINGLE))?;
     context.print(&found, || report::anytime::table(&found, period_s))?;

@@ -87,7 +87,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     let mut job = context.job()?;
     if args.periods.is_none() {
         let schedule = playback::play(&stored(&job)?.operating_point)?;
-        job.output.write_json("schedule.json", &schedule)?;
+        job.output.write_result("schedule.json", &schedule)?;
         draw(context, &job, &schedule.timeline)?;
         context.print(&schedule, || one_period(&schedule))?;
         return Ok(true);
@@ -103,7 +103,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     context.record(&job, "schedule")?;
     let (found, trace) = play(&job, args, &settings)?;
     job.output.write("trace.json", trace.as_bytes())?;
-    job.output.write_json("campaign.json", &found)?;
+    job.output.write_result("campaign.json", &found)?;
     draw(context, &job, &found.timeline)?;
     context.print(&found, || campaign_words(&found, job.scenario.period_s()))?;
     Ok(found.broken.is_empty())

@@ -1,16 +1,18 @@
-//! Merging: every cell is there, whole and of this plan, or nothing is written.
+//! Merging: every cell is there, whole and of this plan, or nothing is written; a partial merge takes the cells that are there.
 //!
-//! `merged.csv` has a row a cell, in the plan's order, with the throughput of the placement `trade.case`. `merged.json`, written
-//! last, has the cells with all placements, and of every scenario, carrier and rho what the seeds say together: the learning curve
+//! `merged.csv` has a row a cell, in the plan's order, with the throughput of every placement. `merged.json`, written last, has the cells with all placements, and of every scenario, carrier and rho what the seeds say together: the learning curve
 //! through their int8 means, the zones, and the operating point by the scenario's weight.
 
 use super::plan::{PLAN, Sweep};
-use super::store::Store;
+use super::store::{Fault, Store};
 use crate::PROGRAM;
 use crate::error::Failure;
 use crate::optimizer::{Rule, cases};
 use crate::predictor::{best_curve, fit_all};
-use crate::results::{Cell, CurvePoint, Group, GroupPoint, Measurement, Merged, Spread};
+use crate::results::{
+    Cell, CurvePoint, Group, GroupPoint, Measurement, Merged, PointThroughput, Spread, Throughput,
+};
+use crate::scenario::{Class, Scenario};
 use crate::store::output::Output;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,8 @@ use std::path::{Path, PathBuf};
 pub const CSV: &str = "merged.csv";
 /// Everything.
 pub const JSON: &str = "merged.json";
+/// The same of a partial merge.
+pub const PARTIAL: [&str; 2] = ["partial.csv", "partial.json"];
 
 /// Cells named in a refusal, of each kind.
 const NAMED: usize = 8;
@@ -35,7 +39,7 @@ pub enum MergeError {
     /// Cells are missing, damaged or foreign.
     #[error(
         "{folder}: {faulty} of {cells} cells cannot be used:{list}\n  `sdp3 sweep {folder}/{PLAN} --out {folder}` makes what is missing or \
-         damaged; remove what is foreign"
+         damaged; remove what is foreign; --partial joins the others"
     )]
     Cells {
         /// The folder.
@@ -49,36 +53,42 @@ pub enum MergeError {
     },
 }
 
-/// Checks every cell of a folder and puts them together, and writes both files.
+/// Checks every cell of a folder and puts them together, and writes both files. A `partial` merge does without missing and damaged
+/// cells.
 ///
 /// # Errors
 ///
 /// [`MergeError`], naming what is wrong; a folder that cannot be written. Then neither file is written.
-pub fn merge(folder: &Path) -> Result<Merged, Failure> {
+pub fn merge(folder: &Path, partial: bool) -> Result<Merged, Failure> {
     let plan = folder.join(PLAN);
     if !plan.exists() {
         return Err(MergeError::None { folder: folder.to_owned() }.into());
     }
     // a resolved plan leaves nothing out that another seed could fill in
     let sweep = Sweep::load(&plan, None, None)?;
-    let cells = read(&sweep, folder)?;
+    let (cells, missing) = read(&sweep, folder, partial)?;
     let output = Output::create(folder)?;
     let groups = groups(&sweep, &cells)?;
     let merged = Merged {
         name: sweep.plan.name.clone(),
         program: PROGRAM.into(),
         plan: sweep.digest.clone(),
+        chance: 1.0 / Class::ALL.len() as f64,
         cells,
+        missing,
         groups,
     };
-    output.write(CSV, table(&sweep, &merged.cells).as_bytes())?;
-    output.write_json(JSON, &merged)?;
+    let [csv, json] = if partial { PARTIAL } else { [CSV, JSON] };
+    output.write(csv, table(&merged).as_bytes())?;
+    output.write_result(json, &merged)?;
     Ok(merged)
 }
 
-fn read(sweep: &Sweep, folder: &Path) -> Result<Vec<Measurement>, Failure> {
+/// The cells that can be used, and those that a partial merge does without.
+fn read(sweep: &Sweep, folder: &Path, partial: bool) -> Result<(Vec<Measurement>, Vec<Cell>), Failure> {
     let store = Store::of(sweep, folder);
-    let (mut found, mut list, mut faulty) = (Vec::new(), String::new(), 0);
+    let (mut found, mut missing) = (Vec::new(), Vec::new());
+    let (mut list, mut faulty) = (String::new(), 0);
     let mut name = |line: String| {
         faulty += 1;
         if faulty <= NAMED {
@@ -88,6 +98,7 @@ fn read(sweep: &Sweep, folder: &Path) -> Result<Vec<Measurement>, Failure> {
     for (cell, _) in &sweep.cells {
         match store.read(cell)? {
             Ok(measurement) => found.push(measurement),
+            Err(Fault::Missing | Fault::Damaged(_)) if partial => missing.push(cell.clone()),
             Err(fault) => name(format!("{}: {fault} ({})", store.path(cell).display(), words(cell))),
         }
     }
@@ -95,8 +106,11 @@ fn read(sweep: &Sweep, folder: &Path) -> Result<Vec<Measurement>, Failure> {
         let path = folder.join(super::store::CELLS).join(file);
         name(format!("{}: foreign: the plan has the cells 0 to {}", path.display(), sweep.cells.len() - 1));
     }
+    if partial && faulty == 0 && found.is_empty() {
+        return Err(format!("{}: no cell is there", folder.display()).into());
+    }
     if faulty == 0 {
-        return Ok(found);
+        return Ok((found, missing));
     }
     if faulty > NAMED {
         let _ = write!(list, "\n  and {} more", faulty - NAMED);
@@ -110,24 +124,21 @@ fn words(cell: &Cell) -> String {
 }
 
 /// A row for every cell.
-fn table(sweep: &Sweep, cells: &[Measurement]) -> String {
-    let mut text = String::from(
-        "cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,case,throughput_bit\n",
-    );
-    for (Measurement { cell, accuracy, throughput }, (_, scenario)) in cells.iter().zip(&sweep.cells) {
-        let case = scenario.trade.case;
-        let bits = throughput
-            .iter()
-            .find(|t| t.case == case)
-            .map_or(String::new(), |t| t.throughput_bit.to_string());
+fn table(merged: &Merged) -> String {
+    let cases = merged.cells.iter().map(|m| m.throughput.len()).max().unwrap_or(0);
+    let mut text = String::from("cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,chance");
+    (1..=cases).for_each(|case| text += &format!(",throughput_bit_{case}"));
+    for Measurement { cell, accuracy, throughput } in &merged.cells {
         let Cell { index, scenario, carrier_hz, rho, sensing_slots, seed } = cell;
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "{index},{scenario},{carrier_hz},{rho},{sensing_slots},{seed},{},{},{},{case},{bits}",
-            accuracy.float, accuracy.int8, accuracy.tested
+            "\n{index},{scenario},{carrier_hz},{rho},{sensing_slots},{seed},{},{},{},{}",
+            accuracy.float, accuracy.int8, accuracy.tested, merged.chance
         );
+        let bits = |t: Option<&Throughput>| t.map_or_else(String::new, |t| t.throughput_bit.to_string());
+        (0..cases).for_each(|case| text += &format!(",{}", bits(throughput.get(case))));
     }
-    text
+    text + "\n"
 }
 
 /// What the seeds say together, scenario by carrier by rho.
@@ -138,7 +149,7 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
         let first = &members[0].cell;
         let scenario = &sweep.cells[first.index as usize].1;
         let by_slots = members.chunk_by(|a, b| a.cell.sensing_slots == b.cell.sensing_slots);
-        let points: Vec<GroupPoint> = by_slots.map(point).collect();
+        let points: Vec<GroupPoint> = by_slots.map(|seeds| point(seeds, scenario)).collect();
         let mut fitted: Vec<CurvePoint> = points
             .iter()
             .map(|p| CurvePoint {
@@ -164,13 +175,24 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
 }
 
 /// The seeds of one N_s.
-fn point(seeds: &[Measurement]) -> GroupPoint {
+fn point(seeds: &[Measurement], scenario: &Scenario) -> GroupPoint {
     let spread = |of: fn(&Measurement) -> f64| Spread::of(&seeds.iter().map(of).collect::<Vec<_>>());
+    let throughput = |case: usize| {
+        let bits = |m: &Measurement| m.throughput.get(case).map_or(0.0, |t| t.throughput_bit);
+        let throughput_bit = seeds.iter().map(bits).sum::<f64>() / seeds.len() as f64;
+        let period_s = f64::from(scenario.frame.period_slots) * scenario.frame.slot_s;
+        PointThroughput {
+            case: seeds[0].throughput[case].case,
+            throughput_bit,
+            throughput_bit_s: throughput_bit / period_s,
+        }
+    };
     GroupPoint {
         sensing_slots: seeds[0].cell.sensing_slots,
         float: spread(|m| m.accuracy.float),
         int8: spread(|m| m.accuracy.int8),
         seeds: seeds.len() as u32,
         tested: seeds.iter().map(|m| m.accuracy.tested).sum(),
+        throughput: (0..seeds[0].throughput.len()).map(throughput).collect(),
     }
 }

@@ -4,10 +4,10 @@
 //! every cell simulates, trains, quantises, tests through the core, and computes what the remaining slots carry.
 //!
 //! [`plan`] reads and resolves, [`shard`] assigns cells to shards, `cell` measures (in builds that train), [`store`] keeps a
-//! cell in a file that says what it belongs to, [`merge`] puts them together. [`slurm`] and [`kubernetes`] write the jobs.
+//! cell in a file that says what it belongs to, [`status`] counts them, [`merge`] puts them together. [`slurm`] and [`kubernetes`] write the jobs.
 //!
 //! A folder holds `sweep.toml` (the resolved plan; it needs no other file), `cells/00000.json` ..., and, merged, `merged.csv` and
-//! `merged.json`. Every byte depends on the plan and the program's version alone.
+//! `merged.json`, or of a partial merge `partial.csv` and `partial.json`. Every byte depends on the plan and the program's version alone.
 
 #[cfg(feature = "train")]
 mod cell;
@@ -18,6 +18,7 @@ pub mod plan;
 pub mod run;
 pub mod shard;
 pub mod slurm;
+pub mod status;
 pub mod store;
 
 #[cfg(test)]

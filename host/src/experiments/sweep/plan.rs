@@ -5,7 +5,7 @@ use crate::dataset::sha256;
 use crate::error::{Failure, Invalid};
 use crate::results::Cell;
 use crate::scenario::{Scenario, syntax_message};
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::{stored_elsewhere, stored_rho};
 use crate::simulator::dataset;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
@@ -122,6 +122,20 @@ impl Sweep {
         let cells = expand(&plan, file)?;
         let digest = sha256(format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes());
         Ok(Sweep { plan, digest, cells })
+    }
+
+    /// What is wrong with stored values of rho that cells use ([`stored_elsewhere`]), each once.
+    pub fn stored_elsewhere(&self) -> BTreeSet<String> {
+        let unstated = |own: &&Scenario| self.plan.rho.is_none() && own.channel.rho.is_none();
+        let mut words = BTreeSet::new();
+        for scenario in self.plan.scenario.iter().filter(unstated) {
+            for (carrier, ..) in combinations(&self.plan, scenario) {
+                let mut own = scenario.clone();
+                own.radar.carrier_hz = carrier;
+                words.extend(stored_elsewhere(&own));
+            }
+        }
+        words
     }
 
     /// Begins the folder of this plan or goes on with it: [`PLAN`].

@@ -1,5 +1,6 @@
-use super::merge::{CSV, JSON, merge};
+use super::merge::{CSV, JSON, PARTIAL, merge};
 use super::plan::{PLAN, Plan, Sweep};
+use super::status::status;
 use super::store::{CELLS, Fault, Store};
 use super::{kubernetes, slurm};
 use crate::dataset::Shard;
@@ -143,14 +144,14 @@ fn a_folder_belongs_to_one_plan() {
 #[test]
 fn merging_is_exact_and_repeats_itself() {
     let folder = filled(&some());
-    let merged = merge(folder.path()).unwrap();
+    let merged = merge(folder.path(), false).unwrap();
     assert_eq!((merged.cells.len(), merged.groups.len()), (24, 4));
     let group = &merged.groups[3];
     assert_eq!(
         (group.scenario.as_str(), group.rho, group.points.len(), group.cases.len()),
         ("hall", 1.0, 3, 2)
     );
-    let point = group.points[1];
+    let point = &group.points[1];
     assert_eq!((point.sensing_slots, point.seeds, point.tested), (300, 2, 1000));
     assert!((point.int8.mean - (0.85 + 1.5e-3)).abs() < 1e-12);
     assert!(group.cases.iter().all(|case| case.operating_point.is_some()) && group.curve.is_some());
@@ -158,9 +159,18 @@ fn merging_is_exact_and_repeats_itself() {
     let before = (read(CSV), read(JSON));
     let rows: Vec<&str> = before.0.lines().collect();
     assert_eq!(rows.len(), 25);
-    assert!(rows[24].starts_with("23,hall,") && rows[24].ends_with(",500,1,3000023.125"), "{}", rows[24]);
+    assert!(
+        rows[24].starts_with("23,hall,") && rows[24].ends_with(",500,0.2,3000023.125,3000023.125"),
+        "{}",
+        rows[24]
+    );
+    assert!(rows[0].ends_with("tested,chance,throughput_bit_1,throughput_bit_2"), "{}", rows[0]);
+    // cells 20 and 21, over a period of 1 s
+    let bits = &point.throughput[1];
+    assert_eq!((bits.case, bits.throughput_bit, bits.throughput_bit_s), (2, 3_000_020.625, 3_000_020.625));
+    assert_eq!((merged.chance, merged.missing.len()), (0.2, 0));
     assert_eq!(serde_json::from_str::<crate::results::Merged>(&before.1).unwrap(), merged);
-    merge(folder.path()).unwrap();
+    merge(folder.path(), false).unwrap();
     assert_eq!((read(CSV), read(JSON)), before);
 }
 
@@ -169,7 +179,7 @@ fn missing_damaged_and_foreign_cells_are_named_and_nothing_is_written() {
     let refused = |change: &dyn Fn(&Path), words: &[&str]| {
         let folder = filled(&some());
         change(folder.path());
-        let error = merge(folder.path()).unwrap_err().to_string();
+        let error = merge(folder.path(), false).unwrap_err().to_string();
         words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
         assert!(!folder.path().join(CSV).exists() && !folder.path().join(JSON).exists());
     };
@@ -201,9 +211,49 @@ fn missing_damaged_and_foreign_cells_are_named_and_nothing_is_written() {
     };
     refused(&newer, &["24 of 24", "and 16 more", "plan = "]);
     let empty = tempfile::tempdir().unwrap();
-    let error = merge(&empty.path().join("none")).unwrap_err().to_string();
+    let error = merge(&empty.path().join("none"), false).unwrap_err().to_string();
     assert!(error.contains("none: no sweep") && error.contains(PLAN), "{error}");
     assert!(!empty.path().join("none").exists());
+}
+
+#[test]
+fn a_partial_merge_joins_what_is_there() {
+    let folder = filled(&some());
+    let cell = |number: u32| folder.path().join(CELLS).join(format!("{number:05}.json"));
+    std::fs::remove_file(cell(3)).unwrap();
+    std::fs::write(cell(23), b"{").unwrap();
+    let merged = merge(folder.path(), true).unwrap();
+    let missing: Vec<u32> = merged.missing.iter().map(|cell| cell.index).collect();
+    assert_eq!((merged.cells.len(), missing), (22, vec![3, 23]));
+    assert_eq!(merged.groups[0].points[1].seeds, 1);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(read(PARTIAL[0]).lines().count(), 23);
+    assert_eq!(serde_json::from_str::<crate::results::Merged>(&read(PARTIAL[1])).unwrap(), merged);
+    assert!(!folder.path().join(CSV).exists() && !folder.path().join(JSON).exists());
+    std::fs::copy(cell(4), cell(5)).unwrap();
+    let error = merge(folder.path(), true).unwrap_err().to_string();
+    assert!(error.contains("00005.json: foreign"), "{error}");
+    (0..24).for_each(|k| drop(std::fs::remove_file(cell(k))));
+    assert!(merge(folder.path(), true).unwrap_err().to_string().contains("no cell is there"));
+}
+
+#[test]
+fn a_status_counts_every_shard_and_changes_nothing() {
+    let sweep = some();
+    let folder = filled(&sweep);
+    let cell = |number: u32| folder.path().join(CELLS).join(format!("{number:05}.json"));
+    [1, 4, 7].iter().for_each(|&number| std::fs::remove_file(cell(number)).unwrap());
+    std::fs::write(cell(5), b"{").unwrap();
+    let found = status(&sweep, folder.path(), 3).unwrap();
+    assert_eq!((found.cells, found.done, found.missing, found.unusable), (24, 20, 3, 1));
+    let shards: Vec<_> =
+        found.shards.iter().map(|s| (s.shard.as_str(), s.done, s.missing, s.unusable)).collect();
+    assert_eq!(shards, [("1/3", 8, 0, 0), ("2/3", 5, 3, 0), ("3/3", 7, 0, 1)]);
+    assert!(found.faults.len() == 1 && found.faults[0].contains("00005.json: damaged"), "{:?}", found.faults);
+    assert!(found.left_s.is_some_and(|left| left < 60.0), "{:?}", found.left_s);
+    let none = folder.path().join("none");
+    let found = status(&sweep, &none, 1).unwrap();
+    assert_eq!((found.done, found.missing, found.left_s, none.exists()), (0, 24, None, false));
 }
 
 #[test]

@@ -9,7 +9,7 @@ pub mod intensity;
 pub mod resample;
 pub mod stored;
 
-pub use stored::stored_rho;
+pub use stored::{stored_elsewhere, stored_rho};
 
 use super::channel::{BLOCKS, Complex64};
 use super::dataset::{Set, Simulation};
@@ -31,7 +31,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub const MEASURED_PRF_HZ: f64 = 2000.0;
 /// Slots simulated before a window: the room's first response fades and the AC coupling settles. Measured rooms have no
 /// beginning.
-const SETTLE_SLOTS: u32 = 300;
+pub const SETTLE_SLOTS: u32 = 300;
 /// Simulated people behind every point of the curve.
 pub const PEOPLE: u32 = 100;
 /// Recordings that stand for a measurement when none is given.

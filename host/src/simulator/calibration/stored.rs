@@ -52,6 +52,38 @@ pub fn table() -> Table {
 /// The stored rho of the nearest carrier (5 % count as equal) with the same number of people: rows that rest on experiments
 /// before computed ones, then the nearest slot interval, then rows for any motion. And where it comes from.
 pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
+    nearest(scenario).map_or((0.997, String::new()), |s| {
+        let (ghz, ms) = (s.carrier_hz / 1e9, s.interval_s * 1e3);
+        (s.rho, format!("stored table, {} motion at {ghz:.3} GHz, {ms} ms: {}", s.motion, s.source))
+    })
+}
+
+/// What is wrong with the stored rho for this scenario, in words: a row of another carrier or slot interval (5 % count as equal).
+pub fn stored_elsewhere(scenario: &Scenario) -> Option<String> {
+    let row = nearest(scenario)?;
+    let (carrier_hz, interval_s) = (scenario.radar.carrier_hz, scenario.interval_s());
+    let differs = |a: f64, b: f64| libm::log(a / b).abs() > 0.05;
+    if !differs(row.carrier_hz, carrier_hz) && !differs(row.interval_s, interval_s) {
+        return None;
+    }
+    let words =
+        |hz: f64, s: f64| format!("{:.3} GHz and {} ms between sensing slots", hz / 1e9, number(s * 1e3));
+    Some(format!(
+        "rho = {} is the stored one of {}, but the scenario has {}, where rho may be another: `sdp3 calibrate --measured FILE` finds \
+         it on a recording, channel.rho states it",
+        row.rho,
+        words(row.carrier_hz, row.interval_s),
+        words(carrier_hz, interval_s)
+    ))
+}
+
+/// A number without the last digits of a product.
+fn number(x: f64) -> f64 {
+    (x * 1e6).round() / 1e6
+}
+
+/// The row that answers for a scenario.
+fn nearest(scenario: &Scenario) -> Option<Stored> {
     let table = table();
     let apart = |a: f64, b: f64| libm::log(a / b).abs();
     let rank = |s: &&Stored| {
@@ -61,10 +93,7 @@ pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
     };
     let matching = table.entry.iter().filter(|s| s.interferer == scenario.channel.interferer);
     let nearest = matching.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
-    nearest.or(table.entry.first()).map_or((0.997, String::new()), |s| {
-        let (ghz, ms) = (s.carrier_hz / 1e9, s.interval_s * 1e3);
-        (s.rho, format!("stored table, {} motion at {ghz:.3} GHz, {ms} ms: {}", s.motion, s.source))
-    })
+    nearest.or(table.entry.first()).cloned()
 }
 
 /// How a computed row's source begins.
@@ -148,5 +177,20 @@ mod tests {
         assert!((0.98..0.997).contains(&rho));
         scenario.radar.carrier_hz = 77e9;
         assert!(stored_rho(&scenario).1.contains("60.000 GHz"));
+    }
+
+    #[test]
+    fn a_row_of_another_carrier_or_interval_is_stated() {
+        let mut scenario = Scenario::default();
+        assert_eq!(stored_elsewhere(&scenario), None);
+        scenario.radar.carrier_hz = 5.8e9;
+        scenario.frame.slot_s = 1e-3;
+        let words = stored_elsewhere(&scenario).unwrap();
+        for word in ["rho = 0.99", "3.500 GHz and 1 ms", "5.800 GHz and 4 ms", "channel.rho"] {
+            assert!(words.contains(word), "{word} is not in: {words}");
+        }
+        scenario = Scenario::default();
+        scenario.frame.spacing_slots = 0;
+        assert!(stored_elsewhere(&scenario).unwrap().contains("0.25 ms"));
     }
 }

@@ -53,6 +53,14 @@ pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Ve
         .collect()
 }
 
+/// Whether the links depend on the size of the room: one draw in this room and in a larger one.
+pub fn knows_walls(scenario: &Scenario) -> bool {
+    let Some(&user) = scenario.communication.cases.iter().flatten().next() else { return false };
+    let mut larger = scenario.clone();
+    larger.room.size_m = larger.room.size_m.map(|size| size + 1.0);
+    response(scenario, user, 1, 0) != response(&larger, user, 1, 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::room::free_space;
@@ -69,6 +77,20 @@ mod tests {
             assert!(mean([1.5, 2.8, 1.0]) > mean([1.5, 3.0, 1.0]));
             assert!(mean([2.3, 1.0, 1.0]) > mean([2.5, 1.0, 1.0]));
         }
+    }
+
+    #[test]
+    fn only_models_with_reflections_at_walls_know_them() {
+        let mut scenario = Scenario::default();
+        assert!(!knows_walls(&scenario));
+        scenario.channel.clusters = Clusters::Ieee80211ay;
+        assert!(knows_walls(&scenario));
+        let known = Model::ALL.into_iter().filter(|&model| {
+            scenario.channel.model = model;
+            knows_walls(&scenario)
+        });
+        let known: Vec<&str> = known.map(Model::name).collect();
+        assert_eq!(known, ["dahc", "primitive", "ray-tracing", "80211ay", "metis"]);
     }
 
     #[test]

@@ -1,0 +1,73 @@
+//! The quick preset: sizes for a first result, where neither the scenario's file nor the command line states one.
+
+use super::read::text_of;
+use super::{Override, Scenario, ScenarioError};
+use std::path::Path;
+use toml::Table;
+
+/// Fields of `[learning]` with their quick values.
+const QUICK: [(&str, u32); 6] = [
+    ("train_per_class", 100),
+    ("test_per_class", 60),
+    ("windows", 4),
+    ("epochs", 12),
+    ("channels", 8),
+    // so few passes do not overfit
+    ("mask_rows", 0),
+];
+
+impl Scenario {
+    /// As [`Scenario::resolve`], with quick sizes where neither the file nor `set` states one; and what the preset set, in words.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong.
+    pub fn quick(file: Option<&Path>, set: &[Override]) -> Result<(Self, String), ScenarioError> {
+        let mut scenario = Self::resolve(file, set)?;
+        let text = file.map(text_of).transpose()?.unwrap_or_default();
+        let stated = text.parse::<Table>().unwrap_or_default();
+        let stated = stated.get("learning").and_then(|learning| learning.as_table());
+        let mut words = Vec::new();
+        for (key, value) in QUICK {
+            let field = format!("learning.{key}");
+            if stated.is_some_and(|table| table.contains_key(key)) || set.iter().any(|one| one.sets(&field)) {
+                continue;
+            }
+            scenario = Override::new(&field, value).apply(&scenario)?;
+            words.push(format!("{key} = {value}"));
+        }
+        scenario.check("--preset quick")?;
+        Ok((scenario, words.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quick_sizes_give_way_to_what_is_stated() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("room.toml");
+        std::fs::write(&file, "[room]\nsize_m = [4.0, 5.0, 3.0]\n[learning]\nepochs = 3\nchannels = 16\n")
+            .unwrap();
+        let set = ["learning.windows=2".parse().unwrap()];
+        let (found, words) = Scenario::quick(Some(&file), &set).unwrap();
+        let l = &found.learning;
+        assert_eq!((l.train_per_class, l.test_per_class, l.mask_rows), (100, 60, 0));
+        assert_eq!((l.epochs, l.channels, l.windows), (3, 16, 2));
+        assert_eq!(found.room.size_m, [4.0, 5.0, 3.0]);
+        assert_eq!(words, "train_per_class = 100, test_per_class = 60, mask_rows = 0");
+        // a built-in scenario's own sizes stay too
+        let (found, _) = Scenario::quick(Some(Path::new("small-radar")), &[]).unwrap();
+        assert_eq!((found.learning.blocks, found.learning.epochs), (3, 12));
+        assert_eq!(found.frame.sensing_slots, [200]);
+        assert_eq!(Scenario::quick(None, &[]).unwrap().0.learning.epochs, 12);
+    }
+
+    #[test]
+    fn a_wrong_file_is_refused_as_without_the_preset() {
+        let error = Scenario::quick(Some(Path::new("nowhere.toml")), &[]).unwrap_err().to_string();
+        assert!(error.contains("nowhere.toml"), "{error}");
+    }
+}
