@@ -10,6 +10,7 @@
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
+mod cli;
 pub mod conformance;
 pub mod dataset;
 pub mod error;
@@ -18,17 +19,19 @@ pub mod formats;
 pub mod network;
 pub mod numerics;
 pub mod optimizer;
-pub mod pipeline;
+mod pipeline;
 pub mod predictor;
-pub mod progress;
+mod progress;
 pub mod recordings;
-pub mod report;
+mod report;
 pub mod results;
 pub mod scenario;
-pub mod scheduling;
+mod scheduling;
 pub mod schemas;
 pub mod simulator;
 pub mod store;
+
+pub use cli::main;
 
 /// Name and version, as files say what made them.
 pub const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));

@@ -1,43 +1,5 @@
-//! The `sdp3` command: parses, executes, and sets the exit code.
+//! The `sdp3` command.
 
-mod cli;
-
-use clap::Parser;
-use cli::{Cli, execute};
-use std::io::Write;
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(error) => {
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
-    };
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global() {
-        return refused(&format!("--threads: {error}"));
-    }
-    if let Err(error) = end_on_interrupt(cli.resumption()) {
-        return refused(&format!("interrupts cannot be caught: {error}"));
-    }
-    match execute(cli) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
-        Err(error) => refused(&error.to_string()),
-    }
-}
-
-fn refused(reason: &str) -> ExitCode {
-    let _ = writeln!(std::io::stderr(), "sdp3: {reason}");
-    ExitCode::from(2)
-}
-
-/// Ctrl-C leaves whole files only, says how to go on, and ends with the code of that signal.
-fn end_on_interrupt(resumption: &'static str) -> Result<(), ctrlc::Error> {
-    ctrlc::set_handler(move || {
-        sdp3::store::output::abandon();
-        let _ = writeln!(std::io::stderr(), "\nsdp3: interrupted, nothing is half-written; {resumption}");
-        std::process::exit(130);
-    })
+fn main() -> std::process::ExitCode {
+    sdp3::main()
 }

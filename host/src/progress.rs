@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 /// How to show progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// Nothing.
     Quiet,
     /// Bars on a terminal; else a line when a stage begins, one every half a minute, and one at its end.
     Shown,

@@ -2,15 +2,15 @@
 
 use super::context::{Context, count};
 use super::trainer;
+use crate::dataset::Shard;
+use crate::error::{Failure, Invalid};
+use crate::experiments::sweep::plan::Sweep;
+use crate::experiments::sweep::status::status;
+use crate::experiments::sweep::{kubernetes, shard, slurm};
+use crate::results::{Merged, Submitted, SweepStatus, Swept};
+use crate::store::output::Output;
 use clap::Args;
 use indicatif::HumanDuration;
-use sdp3::dataset::Shard;
-use sdp3::error::{Failure, Invalid};
-use sdp3::experiments::sweep::plan::Sweep;
-use sdp3::experiments::sweep::status::status;
-use sdp3::experiments::sweep::{kubernetes, shard, slurm};
-use sdp3::results::{Merged, Submitted, SweepStatus, Swept};
-use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -122,10 +122,10 @@ fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Fa
 }
 
 pub fn merge(context: &Context, args: &MergeArgs) -> Result<bool, Failure> {
-    let merged = sdp3::experiments::sweep::merge::merge(&args.folder, args.partial)?;
+    let merged = crate::experiments::sweep::merge::merge(&args.folder, args.partial)?;
     let output = Output::create(&args.folder)?;
-    for (name, svg) in sdp3::report::sweep::pictures(&merged) {
-        for (file, bytes) in sdp3::report::paper::forms(&name, &svg)? {
+    for (name, svg) in crate::report::sweep::pictures(&merged) {
+        for (file, bytes) in crate::report::paper::forms(&name, &svg)? {
             output.write(&file, &bytes)?;
         }
     }

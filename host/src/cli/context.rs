@@ -1,15 +1,15 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
+use crate::error::{Failure, Invalid};
+use crate::formats::model_file::check_use;
+use crate::pipeline::Job;
+use crate::progress::Progress;
+use crate::results::Files;
+use crate::scenario::{Override, Scenario};
+use crate::store::output::{Output, OutputError, to_json};
+use crate::store::resume::difference;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use sdp3::error::{Failure, Invalid};
-use sdp3::formats::model_file::check_use;
-use sdp3::pipeline::Job;
-use sdp3::progress::Progress;
-use sdp3::results::Files;
-use sdp3::scenario::{Override, Scenario};
-use sdp3::store::output::{Output, OutputError, to_json};
-use sdp3::store::resume::difference;
 use serde::Serialize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ impl Context {
             let threads = rayon::current_num_threads();
             progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
         }
-        sdp3::simulator::dataset::check(&scenario)?;
+        crate::simulator::dataset::check(&scenario)?;
         Ok(Context { common, scenario, progress })
     }
 
@@ -180,7 +180,7 @@ impl Context {
 
     /// A picture beside the results, as SVG, PDF and PNG.
     pub fn draw(&self, job: &Job, name: &str, svg: &str) -> Result<(), Failure> {
-        for (file, bytes) in sdp3::report::paper::forms(name, svg)? {
+        for (file, bytes) in crate::report::paper::forms(name, svg)? {
             job.output.write(&file, &bytes)?;
         }
         Ok(())

@@ -2,14 +2,14 @@
 
 use super::context::{Context, Preset, stored_models};
 use super::simulator::MeasuredArgs;
+use crate::conformance::qemu::MACHINES;
+use crate::conformance::suite::ScheduleCase;
+use crate::error::Failure;
+use crate::pipeline::{Job, REFERENCE, TARGETS};
+use crate::results::{Figures, Run, Verify};
+use crate::store::output::OutputError;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use sdp3::conformance::qemu::MACHINES;
-use sdp3::conformance::suite::ScheduleCase;
-use sdp3::error::Failure;
-use sdp3::pipeline::{Job, REFERENCE, TARGETS};
-use sdp3::results::{Figures, Run, Verify};
-use sdp3::store::output::OutputError;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -87,8 +87,8 @@ pub fn schedule_case(run: &Run) -> ScheduleCase {
 
 /// Pictures and page of a run; the page's path.
 pub fn page(job: &Job, run: &Run, figures: &Figures) -> Result<PathBuf, Failure> {
-    let page = sdp3::report::page(run, figures, &job.scenario.to_toml());
-    for (name, bytes) in sdp3::report::paper::files(run, figures)? {
+    let page = crate::report::page(run, figures, &job.scenario.to_toml());
+    for (name, bytes) in crate::report::paper::files(run, figures)? {
         job.output.write(&format!("figures/{name}"), &bytes)?;
     }
     Ok(job.output.write("report.html", page.as_bytes())?)

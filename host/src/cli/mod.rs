@@ -5,6 +5,7 @@ mod context;
 mod job;
 mod models;
 mod optimizer;
+mod program;
 mod reference;
 mod scenarios;
 mod simulator;
@@ -15,9 +16,11 @@ mod trainer;
 mod trainer;
 mod training;
 
+pub use program::main;
+
+use crate::error::Failure;
 use clap::{Parser, Subcommand};
 use context::{Common, Context};
-use sdp3::error::Failure;
 
 /// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
 #[derive(Debug, Parser)]
@@ -267,8 +270,8 @@ fn main_job() -> Command {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schemas::PUBLISHED;
     use clap::CommandFactory;
-    use sdp3::schemas::PUBLISHED;
 
     /// Every command that does something, with its words and its help.
     fn commands() -> Vec<(Vec<String>, String)> {

@@ -1,13 +1,13 @@
 //! Model files: `export`, `import`, `model show`, `sign`, `verify`, `keygen`.
 
 use super::context::{Context, folder_of, name_of};
+use crate::error::Failure;
+use crate::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
+use crate::formats::model_file::{Summary, Verdict};
+use crate::network::interchange::{self, Conversion};
+use crate::store::limited;
+use crate::store::output::Output;
 use clap::{Args, Subcommand};
-use sdp3::error::Failure;
-use sdp3::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
-use sdp3::formats::model_file::{Summary, Verdict};
-use sdp3::network::interchange::{self, Conversion};
-use sdp3::store::limited;
-use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
 
 /// A network to write for other programs.

@@ -2,11 +2,11 @@
 
 use super::Cli;
 use super::context::{Context, say};
+use crate::error::Failure;
+use crate::schemas::PUBLISHED;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use sdp3::error::Failure;
-use sdp3::schemas::PUBLISHED;
 use std::path::PathBuf;
 
 /// A shell to complete in.

@@ -1,11 +1,11 @@
 //! Scenarios: `scenario list`, `show`, `new`, `check`.
 
 use super::context::{Context, say};
+use crate::error::Failure;
+use crate::results::{Checked, Listed};
+use crate::scenario::{Scenario, builtin};
+use crate::store::output::to_json;
 use clap::{Args, Subcommand};
-use sdp3::error::Failure;
-use sdp3::results::{Checked, Listed};
-use sdp3::scenario::{Scenario, builtin};
-use sdp3::store::output::to_json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -119,7 +119,7 @@ fn check(context: &Context, file: &Path) -> Result<bool, Failure> {
     if errors.is_empty() {
         // what only other files or a simulation show, such as a motion capture
         let scenario = Scenario::resolve(Some(file), &context.common.set)?;
-        errors.extend(sdp3::simulator::dataset::check(&scenario).err().map(|error| error.to_string()));
+        errors.extend(crate::simulator::dataset::check(&scenario).err().map(|error| error.to_string()));
     }
     let checked = Checked { file: file.display().to_string(), errors };
     if context.common.json {

@@ -1,16 +1,16 @@
 //! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
 
 use super::context::{Context, count, folder_of, name_of, one_of};
+use crate::dataset::{self, PER_CLASS, Shard};
+use crate::error::Failure;
+use crate::pipeline::Measured;
+use crate::recordings::Stated;
+use crate::report;
+use crate::scenario::{Class, Model, Scenario};
+use crate::simulator::calibration;
+use crate::simulator::channel::properties;
+use crate::store::output::Output;
 use clap::Args;
-use sdp3::dataset::{self, PER_CLASS, Shard};
-use sdp3::error::Failure;
-use sdp3::pipeline::Measured;
-use sdp3::recordings::Stated;
-use sdp3::report;
-use sdp3::scenario::{Class, Model, Scenario};
-use sdp3::simulator::calibration;
-use sdp3::simulator::channel::properties;
-use sdp3::store::output::Output;
 use std::path::{Path, PathBuf};
 
 /// A measured signal.
@@ -136,7 +136,7 @@ pub fn gallery(context: &Context) -> Result<bool, Failure> {
     let job = context.job()?;
     let stage = job.progress.stage("gallery", "spectrograms");
     let shown =
-        sdp3::network::spectrograms::gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
+        crate::network::spectrograms::gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
     context.record(&job, "gallery")?;
     let page = job.output.write("gallery.html", report::gallery::page(&shown).as_bytes())?;
     stage.finish(&format!("{} of them", shown.len()));

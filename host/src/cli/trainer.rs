@@ -4,23 +4,23 @@ use super::context::{Context, model_name};
 use super::job::{self, RunArgs, schedule_case};
 use super::simulator::{measurement, rho};
 use super::training::{self, QuantizeArgs, Study, StudyArgs, TrainArgs};
-use sdp3::dataset::{Shard, Stored};
-use sdp3::error::Failure;
-use sdp3::experiments::RunContext;
-use sdp3::experiments::sweep::plan::Sweep;
-use sdp3::network::early_exits::gallery::gallery;
-use sdp3::network::parameters::Parameters;
-use sdp3::network::safetensors;
-use sdp3::network::spectrograms::{Collected, Part};
-use sdp3::optimizer::Rule;
-use sdp3::pipeline::expected::Work;
-use sdp3::pipeline::learn::{How, history};
-use sdp3::pipeline::{Job, REFERENCE};
-use sdp3::recordings::Stated;
-use sdp3::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
-use sdp3::scheduling::playback;
-use sdp3::simulator::calibration;
-use sdp3::store::output::Output;
+use crate::dataset::{Shard, Stored};
+use crate::error::Failure;
+use crate::experiments::RunContext;
+use crate::experiments::sweep::plan::Sweep;
+use crate::network::early_exits::gallery::gallery;
+use crate::network::parameters::Parameters;
+use crate::network::safetensors;
+use crate::network::spectrograms::{Collected, Part};
+use crate::optimizer::Rule;
+use crate::pipeline::expected::Work;
+use crate::pipeline::learn::{How, history};
+use crate::pipeline::{Job, REFERENCE};
+use crate::recordings::Stated;
+use crate::results::{AnytimeGallery, Figures, OperatingPoint, Run, Swept, Verify};
+use crate::scheduling::playback;
+use crate::simulator::calibration;
+use crate::store::output::Output;
 use sdp3_core::early_exit::EXITS;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
@@ -81,7 +81,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let suite = job.suite(rho, &learned.models, schedule_case(&result))?;
     result.verify = job.verify(&suite, &verify.targets, verify.firmware.as_deref())?;
     let figures = Figures {
-        classes: sdp3::scenario::Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
+        classes: crate::scenario::Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
         spectrograms,
         calibration,
         training: learned.training,
@@ -121,8 +121,8 @@ fn classify_gallery(
 }
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    use sdp3::network::recipe::Recipe;
-    use sdp3::network::training::Backend;
+    use crate::network::recipe::Recipe;
+    use crate::network::training::Backend;
     let backend = match args.backend {
         training::Backend::Flex => Backend::Flex,
         #[cfg(feature = "wgpu")]
@@ -214,8 +214,8 @@ pub fn quantize(context: &Context, args: QuantizeArgs) -> Result<bool, Failure> 
 }
 
 pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
-    use sdp3::experiments::cells::Cells;
-    use sdp3::experiments::{Request, baselines, fidelity, labelled, learning_curve, robustness};
+    use crate::experiments::cells::Cells;
+    use crate::experiments::{Request, baselines, fidelity, labelled, learning_curve, robustness};
     let StudyArgs { name, seeds, measured, carrier, rate } = args;
     if measured.is_some() && name != Study::Fidelity {
         return Err("command line: --measured belongs to the study fidelity".into());
@@ -231,12 +231,12 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
     match name {
         Study::LearningCurve => {
             let found = learning_curve::study(&request, &cells, run_context)?;
-            context.draw(&job, "learning-curve", &sdp3::report::studies::learning_curve(&found))?;
+            context.draw(&job, "learning-curve", &crate::report::studies::learning_curve(&found))?;
             context.print(&found, || learning_curve::table(&request, &found))?;
         }
         Study::Robustness => {
             let found = robustness::study(&request, &cells, run_context)?;
-            context.draw(&job, "robustness", &sdp3::report::studies::robustness(&found))?;
+            context.draw(&job, "robustness", &crate::report::studies::robustness(&found))?;
             context.print(&found, || robustness::table(&request, &found))?;
         }
         Study::Fidelity => {
@@ -246,14 +246,14 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
                 None => Default::default(),
             };
             let found = fidelity::study(&request, &cells, recordings, run_context)?;
-            for (name, svg) in sdp3::report::fidelity::pictures(&found) {
+            for (name, svg) in crate::report::fidelity::pictures(&found) {
                 context.draw(&job, &name, &svg)?;
             }
             context.print(&found, || fidelity::table(&request, &found))?;
         }
         Study::Baselines => {
             let found = baselines::study(&request, &cells, run_context)?;
-            context.draw(&job, "baselines", &sdp3::report::studies::baselines(&found))?;
+            context.draw(&job, "baselines", &crate::report::studies::baselines(&found))?;
             context.print(&found, || baselines::table(&request, &found))?;
         }
     }
@@ -262,5 +262,5 @@ pub fn study(context: &Context, args: StudyArgs) -> Result<bool, Failure> {
 
 pub fn shard(context: &Context, sweep: &Sweep, shard: Shard) -> Result<Swept, Failure> {
     let run_context = RunContext { progress: context.progress, workers: context.workers() };
-    sdp3::experiments::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, run_context)
+    crate::experiments::sweep::run::run(sweep, shard, &Output::create(&context.common.out)?, run_context)
 }

@@ -3,10 +3,10 @@
 use super::context::Context;
 use super::job::RunArgs;
 use super::training::{QuantizeArgs, StudyArgs, TrainArgs};
-use sdp3::dataset::Shard;
-use sdp3::error::Failure;
-use sdp3::experiments::sweep::plan::Sweep;
-use sdp3::results::Swept;
+use crate::dataset::Shard;
+use crate::error::Failure;
+use crate::experiments::sweep::plan::Sweep;
+use crate::results::Swept;
 
 fn refusal<T>(what: &str) -> Result<T, Failure> {
     Err(format!("this build cannot {what}: build it with the feature `train`").into())

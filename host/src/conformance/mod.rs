@@ -6,9 +6,9 @@
 
 pub mod compare;
 pub mod digests;
-pub mod locate;
+pub(crate) mod locate;
 pub mod qemu;
 pub mod reference;
 pub mod suite;
-pub mod transcript;
+pub(crate) mod transcript;
 pub mod verification;

@@ -8,12 +8,10 @@ use sdp3_core::values::Stage;
 /// Name, number of values and digest of a stage.
 pub type StageDigest = (String, u64, u64);
 
-/// What firmware printed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Transcript {
     /// Digest of the power-on self test.
     pub selftest: u64,
-    /// Each case.
     pub cases: Vec<CaseReport>,
     /// Slots and digest of the schedule.
     pub schedule: (u64, u64),
@@ -21,10 +19,8 @@ pub struct Transcript {
     pub stack_bytes: u64,
 }
 
-/// One case.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CaseReport {
-    /// Stages in order.
     pub stages: Vec<StageDigest>,
     /// Instructions of one recognition.
     pub instructions: u64,

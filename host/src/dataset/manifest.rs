@@ -13,7 +13,6 @@ use serde::{Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use std::io::{self, Write};
 
-/// Its name.
 pub const NAME: &str = "manifest.json";
 
 #[derive(Clone, Copy, Serialize)]

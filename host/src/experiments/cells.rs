@@ -15,7 +15,6 @@ pub const REQUEST: &str = "study.json";
 /// The folder of a study.
 #[derive(Debug)]
 pub struct Cells<'a> {
-    /// Where everything goes.
     pub output: &'a Output,
 }
 

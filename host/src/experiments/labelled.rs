@@ -12,13 +12,10 @@ const ENDINGS: [&str; 4] = ["wav", "npy", "npz", "sigmf-meta"];
 /// Folders within folders that are looked into.
 const DEPTH: u32 = 16;
 
-/// A measured recording.
 pub struct Measured {
     /// Its path below the folder.
     pub name: String,
-    /// What it shows.
     pub motion: Motion,
-    /// Its samples.
     pub signal: Signal,
     /// Twelve digits that change with content, motion and carrier.
     pub key: String,

@@ -5,22 +5,22 @@
 //! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise).
 
 #[cfg(feature = "train")]
-pub mod baselines;
+pub(crate) mod baselines;
 #[cfg(feature = "train")]
-pub mod cells;
+pub(crate) mod cells;
 #[cfg(feature = "train")]
-pub mod fidelity;
+pub(crate) mod fidelity;
 #[cfg(feature = "train")]
-pub mod labelled;
+pub(crate) mod labelled;
 #[cfg(feature = "train")]
-pub mod learning_curve;
+pub(crate) mod learning_curve;
 #[cfg(feature = "train")]
-pub mod robustness;
+pub(crate) mod robustness;
 #[cfg(feature = "train")]
-pub mod sim_to_real;
+pub(crate) mod sim_to_real;
 pub mod sweep;
 #[cfg(feature = "train")]
-pub mod trained;
+pub(crate) mod trained;
 
 #[cfg(feature = "train")]
 pub use crate::results::Spread;

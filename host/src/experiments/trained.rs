@@ -13,7 +13,6 @@ use crate::scenario::{Class, Scenario};
 
 /// Networks for every N_s of a scenario.
 pub struct Trained {
-    /// Their float parameters.
     pub parameters: Vec<Parameters>,
     /// Their int8 model files.
     pub models: Vec<Vec<u8>>,

@@ -1,7 +1,7 @@
 //! File formats: what other programs write and read.
 
 pub mod model_file;
-pub mod numpy;
+pub(crate) mod numpy;
 pub mod points;
 pub mod slots;
 pub mod tflite;

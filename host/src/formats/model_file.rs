@@ -12,8 +12,8 @@ use std::fmt::Write as _;
 
 mod check;
 mod read;
-pub mod rescale;
-pub mod signature;
+pub(crate) mod rescale;
+pub(crate) mod signature;
 mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;

@@ -9,7 +9,6 @@ use zip::{ZipArchive, result::ZipError};
 
 /// Most bytes of a header: what version 1 of the format can state.
 const LONGEST: u32 = 1 << 16;
-/// Magic and version.
 const PREFIX: usize = 8;
 
 /// An array: what its header says, and the reader of its values.
@@ -28,7 +27,6 @@ pub struct Array<R> {
 pub trait Value: Sized {
     /// Its kind and bytes as NumPy writes them, behind the byte order.
     const KIND: &str;
-    /// Its bytes.
     const SIZE: usize;
     /// The number of exactly so many bytes.
     fn of(bytes: &[u8], big_endian: bool) -> Self;

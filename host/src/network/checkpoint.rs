@@ -23,12 +23,10 @@ pub struct Identity {
     pub seed: u64,
     /// SHA-256 of the images and labels, in hexadecimal.
     pub images: String,
-    /// Where it runs.
     pub backend: String,
 }
 
 impl Identity {
-    /// Of a training.
     pub fn new(
         architecture: Architecture,
         settings: &Learning,
@@ -46,7 +44,6 @@ impl Identity {
     }
 }
 
-/// Parameters as bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bits(String);
 
@@ -64,11 +61,8 @@ pub struct Best {
 /// A training after a number of epochs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Which training.
     pub identity: Identity,
-    /// The epochs done.
     pub epochs: Vec<Epoch>,
-    /// The network.
     pub parameters: Bits,
     /// The best so far, if there is a validation set.
     pub best: Option<Best>,
@@ -100,7 +94,6 @@ fn lists(p: &mut Parameters) -> Vec<&mut Vec<f32>> {
 }
 
 impl Bits {
-    /// Of a network.
     pub fn new(parameters: &Parameters) -> Bits {
         let mut parameters = parameters.clone();
         let bytes: Vec<u8> =

@@ -19,7 +19,6 @@ use sdp3_core::dsn::{Model, ModelError};
 pub struct RefusedModel {
     /// N_s of the model.
     pub sensing_slots: u32,
-    /// Why.
     pub source: ModelError,
 }
 
@@ -39,7 +38,6 @@ pub struct ExitLogits {
     pub scales: Vec<f64>,
     /// Label of every recording.
     pub truth: Vec<u8>,
-    /// `[recording][network][class]`.
     pub logits: Vec<Vec<Vec<i8>>>,
 }
 
@@ -114,9 +112,7 @@ impl ExitLogits {
 /// A float network and the int8 network made of it, tested on the same images.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tested {
-    /// Shares recognised.
     pub accuracy: Accuracy,
-    /// Answers in float.
     pub float: Evaluation,
     /// Answers in int8.
     pub int8: Vec<u8>,
@@ -143,7 +139,6 @@ pub fn test(
     Ok(slots.iter().enumerate().map(tested).collect())
 }
 
-/// Counts `[truth][answer]`.
 pub fn confusion(truth: &[u8], answers: &[u8]) -> Vec<Vec<u32>> {
     let mut counts = vec![vec![0; Class::ALL.len()]; Class::ALL.len()];
     for (&truth, &answer) in truth.iter().zip(answers) {

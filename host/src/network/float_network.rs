@@ -23,7 +23,6 @@ pub enum Activation {
     Add(usize),
     /// Mean over the image, per channel; it keeps the scale of the last addition.
     Mean,
-    /// The answer.
     Logits,
 }
 
@@ -32,31 +31,24 @@ pub enum Activation {
 pub struct FoldedLayer {
     /// Weights; 9 taps of a convolution, row by row, or a single one.
     pub weights: Vec<f64>,
-    /// Biases.
     pub biases: Vec<f64>,
 }
 
-/// A residual block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoldedBlock {
     /// First normalisation: one weight and one bias per channel, then ReLU.
     pub affine: FoldedLayer,
     /// First convolution with the second normalisation, then ReLU.
     pub conv1: FoldedLayer,
-    /// Second convolution.
     pub conv2: FoldedLayer,
 }
 
 /// The network as inference needs it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloatNetwork {
-    /// Shape.
     pub architecture: Architecture,
-    /// Input convolution.
     pub stem: FoldedLayer,
-    /// Residual blocks.
     pub blocks: Vec<FoldedBlock>,
-    /// Classifier.
     pub head: FoldedLayer,
 }
 

@@ -3,17 +3,17 @@
 //! Paper, section V. What trains needs burn (the feature `train`).
 
 #[cfg(feature = "train")]
-pub mod backbone;
+pub(crate) mod backbone;
 #[cfg(feature = "train")]
-pub mod baselines;
+pub(crate) mod baselines;
 #[cfg(feature = "train")]
-pub mod burn_model;
-pub mod calibration;
+pub(crate) mod burn_model;
+pub(crate) mod calibration;
 #[cfg(feature = "train")]
-pub mod checkpoint;
-pub mod early_exits;
-pub mod evaluation;
-pub mod float_network;
+pub(crate) mod checkpoint;
+pub(crate) mod early_exits;
+pub(crate) mod evaluation;
+pub(crate) mod float_network;
 pub mod inference;
 #[cfg(test)]
 mod integer;
@@ -22,12 +22,12 @@ pub mod memory;
 pub mod parameters;
 pub mod quantization;
 #[cfg(feature = "train")]
-pub mod recipe;
+pub(crate) mod recipe;
 pub mod safetensors;
-pub mod spectrograms;
+pub(crate) mod spectrograms;
 #[cfg(test)]
 pub(crate) mod synthetic;
 #[cfg(feature = "train")]
 pub mod training;
 #[cfg(feature = "train")]
-pub mod tuning;
+pub(crate) mod tuning;

@@ -16,18 +16,6 @@ pub enum Recipe {
 }
 
 impl Recipe {
-    /// Every recipe.
-    pub const ALL: [Recipe; 3] = [Recipe::AdamwOneCycle, Recipe::PaperAdam, Recipe::PaperMomentum];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Recipe::AdamwOneCycle => "adamw-one-cycle",
-            Recipe::PaperAdam => "paper-adam",
-            Recipe::PaperMomentum => "paper-momentum",
-        }
-    }
-
     /// Sets what the recipe says and leaves the rest.
     pub fn apply(self, settings: &mut Learning) {
         let (optimizer, schedule, learning_rate, batch, weight_decay, mixup, mask_rows) = match self {

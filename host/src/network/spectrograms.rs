@@ -48,22 +48,18 @@ pub enum Part {
     Train,
     /// Those behind them, which no network was trained on: early exits are fitted on them.
     Calibration,
-    /// Those tested with.
     Test,
-    /// Those shown.
     Demo,
 }
 
 /// The first `per_class` recordings of every class of a part, in the order of [`item`].
 #[derive(Debug, Clone, Copy)]
 pub struct Recordings<'a> {
-    /// Their scenario.
     pub scenario: &'a Scenario,
     /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
     /// Seed of everything random.
     pub seed: u64,
-    /// Which.
     pub part: Part,
     /// How many of every class.
     pub per_class: u32,

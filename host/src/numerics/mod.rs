@@ -1,6 +1,6 @@
 //! Numerical methods that several modules use: random numbers, interpolation, a special function.
 
-pub mod bessel;
-pub mod filter;
-pub mod pchip;
+pub(crate) mod bessel;
+pub(crate) mod filter;
+pub(crate) mod pchip;
 pub mod random;

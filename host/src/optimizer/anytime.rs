@@ -17,7 +17,6 @@ use crate::scenario::Scenario;
 pub struct Evaluated<'a> {
     /// Logits of every exit.
     pub exit_logits: &'a ExitLogits,
-    /// Classifications.
     pub courses: &'a [Course],
 }
 

@@ -4,16 +4,16 @@
 //! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond
 //! it, [`spacings`] and [`sweep`] vary what else may vary.
 
-pub mod anytime;
+pub(crate) mod anytime;
 pub mod operating_point;
 pub mod region;
-pub mod shares;
-pub mod spacings;
-pub mod sweep;
+pub(crate) mod shares;
+pub(crate) mod spacings;
+pub(crate) mod sweep;
 pub mod theorem;
-pub mod throughput;
+pub(crate) mod throughput;
 pub mod water_filling;
-pub mod zones;
+pub(crate) mod zones;
 
 pub use operating_point::Rule;
 

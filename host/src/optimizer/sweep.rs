@@ -7,7 +7,6 @@ use crate::numerics::random::Random;
 use crate::results::{Curve, SweepRow};
 use crate::scenario::Scenario;
 
-/// What is varied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Carrier frequency in Hz.
@@ -33,7 +32,6 @@ impl Axis {
 /// One axis with its values: `power_w=0.1,1,10`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// The axis.
     pub axis: Axis,
     /// Values in the order given.
     pub values: Vec<f64>,

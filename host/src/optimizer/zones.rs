@@ -30,7 +30,6 @@ impl<'a> Zones<'a> {
         slope(self.curve, sensing_slots).unwrap_or(0.0) / self.mean_slope
     }
 
-    /// Zone at N_s.
     pub fn at(&self, sensing_slots: u32) -> Zone {
         let marginal = self.marginal(f64::from(sensing_slots));
         if marginal < self.ratio {

@@ -29,7 +29,6 @@ pub enum Work {
     Run {
         /// Whether rho is calibrated on simulated recordings.
         calibrates: bool,
-        /// Emulated targets.
         emulated: usize,
     },
 }
@@ -37,7 +36,6 @@ pub enum Work {
 /// Seconds that a sensing slot takes on one processor.
 #[derive(Debug, Clone, Copy)]
 struct Slot {
-    /// Simulated as beats.
     beats_s: f64,
     /// Simulated as raw samples, and made an image.
     raw_s: f64,

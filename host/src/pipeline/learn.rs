@@ -26,7 +26,6 @@ pub struct Trained {
 /// How networks are trained, beside the scenario's settings.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct How {
-    /// Where.
     pub backend: Backend,
     /// Whether a checkpoint is written after every epoch, and the scenario beside them.
     pub checkpoints: bool,

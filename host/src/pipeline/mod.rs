@@ -4,9 +4,9 @@
 //! functions here.
 
 #[cfg(feature = "train")]
-pub mod expected;
+pub(crate) mod expected;
 #[cfg(feature = "train")]
-pub mod learn;
+pub(crate) mod learn;
 
 use crate::conformance::compare::verify_host;
 use crate::conformance::digests::not_run;
@@ -47,20 +47,17 @@ use std::time::Duration;
 /// What every stage needs.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// The checked scenario.
     pub scenario: Scenario,
     /// Seed of everything random.
     pub seed: u64,
     /// How to show progress.
     pub progress: Progress,
-    /// Where results go.
     pub output: Output,
 }
 
 /// A measured signal to calibrate on.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// The file.
     pub file: PathBuf,
     /// What was stated about it.
     pub stated: recordings::Stated,
@@ -81,11 +78,8 @@ pub const TARGETS: [&str; 3] = [REFERENCE, "cortex-m4f", "riscv32imac"];
 pub struct Learned {
     /// Model files in the order of `frame.sensing_slots`.
     pub models: Vec<Vec<u8>>,
-    /// Accuracies.
     pub accuracy: Vec<Accuracy>,
-    /// Histories.
     pub training: Vec<Training>,
-    /// Confusion matrices.
     pub confusion: Vec<Confusion>,
 }
 

@@ -5,11 +5,11 @@
 
 pub mod bootstrap;
 pub mod fit;
-pub mod models;
+pub(crate) mod models;
 pub mod paper;
-pub mod points;
-pub mod ranking;
-pub mod shape;
+pub(crate) mod points;
+pub(crate) mod ranking;
+pub(crate) mod shape;
 
 pub use models::Model;
 pub use points::FitError;

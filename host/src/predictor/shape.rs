@@ -28,7 +28,6 @@ pub struct Shape {
     low: f64,
     /// First parameter: the power, slope, or decay at `low`.
     r: f64,
-    /// Second parameter: curvature.
     q: f64,
 }
 
@@ -46,7 +45,6 @@ impl Shape {
         }
     }
 
-    /// Its model.
     pub fn model(self) -> Model {
         self.model
     }
@@ -95,7 +93,6 @@ impl Shape {
         Shape { model, low, r, q }
     }
 
-    /// phi(N).
     pub fn basis(self, n: f64) -> f64 {
         let (r, q, x) = (self.r, self.q, n / self.low);
         match self.model {

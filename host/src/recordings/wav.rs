@@ -7,7 +7,6 @@ use crate::store::limited;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;
 
-/// Reads one.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let broken = |error| source.unreadable("WAV", error);
     let file = limited::open(source.0, limited::WHOLE).map_err(|error| broken(error.into()))?;

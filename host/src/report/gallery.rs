@@ -25,7 +25,6 @@ fn caption(model: &str) -> &'static str {
     }
 }
 
-/// The page.
 pub fn page(exhibits: &[Exhibit]) -> String {
     let mut page = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \

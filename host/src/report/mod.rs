@@ -4,22 +4,22 @@
 //! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content
 //! security policy that allows none. Without the script the page still shows every figure. [`paper`] writes the figures as files.
 
-pub mod anytime;
+pub(crate) mod anytime;
 mod confusion;
 mod explorer;
 #[cfg(feature = "train")]
-pub mod fidelity;
-pub mod figures;
-pub mod gallery;
+pub(crate) mod fidelity;
+pub(crate) mod figures;
+pub(crate) mod gallery;
 mod page;
-pub mod paper;
-pub mod plot;
-pub mod spectrograms;
+pub(crate) mod paper;
+pub(crate) mod plot;
+pub(crate) mod spectrograms;
 #[cfg(feature = "train")]
-pub mod studies;
-pub mod sweep;
-pub mod tables;
-pub mod timeline;
+pub(crate) mod studies;
+pub(crate) mod sweep;
+pub(crate) mod tables;
+pub(crate) mod timeline;
 
 pub use page::page;
 

@@ -5,7 +5,6 @@ use super::{STYLE, confusion, explorer, figures as pictures, spectrograms, table
 use crate::results::{Figures, Run};
 use std::fmt::Write;
 
-/// What is reproduced.
 const PAPER: &str =
     "Li et al., \"Integrated Sensing and Communication from Learning Perspective: An SDP3 Approach\".";
 

@@ -51,12 +51,9 @@ pub fn grouped(n: u64) -> String {
     out
 }
 
-/// A series' marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
-    /// A circle.
     Circle,
-    /// A square.
     Square,
     /// A triangle, point up.
     Triangle,
@@ -148,15 +145,11 @@ pub const INK: Style = Style::new("var(--ink,#222)", "", Marker::Circle);
 /// One axis: the interval shown and its name.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// Lowest value.
     pub low: f64,
-    /// Highest value.
     pub high: f64,
-    /// Name with unit.
     pub name: String,
     /// Logarithmic (base 10).
     pub log: bool,
-    /// Whole numbers alone.
     pub whole: bool,
 }
 
@@ -222,15 +215,12 @@ pub fn swatch(colour: &str) -> String {
 /// What a picture is drawn for: size, text and margins in units of its view box.
 #[derive(Debug, Clone, Copy)]
 pub struct Medium {
-    /// Width.
     pub width: f64,
     /// Height without the legend.
     pub height: f64,
     /// Size of its text.
     pub font: f64,
-    /// Left margin.
     pub left: f64,
-    /// Lower margin.
     pub bottom: f64,
     /// Width in mm on paper; 0 on a page, which scales it.
     pub mm: f64,
@@ -242,7 +232,6 @@ pub const UNITS_PER_MM: f64 = 4.0;
 pub const PAPER_FONT: f64 = 10.5;
 
 impl Medium {
-    /// The report page.
     pub const PAGE: Medium =
         Medium { width: 640.0, height: 380.0, font: 12.0, left: 92.0, bottom: 52.0, mm: 0.0 };
     /// A single column of a journal.

@@ -74,7 +74,6 @@ fn ramp() -> Vec<u8> {
 /// Where the image of a page's picture stands: x, y, width, height.
 pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 204.0, 196.0);
 
-/// The page's picture.
 const PAGE: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.0, bottom: 0.0, mm: 0.0 };
 
 /// The picture with its axes and colour bar; empty for an empty spectrogram.

@@ -8,7 +8,7 @@
 
 pub mod body;
 pub mod calibration;
-pub mod channel;
+pub(crate) mod channel;
 pub mod dataset;
-pub mod radar;
-pub mod randomised;
+pub(crate) mod radar;
+pub(crate) mod randomised;

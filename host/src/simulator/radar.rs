@@ -258,7 +258,6 @@ impl<'a> Receiver<'a> {
     }
 }
 
-/// Lanes of [`beat`].
 const LANES: usize = 8;
 
 /// The beat of received times conjugate sent sweep at the samples, path by path, every path a phasor that turns:

@@ -4,16 +4,16 @@ mod schedule;
 
 use super::context::{Context, count, one_of, stored_models};
 use super::{job, simulator};
+use crate::error::{Failure, Invalid};
+use crate::formats::points;
+use crate::optimizer::Rule;
+use crate::optimizer::sweep::{self, Sweep};
+use crate::pipeline::Job;
+use crate::predictor::{Model, best_curve, fit_all, predict as fitted};
+use crate::report::{self, figures, plot::Medium};
+use crate::results::{Curve, CurvePoint, Optimum, SweepRow};
+use crate::scenario::Scenario;
 use clap::Args;
-use sdp3::error::{Failure, Invalid};
-use sdp3::formats::points;
-use sdp3::optimizer::Rule;
-use sdp3::optimizer::sweep::{self, Sweep};
-use sdp3::pipeline::Job;
-use sdp3::predictor::{Model, best_curve, fit_all, predict as fitted};
-use sdp3::report::{self, figures, plot::Medium};
-use sdp3::results::{Curve, CurvePoint, Optimum, SweepRow};
-use sdp3::scenario::Scenario;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -79,7 +79,7 @@ fn pair(text: &str) -> Result<(f64, f64), String> {
 /// The accuracies of `--out`'s run.
 fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
     let run = job::stored(job)?;
-    let point = |a: &sdp3::results::Accuracy| CurvePoint {
+    let point = |a: &crate::results::Accuracy| CurvePoint {
         sensing_slots: f64::from(a.sensing_slots),
         accuracy: a.int8,
         tested: Some(f64::from(a.tested)),

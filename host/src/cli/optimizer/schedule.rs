@@ -4,21 +4,21 @@ use super::models;
 use crate::cli::context::{Context, count};
 use crate::cli::job::stored;
 use crate::cli::simulator::rho;
-use clap::Args;
-use sdp3::error::{Failure, Invalid};
-use sdp3::network::memory::OwnedMemory;
-use sdp3::pipeline::Job;
-use sdp3::report::timeline;
-use sdp3::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
-use sdp3::scenario::Scenario;
-use sdp3::scheduling::campaign::{
+use crate::error::{Failure, Invalid};
+use crate::network::memory::OwnedMemory;
+use crate::pipeline::Job;
+use crate::report::timeline;
+use crate::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
+use crate::scenario::Scenario;
+use crate::scheduling::campaign::{
     self, Loop, Settings,
     environment::Environment,
     plain,
     radar::{Radar, Station},
     trace::Trace,
 };
-use sdp3::scheduling::playback;
+use crate::scheduling::playback;
+use clap::Args;
 use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::{EXITS, EarlyExit};
 use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};

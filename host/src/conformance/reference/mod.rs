@@ -3,6 +3,6 @@
 //! Shares no code and no table with the core. Integer stages are exact; float stages are f64. Slow and obvious
 //! on purpose: direct sums, tables from `cos`, whole periods in a `Vec`.
 
-pub mod network;
-pub mod schedule;
-pub mod signal;
+pub(crate) mod network;
+pub(crate) mod schedule;
+pub(crate) mod signal;

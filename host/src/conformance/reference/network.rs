@@ -30,7 +30,6 @@ impl Tensor {
 pub struct ReferenceOutput {
     /// Every layer's output: pooled stem; per block affine, convolution, convolution, sum; averaged features.
     pub layers: Vec<Vec<i64>>,
-    /// Logits.
     pub logits: Vec<i64>,
     /// Softmax probability of the largest logit.
     pub confidence: f64,
@@ -39,23 +38,17 @@ pub struct ReferenceOutput {
 /// Preprocessing fields of a model file.
 #[derive(Debug, Clone, Copy)]
 pub struct Header {
-    /// First component kept.
     pub first: usize,
-    /// Last component kept.
     pub last: usize,
-    /// Window length.
     pub window: usize,
-    /// Hop.
     pub hop: usize,
     /// Bins summed into a row.
     pub bins_per_row: usize,
     /// Range in level units.
     pub range: i64,
-    /// Kaiser's beta.
     pub beta: f64,
     /// Frames of the image.
     pub frames: usize,
-    /// The radar.
     pub radar: Radar,
 }
 
@@ -64,9 +57,7 @@ pub struct Header {
 pub struct Radar {
     /// Samples of a sweep.
     pub samples: usize,
-    /// Range samples kept.
     pub kept: usize,
-    /// Real samples.
     pub real: bool,
     /// Dechirped in the sensor.
     pub analog: bool,
@@ -76,7 +67,6 @@ pub struct Radar {
     pub first_bin: usize,
 }
 
-/// Reads the header.
 pub fn header(model: &[u8]) -> Header {
     let half = |at: usize| usize::from(model[at]) + 256 * usize::from(model[at + 1]);
     let radar = match half(48) {

@@ -19,7 +19,6 @@ use std::path::{Path, PathBuf};
 
 /// The table of cells.
 pub const CSV: &str = "merged.csv";
-/// Everything.
 pub const JSON: &str = "merged.json";
 /// The same of a partial merge.
 pub const PARTIAL: [&str; 2] = ["partial.csv", "partial.json"];
@@ -32,17 +31,13 @@ const NAMED: usize = 8;
 pub enum MergeError {
     /// The folder holds no sweep.
     #[error("{folder}: no sweep: {PLAN} is missing; `sdp3 sweep PLAN.toml --out {folder}` makes it")]
-    None {
-        /// The folder.
-        folder: PathBuf,
-    },
+    None { folder: PathBuf },
     /// Cells are missing, damaged or foreign.
     #[error(
         "{folder}: {faulty} of {cells} cells cannot be used:{list}\n  `sdp3 sweep {folder}/{PLAN} --out {folder}` makes what is missing or \
          damaged; remove what is foreign; --partial joins the others"
     )]
     Cells {
-        /// The folder.
         folder: PathBuf,
         /// Files that cannot be used.
         faulty: usize,

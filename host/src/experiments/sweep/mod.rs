@@ -11,14 +11,14 @@
 
 #[cfg(feature = "train")]
 mod cell;
-pub mod kubernetes;
-pub mod merge;
+pub(crate) mod kubernetes;
+pub(crate) mod merge;
 pub mod plan;
 #[cfg(feature = "train")]
-pub mod run;
-pub mod shard;
-pub mod slurm;
-pub mod status;
+pub(crate) mod run;
+pub(crate) mod shard;
+pub(crate) mod slurm;
+pub(crate) mod status;
 pub mod store;
 
 #[cfg(test)]

@@ -25,18 +25,12 @@ pub enum ShardError {
     #[error(
         "environment: {TASK} says shard {slurm}, {INDEX} says shard {kubernetes}; --shard I/N settles it"
     )]
-    Both {
-        /// Slurm's.
-        slurm: Shard,
-        /// Kubernetes'.
-        kubernetes: Shard,
-    },
+    Both { slurm: Shard, kubernetes: Shard },
 }
 
 /// A shard and what should be said about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Choice {
-    /// The shard.
     pub shard: Shard,
     /// A conflict that the command line settled.
     pub conflict: Option<String>,

@@ -74,7 +74,6 @@ pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) ->
 }
 
 impl Jobs {
-    /// What was written.
     pub fn written(&self) -> Submitted {
         let files = [&self.array, &self.merge].map(|file| file.display().to_string()).to_vec();
         Submitted { shards: self.shards, files, array: None, merge: None }

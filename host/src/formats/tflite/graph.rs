@@ -21,11 +21,9 @@ const MOST_AXES: usize = 8;
 /// A tensor: an activation, or weights with their data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tensor<'a> {
-    /// Name, for people.
     pub name: String,
     /// Lengths of its axes.
     pub shape: Vec<i32>,
-    /// `TensorType`.
     pub kind: u8,
     /// Little-endian values of a constant; empty otherwise.
     pub data: Cow<'a, [u8]>,
@@ -40,17 +38,14 @@ pub struct Tensor<'a> {
 /// Options of an operator; those it does not have keep their neutral value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// `Padding`.
     pub padding: u8,
     /// Strides along width and height.
     pub stride: [i32; 2],
     /// Window's width and height.
     pub filter: [i32; 2],
-    /// `ActivationFunctionType`.
     pub activation: u8,
     /// Dilation along width and height.
     pub dilation: [i32; 2],
-    /// Outputs per channel.
     pub depth_multiplier: i32,
 }
 
@@ -66,25 +61,19 @@ impl Options {
     };
 }
 
-/// An operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
-    /// What it does.
     pub kind: Kind,
     /// Tensors it reads; -1 for one that is left out.
     pub inputs: Vec<i32>,
-    /// Tensors it writes.
     pub outputs: Vec<i32>,
-    /// Its options.
     pub options: Options,
 }
 
-/// A graph.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Graph<'a> {
     /// What it is, in words.
     pub description: String,
-    /// Tensors.
     pub tensors: Vec<Tensor<'a>>,
     /// Operators in the order they run.
     pub operators: Vec<Operator>,
@@ -134,7 +123,6 @@ impl<'a> Graph<'a> {
         })
     }
 
-    /// The file's bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         // buffer 0 is the empty one of all tensors without data
         let mut buffers = vec![Node::Table(Vec::new())];

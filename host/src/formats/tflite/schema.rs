@@ -31,82 +31,49 @@ pub fn type_name(code: u8) -> String {
 
 /// Field numbers of the tables.
 pub mod slot {
-    /// `Model`.
     pub const MODEL_VERSION: usize = 0;
-    /// `Model`.
     pub const MODEL_CODES: usize = 1;
-    /// `Model`.
     pub const MODEL_SUBGRAPHS: usize = 2;
-    /// `Model`.
     pub const MODEL_DESCRIPTION: usize = 3;
-    /// `Model`.
     pub const MODEL_BUFFERS: usize = 4;
-    /// `Model`.
     pub const MODEL_METADATA: usize = 6;
     /// `OperatorCode`; the code where it is below 127.
     pub const CODE_SMALL: usize = 0;
-    /// `OperatorCode`.
     pub const CODE_VERSION: usize = 2;
-    /// `OperatorCode`.
     pub const CODE: usize = 3;
-    /// `SubGraph`.
     pub const GRAPH_TENSORS: usize = 0;
-    /// `SubGraph`.
     pub const GRAPH_INPUTS: usize = 1;
-    /// `SubGraph`.
     pub const GRAPH_OUTPUTS: usize = 2;
-    /// `SubGraph`.
     pub const GRAPH_OPERATORS: usize = 3;
-    /// `SubGraph`.
     pub const GRAPH_NAME: usize = 4;
-    /// `Tensor`.
     pub const TENSOR_SHAPE: usize = 0;
-    /// `Tensor`.
     pub const TENSOR_TYPE: usize = 1;
-    /// `Tensor`.
     pub const TENSOR_BUFFER: usize = 2;
-    /// `Tensor`.
     pub const TENSOR_NAME: usize = 3;
-    /// `Tensor`.
     pub const TENSOR_QUANTIZATION: usize = 4;
-    /// `QuantizationParameters`.
     pub const QUANTIZATION_SCALE: usize = 2;
-    /// `QuantizationParameters`.
     pub const QUANTIZATION_ZERO: usize = 3;
-    /// `QuantizationParameters`.
     pub const QUANTIZATION_AXIS: usize = 6;
-    /// `Operator`.
     pub const OPERATOR_CODE: usize = 0;
-    /// `Operator`.
     pub const OPERATOR_INPUTS: usize = 1;
-    /// `Operator`.
     pub const OPERATOR_OUTPUTS: usize = 2;
-    /// `Operator`.
     pub const OPERATOR_OPTIONS_TYPE: usize = 3;
-    /// `Operator`.
     pub const OPERATOR_OPTIONS: usize = 4;
-    /// `Buffer`.
     pub const BUFFER_DATA: usize = 0;
     /// `Buffer`; data outside of the flatbuffer.
     pub const BUFFER_OFFSET: usize = 1;
-    /// `Metadata`.
     pub const METADATA_NAME: usize = 0;
-    /// `Metadata`.
     pub const METADATA_BUFFER: usize = 1;
 }
 
 /// An operator of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Element-wise sum.
     Add,
-    /// Mean over windows.
     AveragePool,
-    /// Convolution.
     Conv,
     /// Convolution of each channel by itself.
     DepthwiseConv,
-    /// Maximum over windows.
     MaxPool,
     /// Other axes; passed over behind the logits.
     Reshape,
@@ -117,20 +84,17 @@ pub enum Kind {
 /// Field numbers of an operator's options; `None` where they have no such field.
 #[derive(Clone, Copy)]
 pub struct OptionSlots {
-    /// Fused activation.
     pub activation: usize,
     /// Strides along width and height; padding is number 0 wherever there are strides.
     pub stride: Option<[usize; 2]>,
     /// Window's width and height.
     pub filter: Option<[usize; 2]>,
-    /// Outputs per channel.
     pub depth_multiplier: Option<usize>,
     /// Dilation along width and height.
     pub dilation: Option<[usize; 2]>,
 }
 
 impl Kind {
-    /// All of them.
     pub const ALL: [Kind; 7] = [
         Kind::Add,
         Kind::AveragePool,
@@ -141,7 +105,6 @@ impl Kind {
         Kind::Softmax,
     ];
 
-    /// `BuiltinOperator`.
     pub fn code(self) -> i32 {
         match self {
             Kind::Add => 0,
@@ -176,7 +139,6 @@ impl Kind {
         }
     }
 
-    /// `BuiltinOptions`.
     pub fn options_type(self) -> u8 {
         match self {
             Kind::Conv => 1,

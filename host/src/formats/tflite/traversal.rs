@@ -37,9 +37,7 @@ pub fn grid(tensor: &Tensor<'_>) -> Result<(f32, i8), TfliteError> {
 
 /// Where the traversal of the graph is.
 pub struct Traversal<'g, 'a> {
-    /// The graph.
     pub graph: &'g Graph<'a>,
-    /// The next operator.
     pub next: usize,
     /// The activation the next operator must read.
     pub x: i32,

@@ -7,7 +7,6 @@
 pub enum Field {
     /// `byte`, `ubyte` or `bool`.
     U8(u8),
-    /// `int` or `uint`.
     I32(i32),
     /// A table, vector or string.
     Ref(Node),
@@ -27,7 +26,6 @@ pub enum Node {
     I64s(Vec<i64>),
     /// A vector of `float`.
     F32s(Vec<f32>),
-    /// A string.
     Text(String),
 }
 

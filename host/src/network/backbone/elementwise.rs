@@ -120,12 +120,10 @@ pub struct NormGradient {
     pub slope: f32,
     /// What is the same for every pixel.
     pub constant: f32,
-    /// The batch's mean.
     pub mean: f32,
 }
 
 impl NormGradient {
-    /// `y = dx`.
     pub fn set(&self, arch: Arch, g: &[f32], x: &[f32], y: &mut [f32]) {
         let n = *self;
         arch.dispatch(
@@ -138,7 +136,6 @@ impl NormGradient {
         );
     }
 
-    /// `y += dx`.
     pub fn add(&self, arch: Arch, g: &[f32], x: &[f32], y: &mut [f32]) {
         let n = *self;
         arch.dispatch(

@@ -9,7 +9,7 @@
 mod backward;
 mod elementwise;
 mod forward;
-pub mod operation;
+pub(crate) mod operation;
 mod planes;
 mod products;
 mod stem;
@@ -38,7 +38,6 @@ pub enum BlockKind {
 /// Sizes of a backbone and of its batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
-    /// Images.
     pub batch: usize,
     /// Rows of an image.
     pub rows: usize,
@@ -46,7 +45,6 @@ pub struct Shape {
     pub frames: usize,
     /// Channels C, a multiple of 4.
     pub channels: usize,
-    /// Residual blocks.
     pub blocks: usize,
     /// Stride of the input convolution.
     pub stem_stride: usize,

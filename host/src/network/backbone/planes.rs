@@ -9,11 +9,8 @@ use super::products::BLOCK;
 /// Size of the images inside the blocks, and of everything made from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Geometry {
-    /// Channels C.
     pub channels: usize,
-    /// Rows.
     pub height: usize,
-    /// Columns.
     pub width: usize,
 }
 
@@ -71,7 +68,6 @@ pub struct Padded {
 }
 
 impl Padded {
-    /// All zero.
     pub fn new(geometry: &Geometry) -> Padded {
         let (plane, row) = (geometry.padded(), geometry.row());
         let data = vec![0.0; geometry.channels * plane + 16];

@@ -23,9 +23,7 @@ pub struct Convolve<'a> {
     pub x: &'a [f32],
     /// Where each k begins in `x`.
     pub shifts: &'a [usize],
-    /// Weights `[k][o]`.
     pub weights: &'a [f32],
-    /// Biases `[o]`.
     pub bias: &'a [f32],
     /// Pixels of a plane of the output.
     pub pixels: usize,
@@ -34,7 +32,6 @@ pub struct Convolve<'a> {
 }
 
 impl Convolve<'_> {
-    /// Fills `y`.
     pub fn run(self, arch: Arch) {
         arch.dispatch(self);
     }
@@ -96,14 +93,11 @@ pub struct Correlate<'a> {
     pub plane: usize,
     /// Number of planes in `g`.
     pub outputs: usize,
-    /// Pixels summed over.
     pub pixels: usize,
-    /// Sums `[k][o][lane]`.
     pub sums: &'a mut [f32],
 }
 
 impl Correlate<'_> {
-    /// Adds to `sums`.
     pub fn run(self, arch: Arch) {
         arch.dispatch(self);
     }

@@ -33,7 +33,6 @@ struct PlainBlock {
     bias2: Param<Tensor<1>>,
 }
 
-/// The network.
 #[derive(Module, Debug)]
 pub struct Cnn {
     stem: Param<Tensor<4>>,

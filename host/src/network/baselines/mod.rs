@@ -4,11 +4,11 @@
 //! learn from the same images as the deep spectrogram network, and both have what they cannot know chosen for them on the
 //! training images alone: the machine its penalty and kernel width, the network its learning rate.
 
-pub mod cnn;
+pub(crate) mod cnn;
 #[cfg(feature = "svm")]
-pub mod features;
+pub(crate) mod features;
 #[cfg(feature = "svm")]
-pub mod svm;
+pub(crate) mod svm;
 
 use super::parameters::Images;
 use schemars::JsonSchema;

@@ -39,7 +39,6 @@ struct Pair {
     machine: linfa_svm::Svm<f64, bool>,
 }
 
-/// A trained machine.
 pub struct Machine {
     scaling: Scaling,
     pairs: Vec<Pair>,

@@ -4,8 +4,8 @@
 //! thresholds, [`gallery`] says where the gallery's recordings stop. Evidence and decision are the core's own arithmetic
 //! ([`sdp3_core::early_exit`]).
 
-pub mod calibration;
-pub mod gallery;
-pub mod policy;
+pub(crate) mod calibration;
+pub(crate) mod gallery;
+pub(crate) mod policy;
 
 pub use policy::Policy;

@@ -7,7 +7,6 @@ use sdp3_core::early_exit::{add_evidence, decide};
 /// Exits and their weights of evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
-    /// Fewest slots first.
     pub exits: Vec<AnytimeExit>,
 }
 

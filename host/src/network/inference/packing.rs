@@ -128,7 +128,6 @@ pub fn batch_norm(layer: &BatchNormRelu<'_>) -> Option<Vec<ChannelPhase>> {
     (0..phases).map(phase).collect()
 }
 
-/// An addition.
 pub fn add(add: &Add) -> Option<PackedAdd> {
     let requantizer = |multiplier, shift, zero| {
         let mut requantizer = Requantizer::ZERO;

@@ -25,7 +25,6 @@ pub struct Batch {
     pub rows: usize,
     /// Frames of an image.
     pub frames: usize,
-    /// Classes.
     pub classes: usize,
 }
 

@@ -2,9 +2,9 @@
 //!
 //! Cross entropy, images shuffled every epoch, masked and mixed ([`augmentation`]); the optimiser and its learning rate are the scenario's. Trainings run side by side; one alone uses several threads.
 
-pub mod augmentation;
-pub mod batches;
-pub mod steps;
+pub(crate) mod augmentation;
+pub(crate) mod batches;
+pub(crate) mod steps;
 
 use crate::error::Invalid;
 use std::sync::Mutex;

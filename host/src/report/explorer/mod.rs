@@ -25,7 +25,6 @@ const FILES: [&str; 10] = [
     include_str!("tables.js"),
 ];
 
-/// The whole script.
 fn script() -> String {
     format!("\"use strict\";(()=>{{\n{}}})();\n", FILES.concat())
 }

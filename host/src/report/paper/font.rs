@@ -43,10 +43,8 @@ fn glyph(cmap: &[u8], character: char) -> u16 {
     }
 }
 
-/// A reduced font.
 #[derive(Debug)]
 pub struct Subset {
-    /// The font file.
     pub bytes: Vec<u8>,
     /// What it stands for and its advance, in thousandths of the size, for every glyph but those that are only parts of others.
     pub glyphs: BTreeMap<u16, (String, f32)>,

@@ -24,20 +24,10 @@ const CSS: f32 = 96.0;
 pub enum PaperError {
     /// It is not SVG.
     #[error("figure {name}: {source}")]
-    Svg {
-        /// Its name.
-        name: String,
-        /// What is wrong.
-        source: resvg::usvg::Error,
-    },
+    Svg { name: String, source: resvg::usvg::Error },
     /// It is too large, or cannot be encoded.
     #[error("figure {name}: {reason}")]
-    Draw {
-        /// Its name.
-        name: String,
-        /// What is wrong.
-        reason: String,
-    },
+    Draw { name: String, reason: String },
 }
 
 /// Every figure of a run: file names and bytes.

@@ -216,7 +216,6 @@ pub fn glyphs(tree: &Tree) -> BTreeMap<u16, String> {
     all
 }
 
-/// The file.
 pub fn pdf(name: &str, tree: &Tree, font: &Subset) -> Result<Vec<u8>, PaperError> {
     let failed = |reason: String| PaperError::Draw { name: name.into(), reason };
     let (width, height) = (tree.size().width() * POINTS, tree.size().height() * POINTS);

@@ -23,7 +23,6 @@ const PACKETS: f64 = 20.0;
 /// correlation falls exponentially and every draw follows the model.
 #[derive(Debug, Clone)]
 pub struct Environment {
-    /// Who is there.
     pub present: [bool; USERS],
     /// Bits one slot carries to each user now.
     pub slot_bit: [f64; USERS],

@@ -8,10 +8,8 @@ use sdp3_core::scheduler::{Plan, USERS};
 /// Violations described in full; more are only counted.
 const NAMED: usize = 20;
 
-/// A running check.
 #[derive(Debug, Clone)]
 pub struct Invariants {
-    /// Slots played.
     now: u64,
     /// Number of each user's last slot; `None` after a period in which it had no share.
     last: [Option<u64>; USERS],

@@ -4,11 +4,11 @@
 //! Every slot's decision is the core's. The scheduler's properties are checked in every period; violations are counted
 //! and described.
 
-pub mod environment;
-pub mod invariants;
-pub mod plain;
-pub mod radar;
-pub mod trace;
+pub(crate) mod environment;
+pub(crate) mod invariants;
+pub(crate) mod plain;
+pub(crate) mod radar;
+pub(crate) mod trace;
 
 use crate::optimizer::shares::integer_rates;
 use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
@@ -23,7 +23,6 @@ use trace::Trace;
 /// What happens, per period unless it says otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Periods.
     pub periods: u32,
     /// N_s at the start.
     pub sensing_slots: u32,
@@ -45,9 +44,7 @@ pub struct Settings {
 
 /// The scheduler alone, or with the radar's pipeline.
 pub enum Loop<'m, 'b> {
-    /// Decisions alone.
     Schedule(Box<Scheduler>),
-    /// Decisions and recognitions.
     Station(Box<Radar<'m, 'b>>),
 }
 
@@ -98,7 +95,6 @@ fn rates(environment: &Environment) -> [u32; USERS] {
     rates
 }
 
-/// Plays the periods.
 pub fn play(
     scenario: &Scenario,
     settings: &Settings,

@@ -14,7 +14,6 @@ const STREAM: u64 = 204;
 
 /// Scheduler and pipeline of the radar module in one context: every recognition is over within its slot.
 pub struct Station<'m, 'b> {
-    /// The schedule.
     pub scheduler: Scheduler,
     pipeline: Pipeline<'m, 'b, Portable>,
 }
@@ -58,7 +57,6 @@ impl<'m, 'b> Station<'m, 'b> {
 
 /// A station and the people before its radar.
 pub struct Radar<'m, 'b> {
-    /// The core's.
     pub station: Station<'m, 'b>,
     scenario: &'m Scenario,
     rho: f64,

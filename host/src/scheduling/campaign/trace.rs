@@ -25,7 +25,6 @@ pub const PERIODS: u32 = 10_000;
 const SENSING: u32 = 1;
 
 impl Trace {
-    /// An empty trace.
     pub fn new(frame: &Frame) -> Self {
         let mut trace = Trace {
             events: String::from("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
@@ -89,7 +88,6 @@ impl Trace {
         );
     }
 
-    /// A period begins.
     pub fn boundary(&mut self, period: u32, boundary: PeriodReport, plan: &Plan) {
         if !boundary.replanned || period >= PERIODS {
             return;
@@ -131,7 +129,6 @@ impl Trace {
         );
     }
 
-    /// The file.
     pub fn finish(mut self) -> String {
         self.close();
         self.events += "\n]}\n";

@@ -2,10 +2,10 @@
 
 pub mod capture;
 pub mod gait;
-pub mod motion;
-pub mod number;
+pub(crate) mod motion;
+pub(crate) mod number;
 pub mod primitives;
-pub mod trajectory;
+pub(crate) mod trajectory;
 
 use number::Real;
 

@@ -19,11 +19,9 @@ use std::sync::Arc;
 /// What is true of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GroundTruth {
-    /// The motion.
     pub class: Class,
     /// Whether a child moves.
     pub child: bool,
-    /// Height in m.
     pub height_m: f64,
     /// Walking speed in m/s, 0 standing or stepping on the spot.
     pub speed_m_s: f64,
@@ -44,15 +42,16 @@ struct Rest {
 
 #[derive(Debug, Clone)]
 enum Motion {
-    /// The gait advances.
     Walking,
     /// The gait's rest pose.
     Standing(Rest),
     /// Joints from a file, its first base at the start position.
-    Captured { capture: Arc<Capture>, offset: [f64; 2] },
+    Captured {
+        capture: Arc<Capture>,
+        offset: [f64; 2],
+    },
 }
 
-/// A moving person.
 #[derive(Debug, Clone)]
 pub struct Person {
     /// What is true of it.
@@ -198,7 +197,6 @@ impl Person {
         self.joints(Dual::variable(t)).map(|p| (p.map(|x| x.value), p.map(|x| x.rate)))
     }
 
-    /// Segment lengths.
     pub fn segments(&self) -> &Segments {
         &self.segments
     }

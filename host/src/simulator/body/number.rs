@@ -10,9 +10,7 @@ use wide::f64x4;
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// A constant.
     fn of(x: f64) -> Self;
-    /// Square root.
     fn sqrt(self) -> Self;
     /// sin and cos of 2 pi times the number.
     fn sin_cos_turns(self) -> (Self, Self);
@@ -49,9 +47,7 @@ impl Real for f64 {
 /// A value and its rate of change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dual {
-    /// The value.
     pub value: f64,
-    /// Its derivative.
     pub rate: f64,
 }
 
@@ -128,7 +124,6 @@ impl Lanes {
         Lanes(f64x4::new(values))
     }
 
-    /// The instants' values.
     #[inline(always)]
     pub fn to_array(self) -> [f64; LANES] {
         self.0.to_array()

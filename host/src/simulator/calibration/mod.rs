@@ -3,11 +3,11 @@
 //! [`conditioning`] treats measured and simulated signals alike, [`intensity`] makes levels of them, [`mod@divergence`] compares and searches,
 //! [`stored`] keeps what was found. The same random draws serve every rho, so the curve is smooth.
 
-pub mod conditioning;
-pub mod divergence;
-pub mod intensity;
-pub mod resample;
-pub mod stored;
+pub(crate) mod conditioning;
+pub(crate) mod divergence;
+pub(crate) mod intensity;
+pub(crate) mod resample;
+pub(crate) mod stored;
 
 pub use stored::{stored_elsewhere, stored_rho};
 

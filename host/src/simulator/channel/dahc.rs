@@ -18,7 +18,6 @@ use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::body::primitives::primitive;
 use std::f64::consts::{PI, TAU};
 
-/// The model.
 #[derive(Debug, Clone)]
 pub struct Dahc {
     lambda: f64,

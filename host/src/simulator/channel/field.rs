@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 /// Plane waves of a field.
 const WAVES: usize = 40;
 
-/// One field.
 #[derive(Debug, Clone)]
 pub struct Field {
     /// Wave vector in rad/m and phase in rad.

@@ -16,7 +16,6 @@ use std::f64::consts::PI;
 pub struct Ray {
     /// Amplitude ratio between isotropic antennas.
     pub amplitude: f64,
-    /// Delay in s.
     pub delay_s: f64,
     /// Unit vector towards its origin.
     pub arrival: Vec3,
@@ -44,7 +43,6 @@ fn truncated(mean: f64, deviation: f64, most: f64, random: &mut Random) -> f64 {
 /// elevation away from it in rad, and whether it is the central one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offset {
-    /// Amplitude.
     pub amplitude: f64,
     /// Delay in s, negative before the central ray.
     pub delay_s: f64,
@@ -204,7 +202,6 @@ impl ChannelModel for ConferenceRoom {
     }
 }
 
-/// Unit vector.
 pub fn unit(v: Vec3) -> Vec3 {
     scale(v, 1.0 / norm(v).max(1e-12))
 }

@@ -27,11 +27,6 @@ pub fn expected(draws: &[Vec<f64>]) -> Vec<f64> {
     gains
 }
 
-/// `E |H_m|^2` of the `communication.subcarriers` sub-carriers, averaged over `communication.draws`.
-pub fn subcarrier_gains(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<f64> {
-    expected(&subcarrier_draws(scenario, receiver, seed))
-}
-
 /// H_m of one draw, `[subcarrier]`.
 pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Vec<Complex64> {
     let station = scenario.radar.position_m;
@@ -73,7 +68,7 @@ mod tests {
         for clusters in [Clusters::Ieee80211ax, Clusters::Ieee80211ay] {
             let mut scenario = Scenario::default();
             scenario.channel.clusters = clusters;
-            let mean = |p: Vec3| subcarrier_gains(&scenario, p, 1).iter().sum::<f64>();
+            let mean = |p: Vec3| expected(&subcarrier_draws(&scenario, p, 1)).iter().sum::<f64>();
             assert!(mean([1.5, 2.8, 1.0]) > mean([1.5, 3.0, 1.0]));
             assert!(mean([2.3, 1.0, 1.0]) > mean([2.5, 1.0, 1.0]));
         }
@@ -99,7 +94,7 @@ mod tests {
         let free = free_space(2.0, wavelength(3.5e9));
         for model in Model::ALL {
             scenario.channel.model = model;
-            let gains = subcarrier_gains(&scenario, [1.5, 3.0, 1.0], 1);
+            let gains = expected(&subcarrier_draws(&scenario, [1.5, 3.0, 1.0], 1));
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
             let db = 10.0 * libm::log10(mean / (free * free));
             assert!(db.abs() < 6.0, "{model:?}: {db} dB");

@@ -19,7 +19,6 @@ const OBJECTS: usize = 6;
 /// Range of their cross sections in m^2.
 const CROSS_SECTION_M2: [f64; 2] = [0.02, 0.5];
 
-/// The model.
 #[derive(Debug)]
 pub struct MapBased {
     lambda: f64,

@@ -16,22 +16,22 @@
 //! | `quadriga` | [`quadriga`] | the same clusters as scatterers in space, drifting within segments |
 //! | `metis` | [`metis`] | map-based hybrid: traced walls, random objects, a diffuse rest |
 
-pub mod autoregressive;
-pub mod dahc;
-pub mod field;
-pub mod ieee80211ax;
-pub mod ieee80211ay;
-pub mod link;
-pub mod metis;
-pub mod primitive;
-pub mod properties;
-pub mod quadriga;
-pub mod ray_tracing;
-pub mod response;
-pub mod room;
-pub mod statistical;
-pub mod target;
-pub mod tr38901;
+pub(crate) mod autoregressive;
+pub(crate) mod dahc;
+pub(crate) mod field;
+pub(crate) mod ieee80211ax;
+pub(crate) mod ieee80211ay;
+pub(crate) mod link;
+pub(crate) mod metis;
+pub(crate) mod primitive;
+pub(crate) mod properties;
+pub(crate) mod quadriga;
+pub(crate) mod ray_tracing;
+pub(crate) mod response;
+pub(crate) mod room;
+pub(crate) mod statistical;
+pub(crate) mod target;
+pub(crate) mod tr38901;
 
 use super::body::Vec3;
 use crate::numerics::random::Random;
@@ -41,7 +41,6 @@ use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use target::Target;
 
-/// Complex amplitude.
 pub type Complex64 = Complex<f64>;
 
 /// One way a wave takes at one instant.
@@ -49,7 +48,6 @@ pub type Complex64 = Complex<f64>;
 pub struct Path {
     /// Complex amplitude ratio between isotropic antennas, the carrier's phase included.
     pub gain: Complex64,
-    /// Delay in s.
     pub delay_s: f64,
     /// Unit vector from the receiver towards where the wave comes from.
     pub arrival: Vec3,
@@ -178,7 +176,6 @@ pub fn add_blocks(beat: &mut Blocks, amplitude: Complex64, delay_s: f64) {
     }
 }
 
-/// exp(j angle).
 pub fn phasor(angle: f64) -> Complex64 {
     Complex64::new(libm::cos(angle), libm::sin(angle))
 }
@@ -189,12 +186,10 @@ pub fn carrier_phase(length_m: f64, lambda: f64) -> Complex64 {
     phasor(-2.0 * PI * (turns - turns.floor()))
 }
 
-/// Wavelength in m.
 pub fn wavelength(carrier_hz: f64) -> f64 {
     SPEED_OF_LIGHT / carrier_hz
 }
 
-/// a += b.
 pub fn accumulate(a: &mut Sweep, b: &Sweep) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
 }

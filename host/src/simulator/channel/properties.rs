@@ -63,7 +63,6 @@ fn reason(model: Model, property: &str) -> &'static str {
     }
 }
 
-/// The whole table.
 pub fn table(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> ChannelTable {
     let models = Model::ALL.iter().enumerate().map(|(n, &name)| {
         let mut scenario = scenario.clone();

@@ -37,7 +37,6 @@ struct Segment {
     direct: f64,
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct Drifting {
     office: Office,

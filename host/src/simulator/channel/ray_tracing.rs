@@ -9,7 +9,6 @@ use super::{ChannelModel, Path, Scene, carrier_phase, wavelength};
 use crate::scenario::Scenario;
 use crate::simulator::body::Vec3;
 
-/// The model.
 #[derive(Debug, Clone)]
 pub struct RayTracing {
     lambda: f64,

@@ -65,7 +65,6 @@ impl Response {
         })
     }
 
-    /// Adds a path.
     pub fn add(&self, beat: &mut Blocks, amplitude: Complex64, delay_s: f64) {
         match self {
             Response::Paper => add_blocks(beat, amplitude, delay_s),

@@ -10,7 +10,6 @@ use crate::simulator::body::{Vec3, norm, scale, sub};
 /// A wall: the axis it is normal to and its coordinate.
 type Plane = (usize, f64);
 
-/// A reflected way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
     /// Its whole length in m.

@@ -19,7 +19,6 @@ const RAY_DECAY: f64 = 7e-9;
 /// Draws end this far behind the first ray, in s: -40 dB.
 const LAST: f64 = 140e-9;
 
-/// The model.
 #[derive(Debug, Clone)]
 pub struct SalehValenzuela {
     lambda: f64,

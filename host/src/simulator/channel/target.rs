@@ -3,7 +3,7 @@
 //! Eq. (uit) with the radar equation's amplitude, lambda sqrt(sigma) / ((4 pi)^1.5 D^2), the phase of the exact distance and
 //! the delay 2 D / c; on the way to a receiver the two distances differ. Mean echo: 3GPP TR 38.901 clause 7.9.2, human model 1.
 
-use super::{Complex64, Path, Scene, carrier_phase, phasor};
+use super::{Path, Scene, carrier_phase, phasor};
 use crate::numerics::random::Random;
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::motion::Person;
@@ -14,9 +14,7 @@ use std::f64::consts::PI;
 /// A person as channels see it: how it moves, and the initial phase of each primitive, fixed for the recording.
 #[derive(Debug, Clone)]
 pub struct Target {
-    /// The person.
     pub person: Person,
-    /// Phases in rad.
     pub phases: [f64; PRIMITIVES],
     /// Amplitude of its echo: below 1 off the antenna's main lobe.
     pub gain: f64,
@@ -105,11 +103,6 @@ pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
     let gain = carrier_phase(length, lambda) * super::room::free_space(length, lambda);
     let arrival = scale(sub(scene.from, scene.to), 1.0 / length);
     Some(Path { gain, delay_s: length / SPEED_OF_LIGHT, arrival })
-}
-
-/// Amplitude 1 of a sum of powers, as a complex number without a phase.
-pub fn amplitude(power: f64) -> Complex64 {
-    Complex64::new(power.sqrt(), 0.0)
 }
 
 #[cfg(test)]

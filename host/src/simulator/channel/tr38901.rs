@@ -29,25 +29,20 @@ const CLUSTER_CORRELATION_M: f64 = 10.0;
 pub struct Parameters {
     /// Mean and deviation of lg(DS/s), lg(ASD), lg(ASA), SF (dB), K (dB), lg(ZSD), lg(ZSA).
     pub lsp: [(f64, f64); LSPS],
-    /// Delay distribution proportionality.
     pub r_tau: f64,
-    /// Clusters.
     pub clusters: usize,
     /// Spread of a cluster's azimuths and zeniths of arrival.
     pub c_asa: f64,
-    /// Zenith.
     pub c_zsa: f64,
     /// Per-cluster shadowing in dB.
     pub zeta_db: f64,
     /// Scaling of azimuths and zeniths for this number of clusters.
     pub c_phi: f64,
-    /// Zenith.
     pub c_theta: f64,
     /// Correlation distance of each parameter in m.
     pub correlation_m: [f64; LSPS],
     /// Correlation of the parameters.
     pub cross: [[f64; LSPS]; LSPS],
-    /// Line of sight.
     pub los: bool,
 }
 
@@ -196,7 +191,6 @@ pub struct Cluster {
 /// The channel at one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drop {
-    /// Its clusters.
     pub clusters: Vec<Cluster>,
     /// Share of the direct way.
     pub direct: f64,
@@ -211,7 +205,6 @@ pub struct Drop {
 /// The fields of one recording.
 #[derive(Debug, Clone)]
 pub struct Office {
-    /// The table's column.
     pub parameters: Parameters,
     factor: [[f64; LSPS]; LSPS],
     lsp: Vec<Field>,
@@ -219,7 +212,6 @@ pub struct Office {
 }
 
 impl Office {
-    /// Draws the fields.
     pub fn new(parameters: Parameters, random: &mut Random) -> Self {
         let lsp = parameters.correlation_m.iter().map(|&d| Field::new(d, random)).collect();
         let clusters = (0..parameters.clusters)
@@ -390,7 +382,6 @@ fn human_root(target: &Target, scene: &Scene, scatter: f64) -> f64 {
     target.gain * size * (libm::pow(10.0, human_dbsm(azimuth, zenith, beta) / 10.0) * scatter).sqrt()
 }
 
-/// The model.
 #[derive(Debug)]
 pub struct IndoorOffice {
     office: Office,
@@ -404,7 +395,6 @@ pub struct IndoorOffice {
 }
 
 impl IndoorOffice {
-    /// Draws the fields.
     pub fn new(scenario: &Scenario, mut random: Random) -> Self {
         let parameters = Parameters::indoor_office(scenario.radar.carrier_hz, scenario.channel.line_of_sight);
         let office = Office::new(parameters, &mut random);

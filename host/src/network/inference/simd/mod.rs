@@ -4,7 +4,7 @@
 //! AVX-512. All operations are integer, so every implementation gives the same bits. The processor is asked once, and
 //! [`Backend`] carries the answer. Another processor joins with one more implementation.
 
-pub mod arrays;
+pub(crate) mod arrays;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod x86;

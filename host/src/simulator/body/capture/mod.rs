@@ -2,8 +2,8 @@
 //!
 //! Metres and seconds; x and y span the ground, z is up. Between the frames a spline carries position and velocity.
 
-pub mod bvh;
-pub mod csv;
+pub(crate) mod bvh;
+pub(crate) mod csv;
 mod skeleton;
 mod spline;
 

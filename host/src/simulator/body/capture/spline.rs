@@ -41,12 +41,10 @@ impl Spline {
         Spline { times, values, bends }
     }
 
-    /// Last time.
     pub(super) fn end(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
 
-    /// Times.
     pub(super) fn frames(&self) -> usize {
         self.times.len()
     }
