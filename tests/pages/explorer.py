@@ -12,7 +12,7 @@ from playwright.sync_api import sync_playwright
 
 import layout
 from panels import PANELS, Visit, lonely
-from results import Results, say_region
+from results import Results
 
 
 def opened(browser, address, trouble, **how):
@@ -40,7 +40,7 @@ def touch(visit):
     for step in range(1, 11):
         send("touchMove", finger(step / 10))
     send("touchEnd", [])
-    visit.same("region dragged by a finger", visit.readout("#region"), say_region(wanted))
+    visit.same("region dragged by a finger", visit.readout("#region"), visit.results.say_region(wanted))
 
 
 def without_script(browser, address, visit):

@@ -300,7 +300,7 @@ pub struct Plot {
 }
 
 const RIGHT: f64 = 16.0;
-const TOP: f64 = 12.0;
+const TOP: f64 = 16.0;
 /// Width of a legend's sample of a series.
 const SAMPLE: f64 = 26.0;
 
@@ -598,9 +598,9 @@ impl Frame<'_> {
              <text class=\"axis-y\" transform=\"translate({4:.1} {5:.1}) rotate(-90)\" text-anchor=\"middle\">{6}</text>",
             m.left,
             (m.left + right) / 2.0,
-            bottom + 2.0 * m.font + 8.0,
+            m.height - 9.0,
             escape(&plot.x.name),
-            m.font + 1.0,
+            0.22 * m.left,
             (TOP + bottom) / 2.0,
             escape(&plot.y.name)
         );

@@ -123,7 +123,7 @@ fn drawn(runs: &[(i32, u32)], height: usize) -> String {
          font-family=\"system-ui,sans-serif\" fill=\"var(--ink,#222)\"><title>Slots of one period</title>"
     );
     let first = &slots[..slots.len().min(FIRST as usize)];
-    let text = format!("share of each use along the {} slots of the period (slot number)", slots.len());
+    let text = format!("share of each use over the slot number, 0 to {}", slots.len());
     for (name, y, slots, columns, text) in [
         ("whole", 26.0, &slots[..], COLUMNS, text.as_str()),
         ("first", 112.0, first, FIRST, "its first slots, one by one (slot number)"),

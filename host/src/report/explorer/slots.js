@@ -44,7 +44,7 @@ function planStrips(plan, period) {
   return mark(
     "svg",
     { viewBox: "0 0 640 170", role: "img", "aria-label": "slots of the plan", "font-size": 12, fill: "var(--ink)" },
-    title(`share of each use along the ${period} slots of the period (slot number)`, 20),
+    title(`share of each use over the slot number, 0 to ${period}`, 20),
     ...inColumns(boxes[0], plan.columns),
     ...ticks(boxes[0], 0, period),
     title("its first slots, one by one (slot number)", 106),
