@@ -1,6 +1,6 @@
 //! The output folder: files appear whole or not at all.
 //!
-//! Every file is written beside its name and renamed over it.
+//! Every file is written beside its name, synced, and renamed over it; then its folder is synced.
 
 use crate::store::limited;
 use crate::{COMMIT, PROGRAM};
@@ -180,6 +180,8 @@ impl Output {
             let mut file = BufWriter::with_capacity(1 << 16, file);
             let value = fill(&mut file)?;
             file.flush()?;
+            // before it has its name, so that a power cut leaves the old file or the new one
+            file.get_ref().sync_all()?;
             Ok(value)
         });
         let mut unfinished = unfinished();
@@ -188,7 +190,8 @@ impl Output {
             let _ = std::fs::remove_file(&partial);
         }
         unfinished.remove(&partial);
-        written.map_err(fail)
+        drop(unfinished);
+        written.and_then(|value| sync_folder(&path).map(|()| value)).map_err(fail)
     }
 
     /// Removes what runs on this machine that were killed left half-written in the folder and the folders in it, unless that
@@ -266,6 +269,19 @@ impl Output {
         serde_json::from_slice(&self.read(name, hint)?)
             .map_err(|error| OutputError::Content { path: self.path(name), reason: error.to_string() })
     }
+}
+
+/// Makes a new name in its folder durable.
+#[cfg(unix)]
+fn sync_folder(file: &Path) -> io::Result<()> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
+
+/// Only Unix opens folders.
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 /// A value as indented JSON.
