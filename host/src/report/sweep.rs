@@ -133,8 +133,8 @@ mod tests {
         ];
         assert_eq!(names, all);
         assert!(found[0].1.contains("rho 0.99") && found[1].1.contains("rho 1, case 2"), "{}", found[1].1);
-        assert_eq!(found[0].1.matches("data-series=").count(), 2);
-        assert_eq!(found[3].1.matches("data-series=").count(), 4);
+        assert_eq!(found[0].1.matches("class=\"entry\"").count(), 2);
+        assert_eq!(found[3].1.matches("class=\"entry\"").count(), 4);
         merged.groups.truncate(1);
         assert_eq!(pictures(&merged).len(), 2);
     }

@@ -1,6 +1,7 @@
 //! The output folder: files appear whole or not at all.
 //!
-//! Every file is written beside its name, synced, and renamed over it; then its folder is synced.
+//! Every file is written beside its name, synced, and renamed over it; then the folder is synced, so that this also holds when the
+//! power fails.
 
 use crate::store::limited;
 use crate::{COMMIT, PROGRAM};
@@ -91,6 +92,41 @@ pub fn abandon() {
     std::mem::forget(unfinished);
 }
 
+/// Makes a folder, those above it too, and syncs the entry of each new one.
+fn create_folder(folder: &Path) -> io::Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let above = parent(folder);
+    if let Some(above) = above {
+        create_folder(above)?;
+    }
+    match std::fs::create_dir(folder) {
+        // another process was faster
+        Err(_) if folder.is_dir() => Ok(()),
+        made => made.and_then(|()| sync_folder(above.unwrap_or(Path::new(".")))),
+    }
+}
+
+/// The folder above, unless it is the working one.
+fn parent(path: &Path) -> Option<&Path> {
+    path.parent().filter(|above| !above.as_os_str().is_empty())
+}
+
+/// Makes the names in a folder durable, where the system can sync folders.
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        // some network file systems sync files only
+        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
+            Ok(())
+        }
+        synced => synced,
+    }
+}
+
 /// An output folder that is known to be writable.
 #[derive(Debug, Clone)]
 pub struct Output {
@@ -125,7 +161,7 @@ impl Output {
     pub fn create(folder: &Path) -> Result<Self, OutputError> {
         let output = Output { folder: folder.to_owned(), seed: None };
         let fail = |source| OutputError::Write { path: folder.to_owned(), source };
-        std::fs::create_dir_all(folder).map_err(fail)?;
+        create_folder(folder).map_err(fail)?;
         let probe = folder.join(format!("{PROBE}{}", mark(std::process::id())));
         std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
         output.sweep()?;
@@ -169,9 +205,8 @@ impl Output {
     ) -> Result<T, OutputError> {
         let path = self.path(name);
         let fail = |source| OutputError::Write { path: path.clone(), source };
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(fail)?;
-        }
+        let folder = parent(&path).unwrap_or(Path::new("."));
+        create_folder(folder).map_err(fail)?;
         let mut partial = path.clone().into_os_string();
         partial.push(format!("{PARTIAL}{}", mark(std::process::id())));
         let partial = PathBuf::from(partial);
@@ -179,9 +214,8 @@ impl Output {
         let written = File::create(&partial).and_then(|file| {
             let mut file = BufWriter::with_capacity(1 << 16, file);
             let value = fill(&mut file)?;
-            file.flush()?;
-            // before it has its name, so that a power cut leaves the old file or the new one
-            file.get_ref().sync_all()?;
+            // the name must not be there before the bytes are
+            file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
             Ok(value)
         });
         let mut unfinished = unfinished();
@@ -191,7 +225,7 @@ impl Output {
         }
         unfinished.remove(&partial);
         drop(unfinished);
-        written.and_then(|value| sync_folder(&path).map(|()| value)).map_err(fail)
+        written.and_then(|value| sync_folder(folder).map(|()| value)).map_err(fail)
     }
 
     /// Removes what runs on this machine that were killed left half-written in the folder and the folders in it, unless that
@@ -269,19 +303,6 @@ impl Output {
         serde_json::from_slice(&self.read(name, hint)?)
             .map_err(|error| OutputError::Content { path: self.path(name), reason: error.to_string() })
     }
-}
-
-/// Makes a new name in its folder durable.
-#[cfg(unix)]
-fn sync_folder(file: &Path) -> io::Result<()> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
-}
-
-/// Only Unix opens folders.
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 /// A value as indented JSON.
