@@ -99,7 +99,7 @@ fn measured_signals_that_cannot_be() {
     refused(&calibrate("--carrier=24e9"), silence(2), &["x.wav", "mean power is 0"]);
     refused(&calibrate("--carrier=24e9"), silence(1), &["x.wav", "length (s) is 1.000", "at least 1.5"]);
     refused(&calibrate("--carrier=-3"), silence(2), &["x.wav", "carrier (Hz) is -3", "0.5e9 to 100e9"]);
-    refused(&calibrate("--gain=3"), silence(2), &["x.wav", "carrier (Hz)", "state it with --carrier"]);
+    refused(&calibrate("--gain=3"), silence(2), &["x.wav", "carrier (Hz)", "stated with --carrier"]);
     refused(&calibrate("--motion=flying"), silence(2), &["'flying' for '--motion", "adult-walking"]);
 }
 
