@@ -189,7 +189,7 @@ fn the_commands_exchange_int8_networks() {
         ("import @/half.tflite --to @/c.sdp3", ["half.tflite", "truncated or damaged"]),
         ("import @/image.tflite --to @/c.sdp3", ["image.tflite", "file identifier is"]),
         ("import @/none.tflite --to @/c.sdp3", ["none.tflite", "No such file"]),
-        ("import @/sub/a.tflite --to @/c.sdp3 --slots 300", ["takes 200 sensing slots", "--slots says 300"]),
+        ("import @/sub/a.tflite --to @/c.sdp3 --slots 300", ["--slots is 300, must be 200", "a.tflite"]),
         ("import @/sub/a.tflite --to @/c.json", [".tflite to .json", "MODEL.sdp3"]),
         ("export @/sub/a.tflite --to @/c.sdp3", [".tflite to .sdp3", "FILE.tflite"]),
         ("export @/half.tflite.sdp3 --to @/c.tflite", ["half.tflite.sdp3", "No such file"]),

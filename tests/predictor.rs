@@ -47,7 +47,9 @@ fn table_iii_comes_out_of_the_command() {
     let file = folder.path().join("points.csv");
     let rows: String = paper::POINTS.iter().map(|(n, a)| format!("{n},{a}\n")).collect();
     std::fs::write(&file, format!("sensing_slots,accuracy\n{rows}")).expect("points");
-    let arguments = ["predict", "--json", "--points", file.to_str().expect("a path")];
+    let out = folder.path().join("out");
+    let [file, out] = [&file, &out].map(|path| path.to_str().expect("a path"));
+    let arguments = ["predict", "--json", "--points", file, "--out", out];
     let (code, stdout, stderr) = outcome(&call(&program(), &arguments));
     assert_eq!(code, 0, "{stderr}");
     let value: Value = serde_json::from_str(&stdout).expect("JSON");
