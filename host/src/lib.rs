@@ -10,6 +10,9 @@
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
+// what only the commands that train call
+#![cfg_attr(not(feature = "train"), allow(dead_code))]
+
 mod cli;
 pub mod conformance;
 pub mod dataset;

@@ -32,7 +32,7 @@ def touch(visit):
     case = visit.results.run["operating_point"]["case"]
     point = visit.results.run["operating_point"]
     start = visit.scale("region")(point["accuracy"], point["throughput_bit"] / 1e6)
-    end, wanted = lonely(visit, case)[0]
+    end, wanted = lonely(visit, case, 1)[0]  # a finger has fractions of a pixel, a mouse has none
     client = visit.page.context.new_cdp_session(visit.page)
     send = lambda kind, points: client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     finger = lambda share: [{"x": a + (b - a) * share, "y": c + (d - c) * share} for (a, c), (b, d) in [(start, end)]]

@@ -36,13 +36,13 @@ class Visit:
         self.page.locator(selector).evaluate(move, value)
 
 
-def lonely(visit, case):
+def lonely(visit, case, pixels=3):
     """Points of a boundary that no other point lies near, so that pointing at them is unambiguous."""
     at = visit.scale("region")
     period_s = visit.results.run["operating_point"]["period_s"]
     places = [(at(p["accuracy"], p["throughput_bit"] / period_s / 1e6), p) for p in visit.results.run["region"]]
     far = lambda a, b: ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5
-    apart = lambda own, place: all(far(place, there) > 3 for there, p in places if p is not own)
+    apart = lambda own, place: all(far(place, there) > pixels for there, p in places if p is not own)
     return [(place, p) for place, p in places if p["case"] == case and apart(p, place)]
 
 

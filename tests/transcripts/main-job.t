@@ -52,7 +52,7 @@ The main job in short, and every command about its results. Needs the feature `t
     },
 
   $ sdp3 verify --seed 5
-  sdp3: command line: --seed = 5, but run.json was made with 1
+  sdp3: command line: --seed is 5, must be 1, the seed of run.json
   [2]
 
   $ sdp3 verify --set channel.rho=0.5
@@ -107,11 +107,11 @@ The main job in short, and every command about its results. Needs the feature `t
   ./signed.sdp3
 
   $ sdp3 model sign again.sdp3 --key small.toml --to other.sdp3
-  sdp3: model: small.toml: length of the key is *, must be 32 bytes (glob)
+  sdp3: small.toml: length of the key is *, must be 32 bytes (glob)
   [2]
 
   $ sdp3 model sign again.sdp3 --key radio.pub --to other.sdp3
-  sdp3: model: --key is radio.pub, must be a secret key, NAME.key
+  sdp3: command line: --key is radio.pub, must be a secret key, NAME.key
   [2]
 
   $ sdp3 model verify signed.sdp3 --key radio.pub
