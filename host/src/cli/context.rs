@@ -31,6 +31,7 @@ pub struct Common {
     pub scenario: Option<PathBuf>,
     /// Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several
     /// times; the resolved scenario beside the results has it.
+    #[allow(rustdoc::broken_intra_doc_links)] // a list of numbers
     #[arg(long, global = true, value_name = "FIELD=VALUE")]
     pub set: Vec<Override>,
     /// Seed of everything random [default: 1]

@@ -1,6 +1,6 @@
 //! Figures and pages of the results. Reads results, computes none.
 //!
-//! [`page`] is one self-contained HTML file: static figures and tables, and over them the explorer, a script of our own that
+//! [`page()`] is one self-contained HTML file: static figures and tables, and over them the explorer, a script of our own that
 //! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content
 //! security policy that allows none. Without the script the page still shows every figure. [`paper`] writes the figures as files.
 
