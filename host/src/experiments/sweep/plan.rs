@@ -138,6 +138,19 @@ impl Sweep {
         words
     }
 
+    /// The number of shards that is asked for, or else `absent`.
+    ///
+    /// # Errors
+    ///
+    /// More shards than cells.
+    pub(crate) fn shards(&self, asked: Option<u32>, absent: u32) -> Result<u32, Invalid> {
+        let (shards, cells) = (asked.unwrap_or(absent), self.cells.len() as u32);
+        match shards <= cells {
+            true => Ok(shards),
+            false => Err(Invalid::option("--shards", shards, format!("1 to {cells}, the plan's cells"))),
+        }
+    }
+
     /// Begins the folder of this plan or goes on with it: [`PLAN`].
     ///
     /// # Errors
