@@ -14,6 +14,7 @@ use crate::network::training::{self, Backend, train_all};
 use crate::network::tuning::quantize_tuned;
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
+use crate::store::record::{self, Fault};
 
 /// Float networks of every N_s.
 pub struct Trained {
@@ -77,19 +78,22 @@ impl Job {
         let s = &self.scenario;
         let slots = &s.frame.sensing_slots;
         let name = |n: u32| format!("models/dsn-{n}.checkpoint.json");
-        let mut jobs = Vec::new();
+        let (mut jobs, mut identities) = (Vec::new(), Vec::new());
         for (&n, images) in slots.iter().zip(&train.images) {
-            let resume = match how.resume && self.output.path(&name(n)).exists() {
-                true => {
-                    Some(self.output.read_json::<Checkpoint>(&name(n), "train without --resume makes it")?)
-                }
-                false => None,
-            };
             let seed = self.seed ^ (u64::from(n) << 32);
-            let job = training::Job { seed, backend: how.backend, resume };
-            let checked = job.check(images, &s.learning, Class::ALL.len());
-            checked.map_err(|e| format!("{}: {e}", self.output.path(&name(n)).display()))?;
+            let mut job = training::Job { seed, backend: how.backend, resume: None };
+            let identity = job.identity(images, &s.learning, Class::ALL.len());
+            if how.resume {
+                let path = self.output.path(&name(n));
+                job.resume = match record::read(&path, &identity)? {
+                    Err(Fault::Missing) => None,
+                    found => {
+                        Some(found.map_err(|fault| fault.of(&path, "train without --resume to restart"))?)
+                    }
+                };
+            }
             jobs.push(job);
+            identities.push(identity);
         }
         // what the checkpoints are of; those that are there have been checked
         self.output.write("scenario.toml", s.to_toml().as_bytes())?;
@@ -98,7 +102,8 @@ impl Job {
         let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();
         stage.at(done, total);
         let watch = |job: usize, state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| {
-            self.output.write_json(&name(slots[job]), &state()).map_err(|e| e.to_string())?;
+            record::write(&self.output, &name(slots[job]), &identities[job], &state())
+                .map_err(|e| e.to_string())?;
             if let Some(e) = epochs.last() {
                 let validation = e.validation_loss.zip(e.validation_accuracy);
                 let validation = validation.map(|(l, a)| format!(", validation {l:.3} {a:.3}"));

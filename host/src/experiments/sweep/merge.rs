@@ -4,7 +4,7 @@
 //! through their int8 means, the zones, and the operating point by the scenario's weight.
 
 use super::plan::{PLAN, Sweep};
-use super::store::{Fault, Store};
+use super::store::Store;
 use crate::PROGRAM;
 use crate::error::Failure;
 use crate::optimizer::{Rule, cases};
@@ -14,6 +14,7 @@ use crate::results::{
 };
 use crate::scenario::{Class, Scenario};
 use crate::store::output::Output;
+use crate::store::record::Fault;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

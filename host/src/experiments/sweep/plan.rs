@@ -1,12 +1,12 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
-use crate::dataset::sha256;
 use crate::error::{Failure, Invalid};
 use crate::results::Cell;
 use crate::scenario::{Scenario, syntax_message};
 use crate::simulator::calibration::{stored_elsewhere, stored_rho};
 use crate::simulator::dataset;
+use crate::store::digest::sha256;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
 use crate::store::resume::ensure_same_config;
@@ -120,7 +120,7 @@ impl Sweep {
         plan.seeds.get_or_insert_with(|| vec![seed.unwrap_or(1)]);
         Check { file }.plan(&plan)?;
         let cells = expand(&plan, file)?;
-        let digest = sha256(format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes());
+        let digest = sha256([format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes()]);
         Ok(Sweep { plan, digest, cells })
     }
 
