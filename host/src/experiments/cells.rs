@@ -62,7 +62,7 @@ impl<'a> Cells<'a> {
         match record::read(&path, &identity)? {
             Ok(found) => return Ok(found),
             Err(Fault::Missing) => (),
-            Err(fault) => return Err(fault.of(&path, "remove it to have it made again").into()),
+            Err(fault) => return Err(fault.refusal(&path, "remove it to have it made again").into()),
         }
         let found = make()?;
         record::write(self.output, &file, &identity, &found)?;

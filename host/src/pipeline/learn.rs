@@ -87,9 +87,9 @@ impl Job {
                 let path = self.output.path(&name(n));
                 job.resume = match record::read(&path, &identity)? {
                     Err(Fault::Missing) => None,
-                    found => {
-                        Some(found.map_err(|fault| fault.of(&path, "train without --resume to restart"))?)
-                    }
+                    found => Some(
+                        found.map_err(|fault| fault.refusal(&path, "train without --resume to restart"))?,
+                    ),
                 };
             }
             jobs.push(job);

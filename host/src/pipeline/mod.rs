@@ -26,8 +26,9 @@ use crate::network::spectrograms::{Part, Recordings};
 use crate::progress::Progress;
 use crate::report::paper::forms;
 use crate::scenario::{Override, Scenario};
+use crate::simulator::dataset;
 use crate::store::output::Output;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use simulate::{Dataset, Measured, calibrate_table};
 pub use trade::predict_file;
@@ -62,6 +63,21 @@ impl Job {
     fn recordings(&self, rho: f64, part: Part, per_class: u32) -> Recordings<'_> {
         Recordings { scenario: &self.scenario, rho, seed: self.seed, part, per_class }
     }
+}
+
+/// Everything that is wrong with a scenario's file; if it alone is right, what other files or a simulation show, such as a motion
+/// capture.
+///
+/// # Errors
+///
+/// A file that was right a moment ago.
+pub fn scenario_errors(file: &Path, set: &[Override]) -> Result<Vec<String>, Failure> {
+    let errors = Scenario::errors_of(file, set);
+    if errors.is_empty() {
+        let found = dataset::check(&Scenario::resolve(Some(file), set)?);
+        return Ok(found.err().map(|error| error.to_string()).into_iter().collect());
+    }
+    Ok(errors.iter().map(ToString::to_string).collect())
 }
 
 /// A picture beside the results, as SVG, PDF and PNG.

@@ -158,7 +158,7 @@ impl Job {
         }
         let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
         self.record("optimize")?;
-        let table = report::tables::sweep(&rows, self.scenario.period_s(), ",");
+        let table = report::tables::sweep(&rows, self.scenario.period_s(), b',');
         self.output.write("sweep.csv", table.as_bytes())?;
         Ok(rows)
     }

@@ -5,12 +5,13 @@ use super::expected::Work;
 use super::learn::How;
 use crate::dataset::Stored;
 use crate::error::Failure;
+use crate::formats::table;
 use crate::network::parameters::Parameters;
 use crate::network::recipe::Recipe;
 use crate::network::safetensors;
 use crate::network::spectrograms::{Collected, Part};
 use crate::network::training::Backend;
-use crate::results::Training;
+use crate::results::{Epoch, Training};
 use crate::scenario::Scenario;
 use std::path::{Path, PathBuf};
 
@@ -34,16 +35,18 @@ fn network_name(sensing_slots: u32) -> String {
 }
 
 /// Histories as CSV: one row per network and epoch; the validation's columns stay empty without one.
-pub fn history(training: &[Training]) -> String {
-    let mut text = String::from("sensing_slots,epoch,loss,accuracy,validation_loss,validation_accuracy\n");
+fn history(training: &[Training]) -> String {
     let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-    for t in training {
-        for (k, e) in t.epochs.iter().enumerate() {
-            let validation = [number(e.validation_loss), number(e.validation_accuracy)].join(",");
-            text += &format!("{},{},{},{},{validation}\n", t.sensing_slots, k + 1, e.loss, e.accuracy);
-        }
-    }
-    text
+    let row = |n: u32, k: usize, e: &Epoch| {
+        let Epoch { loss, accuracy, validation_loss, validation_accuracy } = e;
+        let learned = [n.to_string(), (k + 1).to_string(), loss.to_string(), accuracy.to_string()];
+        learned.into_iter().chain([validation_loss, validation_accuracy].map(|&v| number(v))).collect()
+    };
+    let rows = training
+        .iter()
+        .flat_map(|t| t.epochs.iter().enumerate().map(move |(k, e)| row(t.sensing_slots, k, e)));
+    let header = ["sensing_slots", "epoch", "loss", "accuracy", "validation_loss", "validation_accuracy"];
+    table::csv(&header, rows)
 }
 
 impl Job {

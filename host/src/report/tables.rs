@@ -1,6 +1,7 @@
 //! The tables of the page: conformance, instructions, learning curves.
 
 use super::plot::{escape, grouped, number};
+use crate::formats::table;
 use crate::predictor::{Model, paper};
 use crate::results::{ChannelTable, Figures, Prediction, SweepRow, Verify};
 use std::collections::BTreeSet;
@@ -187,9 +188,9 @@ pub fn channels(table: &ChannelTable) -> String {
     text.trim_end().to_owned()
 }
 
-/// Operating points over the axes of `optimize --sweep`, a line each.
-pub fn sweep(rows: &[SweepRow], period_s: f64, comma: &str) -> String {
-    let head = [
+/// Operating points over the axes of `optimize --sweep`, a line each, cells apart by `delimiter`.
+pub fn sweep(rows: &[SweepRow], period_s: f64, delimiter: u8) -> String {
+    let header = [
         "carrier_hz",
         "power_w",
         "receivers",
@@ -200,10 +201,9 @@ pub fn sweep(rows: &[SweepRow], period_s: f64, comma: &str) -> String {
         "throughput_bit",
         "throughput_mbit_s",
     ];
-    let mut text = head.join(comma) + "\n";
-    for r in rows {
-        let some = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x}"));
-        let cells = [
+    let some = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+    let row = |r: &SweepRow| {
+        vec![
             r.carrier_hz.to_string(),
             r.power_w.to_string(),
             r.receivers.to_string(),
@@ -213,8 +213,7 @@ pub fn sweep(rows: &[SweepRow], period_s: f64, comma: &str) -> String {
             some(r.accuracy),
             some(r.throughput_bit),
             some(r.throughput_bit.map(|bit| bit / period_s / 1e6)),
-        ];
-        text += &(cells.join(comma) + "\n");
-    }
-    text
+        ]
+    };
+    table::delimited(delimiter, &header, rows.iter().map(row))
 }

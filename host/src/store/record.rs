@@ -62,7 +62,7 @@ pub enum Fault {
 
 impl Fault {
     /// The refusal of a file with this fault; `cure` says what helps.
-    pub fn of(self, path: &Path, cure: &str) -> OutputError {
+    pub fn refusal(self, path: &Path, cure: &str) -> OutputError {
         OutputError::Content { path: path.to_owned(), reason: format!("{self}; {cure}") }
     }
 }

@@ -115,7 +115,7 @@ pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure>
     } else {
         let rows = job.vary_links(&curve, rule, &args.sweep)?;
         let period_s = job.scenario.period_s();
-        context.print(&rows, || tables::sweep(&rows, period_s, "\t").trim_end().to_owned())?;
+        context.print(&rows, || tables::sweep(&rows, period_s, b'\t').trim_end().to_owned())?;
     }
     Ok(true)
 }

@@ -21,7 +21,7 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, context: RunContext) ->
     let (mut made, mut kept) = (0, 0);
     for (cell, _) in mine(sweep, shard) {
         if let Err(fault @ Fault::Foreign(_)) = store.read(cell)? {
-            return Err(fault.of(&store.path(cell), "use another --out, or remove this file").into());
+            return Err(fault.refusal(&store.path(cell), "use another --out, or remove this file").into());
         }
     }
     let total = mine(sweep, shard).count();
