@@ -13,7 +13,7 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// No run, or one whose numbers are not a plan.
+    /// No run, or numbers that are not a plan.
     pub fn schedule(&self) -> Result<Schedule, Failure> {
         let schedule = playback::play(&self.run()?.operating_point)?;
         self.output.write_result("schedule.json", &schedule)?;

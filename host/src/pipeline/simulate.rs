@@ -80,7 +80,7 @@ impl Job {
         Ok(written)
     }
 
-    /// Finds rho and writes `calibration.json`, whose path is returned too.
+    /// Finds rho and writes `calibration.json`; its path is returned too.
     ///
     /// # Errors
     ///

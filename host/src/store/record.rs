@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What a record belongs to: names and values, the one whose difference says most first.
+/// What a record belongs to: names and values, in the order in which they are compared.
 pub type Identity = Vec<(&'static str, Value)>;
 
 /// A value of an [`Identity`].
