@@ -120,8 +120,8 @@ fn bad_input_is_refused_by_name_and_nothing_is_written() {
     refused(&["sweep", "none.toml", "--out", "out"], &[], &["none.toml", "cannot be read"]);
     for (text, words) in [
         ("seed = [1]\n", vec!["q.toml", "`seed`", "seeds"]),
-        ("rho = []\n", vec!["q.toml: rho = []", "at least one value"]),
-        ("rho = [2.0]\n", vec!["q.toml", "channel.rho = 2", "0 to 1"]),
+        ("rho = []\n", vec!["q.toml: rho is []", "at least one value"]),
+        ("rho = [2.0]\n", vec!["q.toml", "channel.rho is 2", "0 to 1"]),
     ] {
         std::fs::write(folder.path().join("q.toml"), text).expect("a plan");
         refused(&["sweep", "q.toml", "--out", "out"], &[], &words);
