@@ -45,6 +45,14 @@ fn a_learning_curve_is_kept_cell_by_cell() {
     assert_eq!((code, &second), (0, &first), "{stderr}");
     assert_eq!(std::fs::read(&cell).expect("a cell"), before);
     assert_eq!(std::fs::metadata(&kept).and_then(|m| m.modified()).expect("a time"), time, "made twice");
+    // a damaged cell is refused by name and kept
+    let text = String::from_utf8(before).expect("JSON");
+    std::fs::write(&cell, text.replacen("\"tested\": ", "\"tested\": 1", 1)).expect("damage");
+    let (code, _, stderr) = study(folder.path(), "learning-curve", &["--seeds", "2"]);
+    assert_eq!(code, 2, "{stderr}");
+    for word in ["cells/seed-2.json: damaged: sha256 = ", "remove it to have it made again"] {
+        assert!(stderr.contains(word), "{word:?} is not in: {stderr}");
+    }
     // another study does not touch the folder
     let (code, _, stderr) = study(folder.path(), "learning-curve", &["--seeds", "2", "--seed", "9"]);
     assert_eq!(code, 2, "{stderr}");

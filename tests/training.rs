@@ -115,9 +115,9 @@ fn checkpoints_and_networks_of_others_are_refused_and_kept() {
     let refusals: [(&str, &[&str]); 2] = [
         (
             "wide.toml",
-            &["dsn-200.checkpoint.json", "architecture", "\"channels\":4", "\"channels\":8", "--resume"],
+            &["dsn-200.checkpoint.json: foreign: architecture.channels is 4, must be 8", "without --resume"],
         ),
-        ("slow.toml", &["dsn-200.checkpoint.json", "settings", "\"epochs\":3", "\"epochs\":4"]),
+        ("slow.toml", &["dsn-200.checkpoint.json: foreign: settings.epochs is 3, must be 4"]),
     ];
     for (other, words) in refusals {
         refused(here, &train(other), words);
@@ -126,7 +126,10 @@ fn checkpoints_and_networks_of_others_are_refused_and_kept() {
     assert_eq!(fs::read(&checkpoint).expect("a checkpoint"), text);
     assert_eq!(fs::read(here.join("out/models/dsn-200.json")).expect("a network"), network);
     fs::write(&checkpoint, &text[..text.len() / 2]).expect("half a checkpoint");
-    refused(here, &train("s.toml"), &["dsn-200.checkpoint.json", "line"]);
+    refused(here, &train("s.toml"), &["dsn-200.checkpoint.json: damaged", "line", "without --resume"]);
+    let other = String::from_utf8_lossy(&text).replacen("\"loss\": ", "\"loss\": 1", 1);
+    fs::write(&checkpoint, other).expect("another loss");
+    refused(here, &train("s.toml"), &["dsn-200.checkpoint.json: damaged: sha256 = "]);
 
     let file = here.join("out/models/dsn-300.json");
     let text = fs::read_to_string(&file).expect("a network");

@@ -19,7 +19,7 @@ pub struct Invalid {
 }
 
 impl Invalid {
-    /// A field; the caller adds where it is from.
+    /// A field to which the caller adds its origin.
     pub fn new(field: impl Display, value: impl Display, legal: impl Display) -> Self {
         let [field, value, legal] = [field.to_string(), value.to_string(), legal.to_string()];
         Invalid { origin: String::new(), field, value, legal }

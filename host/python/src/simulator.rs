@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use sdp3::dataset::{PER_CLASS, Work, part};
 use sdp3::recordings::{Samples, Stated, signal};
 use sdp3::scenario::{Class, Format};
-use sdp3::simulator::calibration::{calibrate_measured, stored_rho};
+use sdp3::simulator::calibration::{calibrate_measured, rho_of};
 
 /// The scenario resolved, as TOML.
 #[pyfunction]
@@ -48,7 +48,7 @@ pub fn simulate<'py>(
         Some(names) => names.iter().map(|name| class(name, "classes")).collect::<PyResult<_>>()?,
         None => Class::ALL.to_vec(),
     };
-    let rho = scenario.channel.rho.unwrap_or_else(|| stored_rho(&scenario).0);
+    let rho = rho_of(&scenario);
     let work = Work::new(&scenario, rho, seed, per_class, classes, raw, false);
     let (count, slots) = (work.recordings() as usize, work.slots() as usize);
     let all: Vec<part::One> =

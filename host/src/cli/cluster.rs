@@ -1,21 +1,16 @@
 //! Commands of experiments that may leave one machine: `sweep`, `merge`.
 
 use super::context::{Context, count};
-use super::trainer;
 use crate::dataset::Shard;
-use crate::error::{Failure, Invalid};
+use crate::error::Failure;
+use crate::experiments::RunContext;
 use crate::experiments::sweep::plan::Sweep;
-use crate::experiments::sweep::status::status;
-use crate::experiments::sweep::{kubernetes, shard, slurm};
+use crate::pipeline::sweep::{self, Cluster};
 use crate::results::{Merged, Submitted, SweepStatus, Swept};
-use crate::store::output::Output;
 use clap::Args;
 use indicatif::HumanDuration;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Shards of a job where `--shards` does not say, unless there are fewer cells.
-const SHARDS: u32 = 100;
 
 /// A plan, and where it runs.
 #[derive(Debug, Clone, Args)]
@@ -66,15 +61,19 @@ pub struct MergeArgs {
 
 pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
     let common = &context.common;
-    let scenario = (context.given() || !common.set.is_empty()).then_some(&context.scenario);
-    let sweep = Sweep::load(&args.plan, scenario, common.seed)?;
-    if args.slurm || args.kubernetes {
-        let done = hand_out(args, &sweep, &common.out)?;
+    let scenario = (common.scenario.is_some() || !common.set.is_empty()).then_some(&context.scenario);
+    let plan = Sweep::load(&args.plan, scenario, common.seed)?;
+    let cluster = match &args.image {
+        Some(image) if args.kubernetes => Some(Cluster::Kubernetes { image, claim: &args.claim }),
+        _ => args.slurm.then_some(Cluster::Slurm { options: &args.sbatch, submit: !args.dry_run }),
+    };
+    if let Some(cluster) = cluster {
+        let done = sweep::hand_out(&plan, args.shards, cluster, &common.out)?;
         context.print(&done, || written(&done))?;
         return Ok(true);
     }
     if args.status {
-        let found = status(&sweep, &common.out, shards(args, &sweep, 1)?)?;
+        let found = sweep::standing(&plan, args.shards, &common.out)?;
         context.print(&found, || standing(&found))?;
         return Ok(true);
     }
@@ -84,51 +83,14 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
                 .into(),
         );
     }
-    for text in sweep.stored_elsewhere() {
-        context.progress.note("sweep", &format!("warning: {text}"));
-    }
-    let choice = shard::choose(args.shard, |name| std::env::var(name).ok())?;
-    if let Some(conflict) = &choice.conflict {
-        context.progress.note("sweep", conflict);
-    }
-    let done = trainer::shard(context, &sweep, choice.shard)?;
+    let run_context = RunContext { progress: context.progress, workers: context.workers() };
+    let done = sweep::make(&plan, args.shard, &common.out, run_context)?;
     context.print(&done, || swept(&done, &common.out))?;
     Ok(true)
 }
 
-/// The number of shards that is asked for, or else `absent`.
-fn shards(args: &SweepArgs, sweep: &Sweep, absent: u32) -> Result<u32, Failure> {
-    let cells = sweep.cells.len() as u32;
-    match args.shards.unwrap_or(absent) {
-        shards if shards > cells => {
-            let legal = format!("1 to {cells}, the plan's cells");
-            Err(Invalid::option("--shards", shards, legal).into())
-        }
-        shards => Ok(shards),
-    }
-}
-
-/// Writes the job's files, and submits them if asked to.
-fn hand_out(args: &SweepArgs, sweep: &Sweep, out: &Path) -> Result<Submitted, Failure> {
-    let shards = shards(args, sweep, (sweep.cells.len() as u32).min(SHARDS))?;
-    let output = &Output::create(out)?;
-    match &args.image {
-        Some(image) => Ok(kubernetes::write(sweep, shards, (image, &args.claim), output)?),
-        None => {
-            let jobs = slurm::write(sweep, shards, &args.sbatch, output)?;
-            if args.dry_run { Ok(jobs.written()) } else { Ok(jobs.submit()?) }
-        }
-    }
-}
-
 pub fn merge(context: &Context, args: &MergeArgs) -> Result<bool, Failure> {
-    let merged = crate::experiments::sweep::merge::merge(&args.folder, args.partial)?;
-    let output = Output::create(&args.folder)?;
-    for (name, svg) in crate::report::sweep::pictures(&merged) {
-        for (file, bytes) in crate::report::paper::forms(&name, &svg)? {
-            output.write(&file, &bytes)?;
-        }
-    }
+    let merged = sweep::join(&args.folder, args.partial)?;
     context.print(&merged, || table(&merged))?;
     Ok(true)
 }

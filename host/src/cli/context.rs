@@ -1,18 +1,16 @@
 //! What every command has: the common options, the scenario they give, and where results go.
 
-use crate::error::{Failure, Invalid};
-use crate::formats::model_file::check_use;
-use crate::pipeline::Job;
+use crate::error::Failure;
+use crate::pipeline::{Given, Job};
 use crate::progress::Progress;
 use crate::results::Files;
 use crate::scenario::{Override, Scenario};
 use crate::store::output::{Output, OutputError, to_json};
-use crate::store::resume::difference;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Size of the main job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -87,87 +85,21 @@ impl Context {
         Ok(Context { common, scenario, progress })
     }
 
-    /// The seed of what was made with `own`: one on the command line must be the same.
-    ///
-    /// # Errors
-    ///
-    /// Another one, in the words for `file`.
-    pub fn seed_of(&self, own: u64, file: &str) -> Result<u64, Failure> {
-        match self.common.seed {
-            Some(seed) if seed != own => {
-                Err(Invalid::option("--seed", seed, format!("{own}, the seed of {file}")).into())
-            }
-            _ => Ok(own),
-        }
-    }
-
-    /// Whether the command line gives a scenario.
-    pub fn given(&self) -> bool {
-        self.common.scenario.is_some()
-    }
-
     /// The scenario and a writable output folder.
     pub fn job(&self) -> Result<Job, OutputError> {
-        let output = Output::create(&self.common.out)?.of_seed(self.common.seed());
-        Ok(Job { scenario: self.scenario.clone(), seed: self.common.seed(), progress: self.progress, output })
+        let Common { scenario, set, seed, out, .. } = &self.common;
+        Ok(Job {
+            scenario: self.scenario.clone(),
+            seed: self.common.seed(),
+            progress: self.progress,
+            output: Output::create(out)?.of_seed(self.common.seed()),
+            #[cfg(feature = "train")]
+            workers: self.workers(),
+            given: Given { scenario: scenario.clone(), set: set.clone(), seed: *seed },
+        })
     }
 
-    /// The same at the size of a preset, and a note of the sizes that it set.
-    #[cfg(feature = "train")]
-    pub fn job_of(&self, preset: Preset) -> Result<Job, Failure> {
-        let mut job = self.job()?;
-        if preset == Preset::Quick {
-            let (scenario, sizes) = self.quick()?;
-            job.scenario = scenario;
-            if !sizes.is_empty() {
-                let text = format!("quick: {sizes}; --preset paper takes the scenario's sizes");
-                self.progress.note("preset", &text);
-            }
-        }
-        Ok(job)
-    }
-
-    fn quick(&self) -> Result<(Scenario, String), Failure> {
-        Ok(Scenario::quick(self.common.scenario.as_deref(), &self.common.set)?)
-    }
-
-    /// The resolved scenario of `--out`'s run, which nothing changes any more: one on the command line must be the same.
-    pub fn resolved(&self, job: &Job) -> Result<Scenario, Failure> {
-        let made = job.output.path("scenario.toml");
-        let found = Scenario::load(&made)?;
-        let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
-        let mut asked = self.trained(job)?;
-        if self.given() && asked.learning != found.learning {
-            // the run's preset may have been quick
-            asked = Some(self.quick()?.0).filter(|quick| quick.learning == found.learning).unwrap_or(asked);
-        }
-        match difference("", &json(&found), &json(&asked)) {
-            None => Ok(found),
-            Some((field, found, asked)) => Err(format!(
-                "{}: {field} = {found}, but the command line says {asked}: what has been made is not changed; another --out takes \
-                 another scenario",
-                made.display()
-            )
-            .into()),
-        }
-    }
-
-    /// The scenario that `--out`'s networks were trained in, or one given on the command line; with what is set over it.
-    pub fn trained(&self, job: &Job) -> Result<Scenario, Failure> {
-        if self.given() {
-            return Ok(self.scenario.clone());
-        }
-        Ok(Scenario::resolve(Some(&job.output.path("scenario.toml")), &self.common.set)?)
-    }
-
-    /// The scenario a command's results are of, in `COMMAND-scenario.toml` beside them.
-    pub fn record(&self, job: &Job, command: &str) -> Result<(), Failure> {
-        job.output.write(&format!("{command}-scenario.toml"), job.scenario.to_toml().as_bytes())?;
-        Ok(())
-    }
-
-    /// Processors to train on.
-    #[cfg(feature = "train")]
+    /// Threads to train on.
     pub fn workers(&self) -> usize {
         let all = std::thread::available_parallelism().map_or(1, usize::from);
         if self.common.threads == 0 { all } else { self.common.threads }
@@ -177,14 +109,6 @@ impl Context {
     pub fn print(&self, value: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
         let text = if self.common.json { to_json(value) } else { words() };
         if text.is_empty() { Ok(()) } else { say(&text) }
-    }
-
-    /// A picture beside the results, as SVG, PDF and PNG.
-    pub fn draw(&self, job: &Job, name: &str, svg: &str) -> Result<(), Failure> {
-        for (file, bytes) in crate::report::paper::forms(name, svg)? {
-            job.output.write(&file, &bytes)?;
-        }
-        Ok(())
     }
 
     /// The files that were written, one on a line.
@@ -224,29 +148,4 @@ pub fn say(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-pub fn folder_of(file: &Path) -> PathBuf {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(".".into(), Path::to_path_buf)
-}
-
-pub fn name_of(file: &Path) -> String {
-    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// Where `--out` has the int8 network of so many sensing slots.
-pub fn model_name(sensing_slots: u32) -> String {
-    format!("models/dsn-{sensing_slots}.sdp3")
-}
-
-/// The models of every N_s of the scenario in `--out`, each for its radar; `hint` says what makes them.
-pub fn stored_models(job: &Job, hint: &'static str) -> Result<Vec<Vec<u8>>, Failure> {
-    let stored = |&slots: &u32| {
-        let name = model_name(slots);
-        let bytes = job.output.read(&name, hint)?;
-        let path = job.output.path(&name);
-        check_use(&bytes, &job.scenario, slots).map_err(|e| format!("{}: {e}", path.display()))?;
-        Ok(bytes)
-    };
-    job.scenario.frame.sensing_slots.iter().map(stored).collect()
 }

@@ -11,9 +11,6 @@ mod scenarios;
 mod simulator;
 #[cfg(feature = "train")]
 mod trainer;
-#[cfg(not(feature = "train"))]
-#[path = "untrained.rs"]
-mod trainer;
 mod training;
 
 pub use program::main;
@@ -233,22 +230,30 @@ impl Cli {
 pub fn execute(cli: Cli) -> Result<bool, Failure> {
     let context = &Context::new(cli.common)?;
     match cli.command.unwrap_or_else(main_job) {
+        #[cfg(feature = "train")]
         Command::Run(args) => trainer::run(context, args),
+        #[cfg(feature = "train")]
+        Command::Train(args) => trainer::train(context, args),
+        #[cfg(feature = "train")]
+        Command::Study(args) => trainer::study(context, &args),
+        #[cfg(feature = "train")]
+        Command::Quantize(args) => trainer::quantize(context, &args),
+        #[cfg(not(feature = "train"))]
+        Command::Run(_) | Command::Train(_) | Command::Study(_) => crate::pipeline::untrained("train"),
+        #[cfg(not(feature = "train"))]
+        Command::Quantize(_) => crate::pipeline::untrained("quantize"),
         Command::Simulate(args) => simulator::simulate(context, args),
         Command::Calibrate(args) => simulator::calibrate(context, args),
         Command::Channels => simulator::channels(context),
         Command::Gallery => simulator::gallery(context),
-        Command::Train(args) => trainer::train(context, args),
-        Command::Study(args) => trainer::study(context, args),
         Command::Sweep(args) => cluster::sweep(context, &args),
         Command::Merge(args) => cluster::merge(context, &args),
-        Command::Quantize(args) => trainer::quantize(context, args),
         Command::Export(args) => models::export(context, &args),
         Command::Import(args) => models::import(context, &args),
         Command::Model(args) => models::model(context, &args),
-        Command::Verify(args) => job::verify(context, &args),
+        Command::Verify(args) => job::verify(context, args),
         Command::Predict(args) => optimizer::predict(context, &args),
-        Command::Optimize(args) => optimizer::optimize(context, args),
+        Command::Optimize(args) => optimizer::optimize(context, &args),
         Command::Anytime(args) => optimizer::anytime(context, &args),
         Command::Schedule(args) => optimizer::schedule(context, &args),
         Command::Report => job::report(context),

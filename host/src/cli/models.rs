@@ -1,6 +1,6 @@
 //! Model files: `export`, `import`, `model show`, `sign`, `verify`, `keygen`.
 
-use super::context::{Context, folder_of, name_of};
+use super::context::Context;
 use crate::error::Failure;
 use crate::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use crate::formats::model_file::{Summary, Verdict};
@@ -161,8 +161,7 @@ fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
     let SignArgs { file, key, revision, to } = args;
     let model = signed(&read(file)?, read_secret_key(key)?, *revision)
         .map_err(|error| format!("{}: {error}", file.display()))?;
-    let written = Output::create(&folder_of(to))?.write(&name_of(to), &model)?;
-    context.print_files(&[written])?;
+    context.print_files(&[Output::write_file(to, &model)?])?;
     Ok(true)
 }
 

@@ -2,6 +2,7 @@
 
 use super::context::{Context, say};
 use crate::error::Failure;
+use crate::pipeline::scenario_errors;
 use crate::results::{Checked, Listed};
 use crate::scenario::{Scenario, builtin};
 use crate::store::output::to_json;
@@ -114,13 +115,7 @@ fn new(context: &Context, args: &NewArgs) -> Result<bool, Failure> {
 }
 
 fn check(context: &Context, file: &Path) -> Result<bool, Failure> {
-    let mut errors: Vec<String> =
-        Scenario::errors_of(file, &context.common.set).iter().map(ToString::to_string).collect();
-    if errors.is_empty() {
-        // what only other files or a simulation show, such as a motion capture
-        let scenario = Scenario::resolve(Some(file), &context.common.set)?;
-        errors.extend(crate::simulator::dataset::check(&scenario).err().map(|error| error.to_string()));
-    }
+    let errors = scenario_errors(file, &context.common.set)?;
     let checked = Checked { file: file.display().to_string(), errors };
     if context.common.json {
         say(&to_json(&checked))?;

@@ -1,17 +1,14 @@
 //! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
 
-use super::context::{Context, count, folder_of, name_of, one_of};
-use crate::dataset::{self, PER_CLASS, Shard};
+use super::context::{Context, count, one_of};
+use crate::dataset::{PER_CLASS, Shard};
 use crate::error::Failure;
-use crate::pipeline::Measured;
+use crate::pipeline::{Dataset, Measured, calibrate_table};
 use crate::recordings::Stated;
-use crate::report;
-use crate::scenario::{Class, Model, Scenario};
-use crate::simulator::calibration;
-use crate::simulator::channel::properties;
-use crate::store::output::Output;
+use crate::report::tables;
+use crate::scenario::{Class, Model};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A measured signal.
 #[derive(Debug, Clone, Args)]
@@ -75,78 +72,33 @@ pub fn simulate(context: &Context, args: SimulateArgs) -> Result<bool, Failure> 
     let SimulateArgs { per_class, channel, classes, raw, sigmf, shard } = args;
     job.scenario.channel.model = channel.unwrap_or(job.scenario.channel.model);
     let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
-    job.warn_of_aliasing();
-    job.warn_of_rho();
-    let rho = rho(&job.scenario);
-    let stage = job.progress.stage("simulate", "recordings");
-    let work = dataset::Work::new(&job.scenario, rho, job.seed, per_class, classes, raw, sigmf);
-    let written = work.write(shard, &job.output, &|done, all| stage.at(done, all))?;
-    let state = if written.manifest.is_some() { "complete" } else { "not yet complete" };
-    stage.finish(&format!(
-        "{} parts made, {} kept; {} recordings in {}, {state}",
-        written.made,
-        written.kept,
-        written.recordings,
-        job.output.folder().display()
-    ));
+    let written = job.simulate(Dataset { per_class, classes, raw, sigmf, shard })?;
     context.print(&written, String::new)?;
     Ok(true)
 }
 
 pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure> {
-    let CalibrateArgs { measured, table } = args;
-    if let Some(file) = table {
-        return calibrate_table(context, &file);
+    if let Some(file) = args.table {
+        let table = calibrate_table(&file, context.common.seed(), context.progress)?;
+        context.print(&table, String::new)?;
+        return Ok(true);
     }
-    let job = context.job()?;
-    let measured = measurement(measured);
-    if measured.is_none() {
-        job.warn_of_rho();
-    }
-    let found = job.calibrate(measured.as_ref())?;
-    context.record(&job, "calibrate")?;
-    let path = job.output.write_result("calibration.json", &found)?;
+    let (found, path) = context.job()?.calibration(measurement(args.measured).as_ref())?;
     context
         .print(&found, || format!("rho = {} ({}); curve in {}", found.rho, found.source, path.display()))?;
     Ok(true)
 }
 
-fn calibrate_table(context: &Context, file: &Path) -> Result<bool, Failure> {
-    let stage = context.progress.stage("calibrate", "the table of rho");
-    let table = calibration::stored::regenerate(context.common.seed(), &|done, all| stage.at(done, all));
-    let text = format!("{}{}", calibration::stored::HEADER, toml::to_string(&table)?);
-    Output::create(&folder_of(file))?.write(&name_of(file), text.as_bytes())?;
-    stage.finish(&format!("{} entries in {}", table.entry.len(), file.display()));
-    context.print(&table, String::new)?;
-    Ok(true)
-}
-
 pub fn channels(context: &Context) -> Result<bool, Failure> {
-    let job = context.job()?;
-    let stage = job.progress.stage("channels", "models through the property tests");
-    let table = properties::table(&job.scenario, job.seed, &|done, all| stage.at(done, all));
-    stage.finish(&format!("{} models", table.models.len()));
-    context.record(&job, "channels")?;
-    job.output.write_result("channels.json", &table)?;
-    context.print(&table, || report::tables::channels(&table))?;
+    let table = context.job()?.channels()?;
+    context.print(&table, || tables::channels(&table))?;
     Ok(true)
 }
 
 pub fn gallery(context: &Context) -> Result<bool, Failure> {
-    let job = context.job()?;
-    let stage = job.progress.stage("gallery", "spectrograms");
-    let shown =
-        crate::network::spectrograms::gallery(&job.scenario, job.seed, &|done, all| stage.at(done, all));
-    context.record(&job, "gallery")?;
-    let page = job.output.write("gallery.html", report::gallery::page(&shown).as_bytes())?;
-    stage.finish(&format!("{} of them", shown.len()));
+    let page = context.job()?.gallery_page()?;
     context.print_files(&[page])?;
     Ok(true)
-}
-
-/// The scenario's rho, or the stored one.
-pub fn rho(scenario: &Scenario) -> f64 {
-    scenario.channel.rho.unwrap_or_else(|| calibration::stored_rho(scenario).0)
 }
 
 /// The measured signal that the command line names.

@@ -1,6 +1,7 @@
 //! The options of `train`, `quantize` and `study`, the same in a build that cannot train.
 
 use super::context::{Preset, count};
+use crate::experiments::Study;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -72,17 +73,4 @@ pub struct StudyArgs {
     /// Rate in Hz of recordings that do not say theirs.
     #[arg(long, value_name = "HZ", requires = "measured")]
     pub rate: Option<f64>,
-}
-
-/// A study.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Study {
-    /// Accuracy over the number of sensing slots, and the curves of Table III.
-    LearningCurve,
-    /// Accuracy under other headings, rho, power, d, people and carriers.
-    Robustness,
-    /// Divergence and recognition against ray tracing, a richer model and measured recordings.
-    Fidelity,
-    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
-    Baselines,
 }

@@ -2,15 +2,14 @@
 //!
 //! It is put together from the sidecars, one at a time, so that its length needs no memory.
 
-use super::record::{FileRecord, Hash, hex};
 use super::{Work, part};
 use crate::PROGRAM;
 use crate::scenario::{Class, Scenario};
+use crate::store::digest::{FileRecord, Hash};
 use crate::store::output::{Output, OutputError};
 use sdp3_core::config::SampleFormat;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
-use sha2::{Digest, Sha256};
 use std::io::{self, Write};
 
 pub const NAME: &str = "manifest.json";
@@ -119,10 +118,10 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
 /// A sidecar that cannot be read, or a manifest that cannot be written.
 pub fn write(work: &Work, output: &Output) -> Result<(), OutputError> {
     if output.path(NAME).exists() {
-        let mut hash = Hash(Sha256::new());
+        let mut hash = Hash::default();
         print(work, output, &mut hash)
             .map_err(|source| OutputError::Write { path: output.path(NAME), source })?;
-        if FileRecord::of(output, NAME)?.sha256 == hex(&hash.0.finalize()) {
+        if FileRecord::of(output, NAME)?.sha256 == hash.hex() {
             return Ok(());
         }
     }

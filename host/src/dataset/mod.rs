@@ -15,10 +15,10 @@ mod sigmf;
 mod stored;
 
 use crate::scenario::{Class, Scenario};
+use crate::store::digest::sha256;
 use crate::store::output::{Output, OutputError};
 use crate::store::resume::ensure_same_config;
 use rayon::prelude::*;
-use record::FileRecord;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
@@ -27,7 +27,6 @@ use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use record::TruthRecord;
-pub(crate) use record::sha256;
 pub use stored::{Labelled, Stored, StoredError};
 
 /// Legal recordings of each class: their parts are numbered with five digits.
@@ -117,7 +116,7 @@ impl<'a> Work<'a> {
     ) -> Work<'a> {
         let request = Request {
             version: env!("CARGO_PKG_VERSION").into(),
-            scenario_sha256: FileRecord::new(SCENARIO.into(), scenario.to_toml().as_bytes()).sha256,
+            scenario_sha256: sha256([scenario.to_toml().as_bytes()]),
             rho,
             seed,
             per_class,

@@ -1,14 +1,16 @@
 //! One part of a dataset: an NPZ of up to 100 recordings, their SigMF files, and the sidecar that says all of them are there.
 //!
 //! The sidecar is written last and holds the SHA-256 of the others. Whatever kills a run, a part with a sidecar that matches
-//! is whole, and one without is made again, with the same bytes.
+//! is whole, and one without is made again, with the same bytes. It is no [`crate::store::record`]: its bytes are listed in the
+//! manifest, by length and SHA-256 like the others'.
 
-use super::record::{FileRecord, TruthRecord};
+use super::record::TruthRecord;
 use super::{Work, sigmf};
 use crate::formats::slots::Slots;
 use crate::network::spectrograms::images_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
+use crate::store::digest::FileRecord;
 use crate::store::output::{Output, OutputError};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;

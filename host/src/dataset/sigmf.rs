@@ -3,9 +3,9 @@
 //! <https://sigmf.org>. The data is 16-bit I and Q in turn, or real values, little-endian, one slot after the other.
 
 use super::Work;
-use super::record::{FileRecord, hex};
 use crate::PROGRAM;
 use crate::simulator::body::motion::GroundTruth;
+use crate::store::digest::{FileRecord, hex};
 use crate::store::output::{Output, OutputError, to_json};
 use sdp3_core::config::SampleFormat;
 use serde::Serialize;

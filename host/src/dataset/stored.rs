@@ -1,11 +1,11 @@
 //! A dataset read back: complete, every file that is read held to the digest in its manifest.
 
 use super::part::RECORDINGS;
-use super::record::FileRecord;
 use super::{REQUEST, Request, SCENARIO, manifest};
 use crate::error::Invalid;
 use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
+use crate::store::digest::FileRecord;
 use crate::store::limited;
 use crate::store::resume::difference;
 use sdp3_core::dims::{BEATS, Beat, Complex};

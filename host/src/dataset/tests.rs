@@ -1,6 +1,7 @@
 use super::*;
 use crate::formats::numpy;
 use crate::simulator::dataset::Set;
+use crate::store::digest::{FileRecord, hex};
 use serde_json::Value;
 use sha2::{Digest, Sha512};
 use std::collections::{BTreeMap, BTreeSet};
@@ -212,7 +213,7 @@ fn parts_hold_the_recordings_and_sigmf_the_same_samples() {
     assert_eq!(raw[4 * 80_000..], samples[..]);
     let meta = std::fs::read(case.path().join("recording-00104.sigmf-meta")).unwrap();
     let meta: Value = serde_json::from_slice(&meta).unwrap();
-    assert_eq!(meta["global"]["core:sha512"], record::hex(&Sha512::digest(&data)));
+    assert_eq!(meta["global"]["core:sha512"], hex(&Sha512::digest(&data)));
     assert_eq!(meta["annotations"][0]["core:sample_count"], 40_000);
     assert_eq!(meta["annotations"][0]["core:label"], "adult-pacing");
 }

@@ -15,7 +15,7 @@ use crate::network::baselines::svm::{Machine, choose};
 use crate::network::spectrograms::{Collected, Part};
 use crate::results::Accuracy;
 use crate::scenario::{Class, Learning};
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::rho_of;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
@@ -141,7 +141,7 @@ impl Recordings<'_> {
 pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Baselines, Failure> {
     let s = &request.scenario;
     let slots = &s.frame.sensing_slots;
-    let rho = s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
+    let rho = rho_of(s);
     let mut rows: Vec<Row> = slots
         .iter()
         .map(|&sensing_slots| Row {

@@ -1,11 +1,14 @@
-//! The cells of a study: results that are kept as soon as they are known.
+//! The cells of a study: results that are kept as soon as they are known, each a [`record`] that belongs to the study.
 //!
 //! `study.json` says what the folder is for; a folder of another study is refused, nothing in it is touched. More seeds, or fewer,
 //! are the same study: what is known of a seed is kept.
 
 use super::Request;
 use crate::error::Failure;
-use crate::store::output::{Output, OutputError};
+use crate::store::digest::sha256;
+use crate::store::output::Output;
+use crate::store::record::{self, Fault, Identity, value};
+use crate::store::resume::ensure_same_config;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -16,6 +19,7 @@ pub const REQUEST: &str = "study.json";
 #[derive(Debug)]
 pub struct Cells<'a> {
     pub output: &'a Output,
+    study: Identity,
 }
 
 impl<'a> Cells<'a> {
@@ -25,42 +29,43 @@ impl<'a> Cells<'a> {
     ///
     /// A folder that belongs to another study, or cannot be used.
     pub fn open(output: &'a Output, request: &Request) -> Result<Self, Failure> {
-        let path = output.path(REQUEST);
-        if path.exists() {
-            let there: Request = output.read_json(REQUEST, "a study writes it")?;
-            if (Request { seeds: request.seeds, ..there.clone() }) != *request {
-                let reason = format!(
-                    "this folder holds the study {} (from seed {}) with other settings: use the same, or another --out",
-                    there.study, there.seed
-                );
-                return Err(OutputError::Content { path, reason }.into());
-            }
-            if there.seeds != request.seeds {
-                output.write_json(REQUEST, request)?;
-            }
-        } else {
-            output.write_json(REQUEST, request)?;
-            output.write("scenario.toml", request.scenario.to_toml().as_bytes())?;
+        ensure_same_config(output, REQUEST, &value(request), |text| {
+            let there: Request = serde_json::from_str(text).map_err(|error| error.to_string())?;
+            Ok(value(&Request { seeds: request.seeds, ..there }))
+        })?;
+        let scenario = request.scenario.to_toml();
+        if !output.path(REQUEST).exists() {
+            output.write("scenario.toml", scenario.as_bytes())?;
         }
-        Ok(Cells { output })
+        output.write_json(REQUEST, request)?;
+        let study = vec![
+            ("study", value(&request.study)),
+            ("seed", value(&request.seed)),
+            ("scenario_sha256", value(&sha256([scenario.as_bytes()]))),
+        ];
+        Ok(Cells { output, study })
     }
 
     /// The result kept under `name`, or what `make` finds, kept from now on.
     ///
     /// # Errors
     ///
-    /// What `make` says; a result that cannot be kept or read again.
+    /// What `make` says; a result that is damaged or of another study, or that cannot be kept.
     pub fn get<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,
         make: impl FnOnce() -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let file = format!("cells/{name}.json");
-        if self.output.path(&file).exists() {
-            return Ok(self.output.read_json(&file, "remove it to have it made again")?);
+        let identity = [&self.study[..], &[("cell", value(&name))]].concat();
+        let path = self.output.path(&file);
+        match record::read(&path, &identity)? {
+            Ok(found) => return Ok(found),
+            Err(Fault::Missing) => (),
+            Err(fault) => return Err(fault.refusal(&path, "remove it to have it made again").into()),
         }
         let found = make()?;
-        self.output.write_json(&file, &found)?;
+        record::write(self.output, &file, &identity, &found)?;
         Ok(found)
     }
 }
@@ -70,19 +75,55 @@ mod tests {
     use super::*;
     use crate::scenario::Scenario;
 
+    fn request() -> Request {
+        Request { study: "test".into(), seed: 1, seeds: 2, scenario: Scenario::default() }
+    }
+
+    fn made_twice() -> Result<f64, Failure> {
+        panic!("made twice")
+    }
+
     #[test]
     fn cells_are_made_once_and_folders_belong_to_one_study() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::create(folder.path()).unwrap();
-        let request = Request { study: "test".into(), seed: 1, seeds: 2, scenario: Scenario::default() };
-        let cells = Cells::open(&output, &request).unwrap();
+        let cells = Cells::open(&output, &request()).unwrap();
         assert_eq!(cells.get("a", || Ok(0.1_f64)).unwrap(), 0.1);
-        let more = Request { seeds: 3, ..request.clone() };
+        let more = Request { seeds: 3, ..request() };
         let again = Cells::open(&output, &more).unwrap();
-        assert_eq!(again.get("a", || -> Result<f64, Failure> { panic!("made twice") }).unwrap(), 0.1);
+        assert_eq!(again.get("a", made_twice).unwrap(), 0.1);
         assert_eq!(output.read_json::<Request>(REQUEST, "").unwrap(), more);
-        let other = Request { seed: 2, ..request };
-        let error = Cells::open(&output, &other).unwrap_err().to_string();
-        assert!(error.contains("study.json") && error.contains("--out"), "{error}");
+        let error = Cells::open(&output, &Request { seed: 2, ..request() }).unwrap_err().to_string();
+        for word in ["study.json", "seed = 1", "says 2", "--out"] {
+            assert!(error.contains(word), "{word:?} is not in: {error}");
+        }
+    }
+
+    #[test]
+    fn damaged_and_foreign_cells_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::create(folder.path()).unwrap();
+        let cells = Cells::open(&output, &request()).unwrap();
+        cells.get("a", || Ok(0.25_f64)).unwrap();
+        let path = output.path("cells/a.json");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let refused = |name: &str, words: &[&str]| {
+            let error = cells.get(name, made_twice).unwrap_err().to_string();
+            words.iter().for_each(|word| assert!(error.contains(word), "{word:?} is not in: {error}"));
+            assert!(error.contains("remove it to have it made again"), "{error}");
+        };
+        std::fs::write(&path, text.replace("0.25", "0.75")).unwrap();
+        refused("a", &["cells/a.json: damaged: sha256 = "]);
+        std::fs::write(&path, &text[..text.len() / 2]).unwrap();
+        refused("a", &["cells/a.json: damaged: ", "line"]);
+        std::fs::write(&path, &text).unwrap();
+        std::fs::copy(&path, output.path("cells/b.json")).unwrap();
+        refused("b", &["cells/b.json: foreign: cell is \"a\", must be \"b\""]);
+        let elsewhere = tempfile::tempdir().unwrap();
+        let output = Output::create(elsewhere.path()).unwrap();
+        let other = Cells::open(&output, &Request { study: "other".into(), ..request() }).unwrap();
+        other.get("a", || Ok(0.25_f64)).unwrap();
+        std::fs::copy(output.path("cells/a.json"), &path).unwrap();
+        refused("a", &["cells/a.json: foreign: study is \"other\", must be \"test\""]);
     }
 }

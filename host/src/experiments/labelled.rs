@@ -3,8 +3,8 @@
 use crate::error::Failure;
 use crate::recordings::{Samples, Signal, Stated};
 use crate::simulator::randomised::Motion;
+use crate::store::digest::sha256;
 use sdp3_core::config::RadarConfig;
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Endings that are read; raw SigMF samples come with their meta file.
@@ -97,11 +97,9 @@ pub fn read(folder: &Path, stated: &Stated) -> Result<(Vec<Measured>, Vec<LeftOu
                 left_out.push((name, "raw slots of another radar than the paper's".into()))
             }
             Ok(signal) => {
-                let mut hash = Sha256::new();
-                hash.update(std::fs::read(&path)?);
-                hash.update(format!("{} {} {}", motion.name(), signal.carrier_hz, signal.rate_hz));
-                let digest = hash.finalize();
-                let key: String = digest.iter().take(6).map(|b| format!("{b:02x}")).collect();
+                let known = format!("{} {} {}", motion.name(), signal.carrier_hz, signal.rate_hz);
+                let mut key = sha256([&std::fs::read(&path)?[..], known.as_bytes()]);
+                key.truncate(12);
                 used.push(Measured { name, motion, signal, key });
             }
             Err(error) => left_out.push((name, error.to_string())),

@@ -9,7 +9,7 @@ use crate::error::Failure;
 use crate::network::spectrograms::Part;
 use crate::predictor::{fit_all, paper};
 use crate::results::{Accuracy, CurvePoint, Prediction};
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::rho_of;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ pub struct LearningCurve {
 /// Whatever a training or the folder says.
 pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<LearningCurve, Failure> {
     let s = &request.scenario;
-    let rho = s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
+    let rho = rho_of(s);
     let mut seeds: Vec<Vec<Accuracy>> = Vec::new();
     for seed in request.each_seed() {
         seeds.push(cells.get(&format!("seed-{seed}"), || {

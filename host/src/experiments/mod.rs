@@ -27,7 +27,29 @@ pub use crate::results::Spread;
 
 use crate::progress::Progress;
 use crate::scenario::Scenario;
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
+
+/// A study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Study {
+    /// Accuracy over the number of sensing slots, and the curves of Table III.
+    LearningCurve,
+    /// Accuracy under other headings, rho, power, d, people and carriers.
+    Robustness,
+    /// Divergence and recognition against ray tracing, a richer model and measured recordings.
+    Fidelity,
+    /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
+    Baselines,
+}
+
+impl Study {
+    /// Its name on the command line and in `study.json`.
+    #[cfg(feature = "train")]
+    pub fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+}
 
 /// What a study is made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use super::{Request, RunContext, Spread};
 use crate::error::Failure;
 use crate::network::spectrograms::Part;
 use crate::scenario::Scenario;
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::rho_of;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -123,14 +123,13 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ro
     let mut usual = request.scenario.clone();
     let sensing_slots = usual.largest_sensing_slots();
     usual.frame.sensing_slots = vec![sensing_slots];
-    let rho = |s: &Scenario| s.channel.rho.unwrap_or_else(|| stored_rho(s).0);
     let learn =
-        |s: &Scenario, seed: u64| train(s, seed, &images(s, rho(s), seed, Part::Train, context), context);
+        |s: &Scenario, seed: u64| train(s, seed, &images(s, rho_of(s), seed, Part::Train, context), context);
     // a rho that is stated where it would be taken anyway changes nothing
     let unchanged = |s: &Scenario| {
         let mut stated = s.clone();
         stated.channel.rho = usual.channel.rho;
-        stated == usual && rho(s) == rho(&usual)
+        stated == usual && rho_of(s) == rho_of(&usual)
     };
     let conditions = conditions();
     let mut found: Vec<Vec<Cell>> = vec![Vec::new(); conditions.len()];
@@ -142,7 +141,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ro
             (condition.change)(&mut s);
             s.check(&format!("robustness, {} {}", condition.factor, condition.value))?;
             let cell = cells.get(&format!("seed-{seed}-{}", condition.key()), || {
-                let test = images(&s, rho(&s), seed, Part::Test, context);
+                let test = images(&s, rho_of(&s), seed, Part::Test, context);
                 let transfer = match &network {
                     Some(network) => network.test(&s, &test)?,
                     None => network.insert(learn(&usual, seed)?).test(&s, &test)?,

@@ -1,9 +1,11 @@
 //! Accuracy points: CSV `sensing_slots,accuracy[,tested][,std]` with a header line, JSON of the same fields, or this tool's own results
 //! (`run.json`, a study's `learning-curve.json`, what `sdp3 predict --json` printed).
 
+use super::table;
 use crate::error::Invalid;
 use crate::results::CurvePoint;
 use crate::store::limited;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -48,20 +50,17 @@ type Refuse<'a> = dyn Fn(String, &'static str, &str, &'static str) -> PointsErro
 fn csv(text: &str, refuse: &Refuse) -> Result<Vec<CurvePoint>, PointsError> {
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let header = lines.next().map_or("", |(_, line)| line.trim());
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let known = ["sensing_slots", "accuracy", "tested", "std"];
-    let optional = names.get(2..).unwrap_or_default();
-    if names.get(..2) != Some(&known[..2])
-        || !matches!(optional, [] | ["tested"] | ["std"] | ["tested", "std"])
-    {
+    let names = table::cells(header);
+    let legal = ["", ",tested", ",std", ",tested,std"].map(|rest| format!("sensing_slots,accuracy{rest}"));
+    if !legal.contains(&names.join(",")) {
         let legal = "sensing_slots,accuracy, then none, one or both of tested,std";
         return Err(refuse("line 1".into(), "header", &format!("{header:?}"), legal));
     }
     lines
         .map(|(index, line)| {
             let place = || format!("line {}", index + 1);
-            let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-            let cell = |k: usize| cells.get(k).copied().unwrap_or("");
+            let cells = table::cells(line);
+            let cell = |k: usize| cells.get(k).map_or("", String::as_str);
             let number = |k: usize| cell(k).parse::<f64>().ok().filter(|x| x.is_finite());
             let refuse = |k: usize, field, legal| refuse(place(), field, &format!("{:?}", cell(k)), legal);
             if cells.len() != names.len() {
@@ -152,6 +151,7 @@ mod tests {
                 {"sensing_slots":300,"float":0.7,"int8":0.7,"tested":60}]}"#,
             r#"{"rows":[{"sensing_slots":200,"int8":{"mean":0.5,"deviation":0.1},"tested":60},
                 {"sensing_slots":300,"int8":{"mean":0.7,"deviation":0.1},"tested":60}]}"#,
+            "\"sensing_slots\",\"accuracy\",tested\n\n\"200\", 0.5 ,60\n300,\"0.7\",\"60\"\n",
         ];
         for form in forms {
             assert_eq!(of(form).unwrap(), csv, "{form}");

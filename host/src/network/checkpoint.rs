@@ -1,47 +1,36 @@
-//! A training that can go on where it stopped, with the same bits: parameters, optimiser, history.
+//! A training that can go on where it stopped, with the same bits: parameters, optimiser, history. Its file is a record
+//! ([`crate::store::record`]) that belongs to an [`identity`].
 //!
 //! Floats are stored as their bits. Random numbers are functions of seed and epoch and need no state.
 
 use super::parameters::{Architecture, Images, Parameters};
-use crate::error::Invalid;
 use crate::results::Epoch;
 use crate::scenario::Learning;
+use crate::store::digest::sha256;
+use crate::store::record::{Identity, value};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-/// What makes two trainings the same.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Shape of the network.
-    pub architecture: Architecture,
-    /// Settings of the training.
-    pub settings: Learning,
-    /// Seed of weights and shuffling.
-    pub seed: u64,
-    /// SHA-256 of the images and labels, in hexadecimal.
-    pub images: String,
-    pub backend: String,
-}
-
-impl Identity {
-    pub fn new(
-        architecture: Architecture,
-        settings: &Learning,
-        seed: u64,
-        images: &Images,
-        backend: &str,
-    ) -> Identity {
-        let mut hash = Sha256::new();
-        hash.update((images.rows as u64).to_le_bytes());
-        hash.update((images.frames as u64).to_le_bytes());
-        hash.update(images.pixels.iter().map(|&p| p as u8).collect::<Vec<u8>>());
-        hash.update(&images.labels);
-        let images = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        Identity { architecture, settings: settings.clone(), seed, images, backend: backend.into() }
-    }
+/// What makes two trainings the same; the architecture first.
+pub fn identity(
+    architecture: Architecture,
+    settings: &Learning,
+    seed: u64,
+    images: &Images,
+    backend: &str,
+) -> Identity {
+    let pixels: Vec<u8> = images.pixels.iter().map(|&p| p as u8).collect();
+    let [rows, frames] = [images.rows, images.frames].map(|n| (n as u64).to_le_bytes());
+    let images = sha256([&rows[..], &frames, &pixels, &images.labels]);
+    vec![
+        ("architecture", value(&architecture)),
+        ("backend", value(&backend)),
+        ("seed", value(&seed)),
+        ("settings", value(settings)),
+        ("images_sha256", value(&images)),
+    ]
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,7 +50,6 @@ pub struct Best {
 /// A training after a number of epochs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    pub identity: Identity,
     pub epochs: Vec<Epoch>,
     pub parameters: Bits,
     /// The best so far, if there is a validation set.
@@ -70,16 +58,10 @@ pub struct Checkpoint {
     pub optimizer: String,
 }
 
-/// Why a checkpoint cannot be resumed from.
+/// What of a checkpoint cannot be decoded.
 #[derive(Debug, Error, PartialEq)]
-pub enum CheckpointError {
-    /// A field that may not be what it is.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Its contents are damaged.
-    #[error("{0} cannot be decoded")]
-    Damaged(&'static str),
-}
+#[error("{0} cannot be decoded")]
+pub struct Undecodable(pub &'static str);
 
 fn lists(p: &mut Parameters) -> Vec<&mut Vec<f32>> {
     let mut all = vec![&mut p.stem.weights, &mut p.stem.biases];
@@ -105,9 +87,9 @@ impl Bits {
     ///
     /// # Errors
     ///
-    /// [`CheckpointError::Damaged`] unless it has the architecture's size.
-    pub fn parameters(&self, architecture: Architecture) -> Result<Parameters, CheckpointError> {
-        let damaged = CheckpointError::Damaged("parameters");
+    /// [`Undecodable`] unless it has the architecture's size.
+    pub fn parameters(&self, architecture: Architecture) -> Result<Parameters, Undecodable> {
+        let damaged = Undecodable("parameters");
         let Ok(bytes) = STANDARD.decode(&self.0) else { return Err(damaged) };
         let mut parameters = Parameters::initial(architecture, 0);
         let mut lists = lists(&mut parameters);
@@ -124,40 +106,14 @@ impl Bits {
     }
 }
 
-impl Checkpoint {
-    /// Whether it belongs to this training.
-    ///
-    /// # Errors
-    ///
-    /// [`CheckpointError::Invalid`] naming what differs, the architecture first.
-    pub fn check(&self, wanted: &Identity) -> Result<(), CheckpointError> {
-        let found = &self.identity;
-        for (field, value, legal) in [
-            ("architecture", json(&found.architecture), json(&wanted.architecture)),
-            ("backend", json(&found.backend), json(&wanted.backend)),
-            ("seed", json(&found.seed), json(&wanted.seed)),
-            ("settings", json(&found.settings), json(&wanted.settings)),
-            ("digest of the images", json(&found.images), json(&wanted.images)),
-        ] {
-            let legal_text = format!("{legal}; train without --resume to restart");
-            Invalid::unless(value == legal, field, &value, legal_text)?;
-        }
-        Ok(())
-    }
-}
-
-fn json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
-}
-
 /// Bytes as Base64.
 pub(super) fn encode(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
 /// Bytes from Base64.
-pub(super) fn decode(text: &str) -> Result<Vec<u8>, CheckpointError> {
-    STANDARD.decode(text).map_err(|_| CheckpointError::Damaged("optimizer"))
+pub(super) fn decode(text: &str) -> Result<Vec<u8>, Undecodable> {
+    STANDARD.decode(text).map_err(|_| Undecodable("optimizer"))
 }
 
 #[cfg(test)]
@@ -173,28 +129,25 @@ mod tests {
         let bits = Bits::new(&parameters);
         assert_eq!(bits.parameters(SMALL), Ok(parameters));
         let wider = Architecture { channels: 8, ..SMALL };
-        assert_eq!(bits.parameters(wider), Err(CheckpointError::Damaged("parameters")));
+        assert_eq!(bits.parameters(wider), Err(Undecodable("parameters")));
     }
 
     #[test]
-    fn another_training_is_refused_by_name() {
-        let images = stripes(10, 1, 1);
-        let identity = Identity::new(SMALL, &Learning::default(), 7, &images, "flex");
-        let parameters = Bits::new(&trained_looking(SMALL, 3));
-        let checkpoint = Checkpoint {
-            identity: identity.clone(),
-            epochs: vec![],
-            parameters,
-            best: None,
-            optimizer: String::new(),
+    fn a_training_is_known_by_architecture_seed_and_images() {
+        let of = |architecture, seed, images: &Images| {
+            identity(architecture, &Learning::default(), seed, images, "flex")
         };
-        assert_eq!(checkpoint.check(&identity), Ok(()));
-        let refusal = |wanted: &Identity| checkpoint.check(wanted).unwrap_err().to_string();
-        let architecture = Architecture { channels: 8, ..SMALL };
-        let wider = refusal(&Identity { architecture, seed: 8, ..identity.clone() });
-        assert!(wider.starts_with("architecture is {\"channels\":4,"), "{wider}");
-        assert!(wider.contains("must be {\"channels\":8,"), "{wider}");
-        let reseeded = refusal(&Identity { seed: 8, ..identity.clone() });
-        assert!(reseeded.starts_with("seed is 7, must be 8"), "{reseeded}");
+        let usual = of(SMALL, 7, &stripes(10, 1, 1));
+        assert_eq!(usual, of(SMALL, 7, &stripes(10, 1, 1)));
+        let wider = Architecture { channels: 8, ..SMALL };
+        for (other, field) in [
+            (of(wider, 7, &stripes(10, 1, 1)), "architecture"),
+            (of(SMALL, 8, &stripes(10, 1, 1)), "seed"),
+            (of(SMALL, 7, &stripes(10, 1, 2)), "images_sha256"),
+        ] {
+            let different: Vec<_> =
+                usual.iter().zip(&other).filter(|(a, b)| a != b).map(|(a, _)| a.0).collect();
+            assert_eq!(different, [field]);
+        }
     }
 }

@@ -16,7 +16,7 @@ use crate::formats::model_file::{Preprocessing, QuantizedNetwork};
 use crate::formats::tflite::{self, ImportDefaults};
 use crate::progress::Progress;
 use crate::scenario::{Class, Scenario};
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::rho_of;
 use crate::store::limited;
 use crate::store::output::Output;
 
@@ -153,7 +153,7 @@ impl Conversion<'_> {
         let mut scenario = self.scenario.clone();
         scenario.frame.sensing_slots = vec![n.into()];
         scenario.check("command line: --slots")?;
-        let rho = scenario.channel.rho.unwrap_or_else(|| stored_rho(&scenario).0);
+        let rho = rho_of(&scenario);
         let stage = self.progress.stage("simulate", "calibration recordings");
         let per_class = CALIBRATION_PER_CLASS;
         let images = Recordings { scenario: &scenario, rho, seed: self.seed, part: Part::Train, per_class }
@@ -188,9 +188,7 @@ fn written(
     bytes: &[u8],
     quantization: Option<QuantizationReport>,
 ) -> Result<Exchanged, Failure> {
-    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let name = to.file_name().unwrap_or_default().to_string_lossy();
-    Output::create(folder)?.write(&name, bytes)?;
+    Output::write_file(to, bytes)?;
     Ok(Exchanged { from: from.to_owned(), to: to.to_owned(), bytes: bytes.len(), quantization })
 }
 

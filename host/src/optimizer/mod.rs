@@ -18,6 +18,7 @@ pub(crate) mod zones;
 pub use operating_point::Rule;
 
 use crate::error::Invalid;
+use crate::formats::table;
 use crate::predictor::bootstrap::interval;
 use crate::results::{Case, Curve, CurvePoint, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
@@ -198,6 +199,18 @@ pub fn cases(curve: &Curve, scenario: &Scenario, rule: Rule, seed: u64) -> Resul
     all.map(|index| Ok(price(curve, scenario, rule, index, seed)?.case)).collect()
 }
 
+/// Columns of the boundary as CSV.
+const BOUNDARY: [&str; 8] = [
+    "case",
+    "sensing_slots",
+    "accuracy",
+    "throughput_bit",
+    "closed_form_bit",
+    "pareto",
+    "zone",
+    "communication_slots",
+];
+
 /// The boundary of every case and the point `rule` chooses in case `trade.case`; `points` are those that the curve was fitted to,
 /// `replicates` the curve as other tests would have it, for the bands.
 ///
@@ -219,9 +232,7 @@ pub fn optimise(
         outcome.push(price(curve, scenario, rule, index, seed)?);
     }
     let mut region = Vec::new();
-    let mut boundary = String::from(
-        "case,sensing_slots,accuracy,throughput_bit,closed_form_bit,pareto,zone,communication_slots\n",
-    );
+    let mut boundary = Vec::new();
     let weighted: Vec<WeightedPoint> = outcome.iter().flat_map(weighted).collect();
     let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
     let operating = operating.map(|point| point.sensing_slots);
@@ -234,14 +245,16 @@ pub fn optimise(
             let (n, zone) = (p.sensing_slots, zones.at(p.sensing_slots));
             let closed_form_bit = theorem.throughput_bit(f64::from(n));
             let shares: Vec<String> = p.shares.iter().map(u32::to_string).collect();
-            boundary += &format!(
-                "{},{n},{},{},{closed_form_bit},{front},{},{}\n",
-                case.case,
-                p.accuracy,
-                p.throughput_bit,
-                zone.name(),
-                shares.join(" ")
-            );
+            boundary.push(vec![
+                case.case.to_string(),
+                n.to_string(),
+                p.accuracy.to_string(),
+                p.throughput_bit.to_string(),
+                closed_form_bit.to_string(),
+                front.to_string(),
+                zone.name().to_owned(),
+                shares.join(" "),
+            ]);
             if !chosen.contains(&n) && !measured(n) && !region::shown(scenario, range, n) {
                 continue;
             }
@@ -267,6 +280,7 @@ pub fn optimise(
         case.operating_point.clone().ok_or_else(|| OptimizerError::unreachable(rule, points))?;
     let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
     let cases = outcome.into_iter().map(|priced| priced.case).collect();
+    let boundary = table::csv(&BOUNDARY, boundary);
     Ok(Outcome { region, boundary, weighted, cases, spacings, operating_point })
 }
 

@@ -44,8 +44,9 @@ struct Slot {
 }
 
 impl Job {
-    /// A note of the time that `work` will take on `workers` processors.
-    pub fn say_expected(&self, work: Work, rho: f64, workers: usize) {
+    /// A note of the time that `work` will take.
+    pub(super) fn say_expected(&self, work: Work, rho: f64) {
+        let workers = self.workers;
         let seconds = seconds(&self.scenario, work, slot(&self.scenario, rho, self.seed), workers);
         let l = &self.scenario.learning;
         let (classes, networks) = (Class::ALL.len() as u32, self.scenario.frame.sensing_slots.len());

@@ -2,7 +2,7 @@
 //!
 //! Section IV of the paper; one network for each N_s of the scenario.
 
-use super::{Job, Learned};
+use super::Job;
 use crate::dataset::Stored;
 use crate::error::Failure;
 use crate::network::checkpoint::Checkpoint;
@@ -12,8 +12,9 @@ use crate::network::parameters::Parameters;
 use crate::network::spectrograms::{Collected, Part, collect_from};
 use crate::network::training::{self, Backend, train_all};
 use crate::network::tuning::quantize_tuned;
-use crate::results::{Confusion, Epoch, Training};
+use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
+use crate::store::record::{self, Fault};
 
 /// Float networks of every N_s.
 pub struct Trained {
@@ -27,28 +28,21 @@ pub struct Trained {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct How {
     pub backend: Backend,
-    /// Whether a checkpoint is written after every epoch, and the scenario beside them.
-    pub checkpoints: bool,
     /// Whether to go on from the checkpoints that are there.
     pub resume: bool,
 }
 
-/// Histories as CSV: one row per network and epoch; the validation's columns stay empty without one.
-pub fn history(training: &[Training]) -> String {
-    let mut text = String::from("sensing_slots,epoch,loss,accuracy,validation_loss,validation_accuracy\n");
-    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-    for t in training {
-        for (k, e) in t.epochs.iter().enumerate() {
-            let validation = [number(e.validation_loss), number(e.validation_accuracy)].join(",");
-            text += &format!("{},{},{},{},{validation}\n", t.sensing_slots, k + 1, e.loss, e.accuracy);
-        }
-    }
-    text
+/// Networks and how well they recognise.
+pub struct Learned {
+    /// Model files in the order of `frame.sensing_slots`.
+    pub models: Vec<Vec<u8>>,
+    pub accuracy: Vec<Accuracy>,
+    pub confusion: Vec<Confusion>,
 }
 
 impl Job {
     /// Images of the recordings learned from or tested with, with progress.
-    pub fn collect(&self, rho: f64, part: Part, what: &str) -> Collected {
+    pub(super) fn collect(&self, rho: f64, part: Part, what: &str) -> Collected {
         let l = &self.scenario.learning;
         let count = if part == Part::Test { l.test_per_class } else { l.train_per_class };
         let stage = self.progress.stage("simulate", what);
@@ -62,7 +56,7 @@ impl Job {
     /// # Errors
     ///
     /// A part that cannot be used.
-    pub fn collect_stored(&self, stored: &Stored) -> Result<Collected, Failure> {
+    pub(super) fn collect_stored(&self, stored: &Stored) -> Result<Collected, Failure> {
         let stage = self.progress.stage("read", "training recordings");
         let (mut found, mut done) = (Collected { images: Vec::new() }, 0);
         stored.each(|recordings| {
@@ -74,41 +68,42 @@ impl Job {
         Ok(found)
     }
 
-    /// Trains one network per N_s, `workers` side by side; the result does not depend on `workers`.
+    /// Trains one network per N_s, several side by side, with a checkpoint after every epoch and the scenario beside them; the
+    /// result does not depend on the number of threads.
     ///
     /// # Errors
     ///
     /// Images that do not fit the settings; checkpoints of other trainings, or that cannot be written or read.
-    pub fn train(&self, train: &Collected, workers: usize, how: How) -> Result<Trained, Failure> {
+    pub(super) fn train(&self, train: &Collected, how: How) -> Result<Trained, Failure> {
         let s = &self.scenario;
         let slots = &s.frame.sensing_slots;
         let name = |n: u32| format!("models/dsn-{n}.checkpoint.json");
-        let mut jobs = Vec::new();
+        let (mut jobs, mut identities) = (Vec::new(), Vec::new());
         for (&n, images) in slots.iter().zip(&train.images) {
-            let resume = match how.resume && self.output.path(&name(n)).exists() {
-                true => {
-                    Some(self.output.read_json::<Checkpoint>(&name(n), "train without --resume makes it")?)
-                }
-                false => None,
-            };
             let seed = self.seed ^ (u64::from(n) << 32);
-            let job = training::Job { seed, backend: how.backend, resume };
-            let checked = job.check(images, &s.learning, Class::ALL.len());
-            checked.map_err(|e| format!("{}: {e}", self.output.path(&name(n)).display()))?;
+            let mut job = training::Job { seed, backend: how.backend, resume: None };
+            let identity = job.identity(images, &s.learning, Class::ALL.len());
+            if how.resume {
+                let path = self.output.path(&name(n));
+                job.resume = match record::read(&path, &identity)? {
+                    Err(Fault::Missing) => None,
+                    found => Some(
+                        found.map_err(|fault| fault.refusal(&path, "train without --resume to restart"))?,
+                    ),
+                };
+            }
             jobs.push(job);
+            identities.push(identity);
         }
-        if how.checkpoints {
-            // what the checkpoints are of; those that are there have been checked
-            self.output.write("scenario.toml", s.to_toml().as_bytes())?;
-        }
+        // what the checkpoints are of; those that are there have been checked
+        self.output.write("scenario.toml", s.to_toml().as_bytes())?;
         let stage = self.progress.stage("train", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
         let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();
         stage.at(done, total);
         let watch = |job: usize, state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| {
-            if how.checkpoints {
-                self.output.write_json(&name(slots[job]), &state()).map_err(|e| e.to_string())?;
-            }
+            record::write(&self.output, &name(slots[job]), &identities[job], &state())
+                .map_err(|e| e.to_string())?;
             if let Some(e) = epochs.last() {
                 let validation = e.validation_loss.zip(e.validation_accuracy);
                 let validation = validation.map(|(l, a)| format!(", validation {l:.3} {a:.3}"));
@@ -119,7 +114,7 @@ impl Job {
             stage.step(total);
             Ok(())
         };
-        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), workers, &watch)?;
+        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), self.workers, &watch)?;
         let last = trained.last().and_then(|t| t.epochs.last());
         let (loss, accuracy) = last.map_or((f64::NAN, f64::NAN), |e| (e.loss, e.accuracy));
         stage.finish(&format!("{} networks, last loss {loss:.3}, accuracy {accuracy:.3}", trained.len()));
@@ -141,7 +136,11 @@ impl Job {
     /// # Errors
     ///
     /// Weights that do not fit the format.
-    pub fn quantize(&self, networks: &[Parameters], train: &Collected) -> Result<Vec<Vec<u8>>, Failure> {
+    pub(super) fn quantize(
+        &self,
+        networks: &[Parameters],
+        train: &Collected,
+    ) -> Result<Vec<Vec<u8>>, Failure> {
         let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
         let stage = self.progress.stage("quantize", "int8 models");
         let mut models = Vec::new();
@@ -164,9 +163,9 @@ impl Job {
     /// # Errors
     ///
     /// Any of the steps'.
-    pub fn learn(&self, rho: f64, workers: usize, how: How) -> Result<(Learned, Trained), Failure> {
+    pub(super) fn learn(&self, rho: f64, how: How) -> Result<(Learned, Vec<Training>), Failure> {
         let train = self.collect(rho, Part::Train, "training recordings");
-        let mut trained = self.train(&train, workers, how)?;
+        let mut trained = self.train(&train, how)?;
         let models = self.quantize(&trained.parameters, &train)?;
         let images = self.collect(rho, Part::Test, "test recordings").images;
         let stage = self.progress.stage("run", "networks on the test recordings");
@@ -185,7 +184,6 @@ impl Job {
         let words: Vec<String> =
             accuracy.iter().map(|a| format!("{} {:.3}", a.sensing_slots, a.int8)).collect();
         stage.finish(&format!("int8 accuracy by N_s: {}", words.join(", ")));
-        let training = trained.training.clone();
-        Ok((Learned { models, accuracy, training, confusion: confusions }, trained))
+        Ok((Learned { models, accuracy, confusion: confusions }, trained.training))
     }
 }

@@ -1,8 +1,9 @@
 //! The tables of the page: conformance, instructions, learning curves.
 
 use super::plot::{escape, grouped, number};
+use crate::formats::table;
 use crate::predictor::{Model, paper};
-use crate::results::{ChannelTable, Figures, Prediction, Verify};
+use crate::results::{ChannelTable, Figures, Prediction, SweepRow, Verify};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -185,4 +186,34 @@ pub fn channels(table: &ChannelTable) -> String {
         }
     }
     text.trim_end().to_owned()
+}
+
+/// Operating points over the axes of `optimize --sweep`, a line each, cells apart by `delimiter`.
+pub fn sweep(rows: &[SweepRow], period_s: f64, delimiter: u8) -> String {
+    let header = [
+        "carrier_hz",
+        "power_w",
+        "receivers",
+        "distance",
+        "case",
+        "sensing_slots",
+        "accuracy",
+        "throughput_bit",
+        "throughput_mbit_s",
+    ];
+    let some = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+    let row = |r: &SweepRow| {
+        vec![
+            r.carrier_hz.to_string(),
+            r.power_w.to_string(),
+            r.receivers.to_string(),
+            r.distance.to_string(),
+            r.case.to_string(),
+            some(r.sensing_slots.map(f64::from)),
+            some(r.accuracy),
+            some(r.throughput_bit),
+            some(r.throughput_bit.map(|bit| bit / period_s / 1e6)),
+        ]
+    };
+    table::delimited(delimiter, &header, rows.iter().map(row))
 }

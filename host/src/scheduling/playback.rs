@@ -1,8 +1,15 @@
 //! One period of a plan as the core's scheduler plays it.
 
+use super::campaign::radar::Station;
+use crate::network::memory::OwnedMemory;
 use crate::optimizer::OptimizerError;
-use crate::results::{OperatingPoint, RegionPoint, Schedule, SlotPlan};
-use sdp3_core::scheduler::{Plan, Sequencer, SlotUse};
+use crate::optimizer::shares::integer_rates;
+use crate::results::{OperatingPoint, Recognised, RegionPoint, Schedule, SlotPlan};
+use crate::scenario::{Class, Scenario};
+use crate::simulator::dataset::{Set, recording};
+use sdp3_core::dsn::Model;
+use sdp3_core::early_exit::EarlyExit;
+use sdp3_core::scheduler::{Plan, Scheduler, SensingLayout, Sequencer, SlotUse, USERS};
 
 /// Slots and columns of a [`SlotPlan`].
 const FIRST: usize = 80;
@@ -64,6 +71,41 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
     Ok(schedule)
 }
 
+/// The core's station on an adult walking, with the largest model that fits the point's sensing slots.
+pub fn recognise(
+    scenario: &Scenario,
+    seed: u64,
+    point: &OperatingPoint,
+    rho: f64,
+    models: &[Vec<u8>],
+) -> Option<Recognised> {
+    let parsed = models.iter().filter_map(|bytes| Model::parse(bytes).ok());
+    let model = parsed
+        .filter(|m| m.sensing_slots() <= point.sensing_slots as usize)
+        .max_by_key(Model::sensing_slots)?;
+    let class = Class::AdultWalking;
+    let slots = recording(scenario, rho, seed, Set::Demo, class, 1, point.sensing_slots).slots;
+    let mut memory = OwnedMemory::for_model(&model);
+    let pipeline = memory.early_exits(vec![EarlyExit::single(model)], 2.0).ok()?;
+    let sensing = SensingLayout::new(point.period_slots, point.spacing_slots, point.sensing_slots).ok()?;
+    let mut rates = [0; USERS];
+    rates.iter_mut().zip(integer_rates(&point.slot_bit)).for_each(|(rate, own)| *rate = own);
+    let mut station = Station::new(Scheduler::new(sensing, rates), pipeline);
+    let mut signal = slots.iter();
+    let mut found = None;
+    for _ in 0..point.period_slots {
+        if station.begin() == SlotUse::Sensing {
+            found = station.sensed(signal.next()?).or(found);
+        }
+    }
+    let found = found?;
+    Some(Recognised {
+        truth: class.name().to_owned(),
+        class: model.class_name(usize::from(found.class)).to_owned(),
+        confidence: f64::from(found.confidence),
+    })
+}
+
 /// One period of a boundary's point; N and N_m are those of `like`.
 ///
 /// # Errors
@@ -97,7 +139,6 @@ mod tests {
     use super::*;
     use crate::optimizer::{Outcome, Rule, optimise};
     use crate::results::{Curve, Parameters};
-    use crate::scenario::Scenario;
 
     fn outcome(rule: Rule) -> Result<Outcome, OptimizerError> {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };

@@ -168,6 +168,16 @@ impl Output {
         Ok(output)
     }
 
+    /// Writes a file of its own, whole or not at all, in a folder that is made if need be; its path.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Write`] naming folder or file.
+    pub(crate) fn write_file(file: &Path, bytes: &[u8]) -> Result<PathBuf, OutputError> {
+        let folder = parent(file).unwrap_or(Path::new("."));
+        Output::create(folder)?.write(&file.file_name().unwrap_or_default().to_string_lossy(), bytes)
+    }
+
     /// The same folder for results of a seed.
     pub fn of_seed(self, seed: u64) -> Self {
         Output { seed: Some(seed), ..self }

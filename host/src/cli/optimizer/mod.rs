@@ -2,17 +2,14 @@
 
 mod schedule;
 
-use super::context::{Context, count, one_of, stored_models};
-use super::{job, simulator};
+use super::context::{Context, count, one_of};
 use crate::error::{Failure, Invalid};
-use crate::formats::points;
 use crate::optimizer::Rule;
-use crate::optimizer::sweep::{self, Sweep};
-use crate::pipeline::Job;
-use crate::predictor::{Model, best_curve, fit_all, predict as fitted};
-use crate::report::{self, figures, plot::Medium};
-use crate::results::{Curve, CurvePoint, Optimum, SweepRow};
-use crate::scenario::Scenario;
+use crate::optimizer::sweep::Sweep;
+use crate::pipeline;
+use crate::predictor::Model;
+use crate::report::{anytime, tables};
+use crate::results::Optimum;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -76,33 +73,8 @@ fn pair(text: &str) -> Result<(f64, f64), String> {
     numbers.ok_or_else(|| "two numbers with a comma between them".into())
 }
 
-/// The accuracies of `--out`'s run.
-fn stored_points(job: &Job) -> Result<Vec<CurvePoint>, Failure> {
-    let run = job::stored(job)?;
-    let point = |a: &crate::results::Accuracy| CurvePoint {
-        sensing_slots: f64::from(a.sensing_slots),
-        accuracy: a.int8,
-        tested: Some(f64::from(a.tested)),
-        std: None,
-    };
-    Ok(run.accuracy.iter().map(point).collect())
-}
-
-pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
-    let prediction = match &args.points {
-        Some(file) => fitted(&points::read(file)?, context.common.seed())
-            .map_err(|e| format!("{}: {e}", file.display()))?,
-        None => fitted(&stored_points(&context.job()?)?, context.common.seed())?,
-    };
-    let job = context.job()?;
-    job.output.write_json("predict.json", &prediction)?;
-    context.draw(&job, "predict", &figures::learning_curve(&prediction, &[]).svg(Medium::SINGLE))?;
-    context.print(&prediction, || report::tables::prediction(&prediction))?;
-    Ok(true)
-}
-
-/// The rule that the command line or else the scenario states.
-fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
+/// The rule that is stated, if one is.
+fn rule(args: &RuleArgs) -> Result<Option<Rule>, Failure> {
     let share = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
         true => Ok(value),
         false => Err(Invalid::option(name, value, "0 to 1")),
@@ -111,99 +83,47 @@ fn rule(args: &RuleArgs, scenario: &Scenario) -> Result<Rule, Failure> {
         true => Ok(value),
         false => Err(Invalid::option(name, value, "a number of at least 0")),
     };
-    if let Some(a) = args.accuracy {
-        return Ok(Rule::AccuracyAtLeast(share("--accuracy", a)?));
-    }
-    if let Some(r) = args.throughput {
-        return Ok(Rule::ThroughputAtLeast(positive("--throughput", r)?));
-    }
-    if let Some((a, r)) = args.weights {
-        return Ok(Rule::Weights(positive("--weights (WA)", a)?, positive("--weights (WR)", r)?));
-    }
-    Ok(Rule::Weighted(share("--weight", args.weight.unwrap_or(scenario.trade.accuracy_weight))?))
+    Ok(match *args {
+        RuleArgs { accuracy: Some(a), .. } => Some(Rule::AccuracyAtLeast(share("--accuracy", a)?)),
+        RuleArgs { throughput: Some(r), .. } => Some(Rule::ThroughputAtLeast(positive("--throughput", r)?)),
+        RuleArgs { weights: Some((a, r)), .. } => {
+            Some(Rule::Weights(positive("--weights (WA)", a)?, positive("--weights (WR)", r)?))
+        }
+        RuleArgs { weight: Some(weight), .. } => Some(Rule::Weighted(share("--weight", weight)?)),
+        _ => None,
+    })
 }
 
-pub fn optimize(context: &Context, ask: OptimizeArgs) -> Result<bool, Failure> {
-    let job = &context.job()?;
-    let rule = rule(&ask.rule, &job.scenario)?;
-    let (points, origin) = match &ask.points {
-        Some(file) => (points::read(file)?, format!("{}: ", file.display())),
-        None => (stored_points(job)?, String::new()),
+pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
+    // points of a file are read before a folder is made for the results
+    let prediction = match &args.points {
+        Some(file) => pipeline::predict_file(file, context.common.seed())?,
+        None => context.job()?.predict_run()?,
     };
-    let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
-    let curve = match &ask.curve {
-        None => best_curve(&prediction),
-        Some(model) => {
-            let found = prediction.models.iter().find(|m| m.name == model.name());
-            let m = found.ok_or_else(|| {
-                format!("command line: --curve {}: it has no fit through these points", model.name())
-            })?;
-            Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }
-        }
-    };
-    if !ask.sweep.is_empty() {
-        if job.scenario.communication.slot_bit.is_some() {
-            return Err(
-                "command line: --sweep varies channels; communication.slot_bit states links without one"
-                    .into(),
-            );
-        }
-        let rows = sweep::rows(&job.scenario, &curve, rule, &ask.sweep, job.seed)?;
-        let period_s = job.scenario.period_s();
-        context.record(job, "optimize")?;
-        job.output.write("sweep.csv", sweep_table(&rows, period_s, ",").as_bytes())?;
-        context.print(&rows, || sweep_table(&rows, period_s, "\t").trim_end().to_owned())?;
-        return Ok(true);
-    }
-    job.note_room();
-    let outcome = job.optimize(&curve, &points, rule)?;
-    let value = Optimum {
-        curve,
-        region: outcome.region,
-        operating_point: outcome.operating_point,
-        weighted: outcome.weighted,
-        cases: outcome.cases,
-        spacings: outcome.spacings,
-        zone_ratio: job.scenario.trade.zone_ratio,
-    };
-    context.record(job, "optimize")?;
-    job.output.write("boundary.csv", outcome.boundary.as_bytes())?;
-    job.output.write_result("optimize.json", &value)?;
-    let region = figures::region(&value.region, &value.operating_point, &value.cases, &points);
-    context.draw(job, "optimize", &region.svg(Medium::SINGLE))?;
-    context.print(&value, || words(&value))?;
+    context.job()?.keep_prediction(&prediction)?;
+    context.print(&prediction, || tables::prediction(&prediction))?;
     Ok(true)
 }
 
-fn sweep_table(rows: &[SweepRow], period_s: f64, comma: &str) -> String {
-    let head = [
-        "carrier_hz",
-        "power_w",
-        "receivers",
-        "distance",
-        "case",
-        "sensing_slots",
-        "accuracy",
-        "throughput_bit",
-        "throughput_mbit_s",
-    ];
-    let mut text = head.join(comma) + "\n";
-    for r in rows {
-        let some = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x}"));
-        let cells = [
-            r.carrier_hz.to_string(),
-            r.power_w.to_string(),
-            r.receivers.to_string(),
-            r.distance.to_string(),
-            r.case.to_string(),
-            some(r.sensing_slots.map(f64::from)),
-            some(r.accuracy),
-            some(r.throughput_bit),
-            some(r.throughput_bit.map(|bit| bit / period_s / 1e6)),
-        ];
-        text += &(cells.join(comma) + "\n");
+pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure> {
+    let job = context.job()?;
+    let rule = rule(&args.rule)?;
+    let (curve, points) = job.learning_curve(args.points.as_deref(), args.curve)?;
+    if args.sweep.is_empty() {
+        let found = job.optimum(curve, &points, rule)?;
+        context.print(&found, || words(&found))?;
+    } else {
+        let rows = job.vary_links(&curve, rule, &args.sweep)?;
+        let period_s = job.scenario.period_s();
+        context.print(&rows, || tables::sweep(&rows, period_s, b'\t').trim_end().to_owned())?;
     }
-    text
+    Ok(true)
+}
+
+pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
+    let (found, period_s) = context.job()?.anytime(args.calibrate_per_class, rule(&args.rule)?)?;
+    context.print(&found, || anytime::table(&found, period_s))?;
+    Ok(true)
 }
 
 fn words(found: &Optimum) -> String {
@@ -241,22 +161,4 @@ fn words(found: &Optimum) -> String {
         1.0 / ratio
     );
     text
-}
-
-fn models(job: &Job) -> Result<Vec<Vec<u8>>, Failure> {
-    const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
-    stored_models(job, QUANTIZE_FIRST)
-}
-
-pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
-    let mut job = context.job()?;
-    job.scenario = context.trained(&job)?;
-    let rule = rule(&args.rule, &job.scenario)?;
-    let found = job.anytime(simulator::rho(&job.scenario), &models(&job)?, args.calibrate_per_class, rule)?;
-    context.record(&job, "anytime")?;
-    job.output.write_result("anytime.json", &found)?;
-    let period_s = job.scenario.period_s();
-    context.draw(&job, "anytime", &report::anytime::region(&found, period_s).svg(Medium::SINGLE))?;
-    context.print(&found, || report::anytime::table(&found, period_s))?;
-    Ok(true)
 }

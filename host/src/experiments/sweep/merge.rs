@@ -4,9 +4,10 @@
 //! through their int8 means, the zones, and the operating point by the scenario's weight.
 
 use super::plan::{PLAN, Sweep};
-use super::store::{Fault, Store};
+use super::store::Store;
 use crate::PROGRAM;
 use crate::error::Failure;
+use crate::formats::table;
 use crate::optimizer::{Rule, cases};
 use crate::predictor::{best_curve, fit_all};
 use crate::results::{
@@ -14,6 +15,7 @@ use crate::results::{
 };
 use crate::scenario::{Class, Scenario};
 use crate::store::output::Output;
+use crate::store::record::Fault;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -74,7 +76,7 @@ pub fn merge(folder: &Path, partial: bool) -> Result<Merged, Failure> {
         groups,
     };
     let [csv, json] = if partial { PARTIAL } else { [CSV, JSON] };
-    output.write(csv, table(&merged).as_bytes())?;
+    output.write(csv, rows(&merged).as_bytes())?;
     output.write_result(json, &merged)?;
     Ok(merged)
 }
@@ -119,21 +121,24 @@ fn words(cell: &Cell) -> String {
 }
 
 /// A row for every cell.
-fn table(merged: &Merged) -> String {
+fn rows(merged: &Merged) -> String {
     let cases = merged.cells.iter().map(|m| m.throughput.len()).max().unwrap_or(0);
-    let mut text = String::from("cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,chance");
-    (1..=cases).for_each(|case| text += &format!(",throughput_bit_{case}"));
-    for Measurement { cell, accuracy, throughput } in &merged.cells {
+    let cell = ["cell", "scenario", "carrier_hz", "rho", "sensing_slots", "seed"];
+    let throughputs: Vec<String> = (1..=cases).map(|case| format!("throughput_bit_{case}")).collect();
+    let header = cell.into_iter().chain(["float", "int8", "tested", "chance"]);
+    let header: Vec<&str> = header.chain(throughputs.iter().map(String::as_str)).collect();
+    let row = |Measurement { cell, accuracy, throughput }: &Measurement| {
         let Cell { index, scenario, carrier_hz, rho, sensing_slots, seed } = cell;
-        let _ = write!(
-            text,
-            "\n{index},{scenario},{carrier_hz},{rho},{sensing_slots},{seed},{},{},{},{}",
-            accuracy.float, accuracy.int8, accuracy.tested, merged.chance
-        );
-        let bits = |t: Option<&Throughput>| t.map_or_else(String::new, |t| t.throughput_bit.to_string());
-        (0..cases).for_each(|case| text += &format!(",{}", bits(throughput.get(case))));
-    }
-    text + "\n"
+        let bits = |case| {
+            throughput.get(case).map_or_else(String::new, |t: &Throughput| t.throughput_bit.to_string())
+        };
+        let numbers = [carrier_hz.to_string(), rho.to_string(), sensing_slots.to_string(), seed.to_string()];
+        let found =
+            [accuracy.float, accuracy.int8, f64::from(accuracy.tested), merged.chance].map(|x| x.to_string());
+        let named = [index.to_string(), scenario.clone()];
+        named.into_iter().chain(numbers).chain(found).chain((0..cases).map(bits)).collect()
+    };
+    table::csv(&header, merged.cells.iter().map(row))
 }
 
 /// What the seeds say together, scenario by carrier by rho.

@@ -1,12 +1,12 @@
 //! The plan: axes in TOML, resolved to one file that needs no other, expanded to cells.
 
 use crate::PROGRAM;
-use crate::dataset::sha256;
 use crate::error::{Failure, Invalid};
 use crate::results::Cell;
 use crate::scenario::{Scenario, syntax_message};
 use crate::simulator::calibration::{stored_elsewhere, stored_rho};
 use crate::simulator::dataset;
+use crate::store::digest::sha256;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
 use crate::store::resume::ensure_same_config;
@@ -120,7 +120,7 @@ impl Sweep {
         plan.seeds.get_or_insert_with(|| vec![seed.unwrap_or(1)]);
         Check { file }.plan(&plan)?;
         let cells = expand(&plan, file)?;
-        let digest = sha256(format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes());
+        let digest = sha256([format!("{PROGRAM}\n{}", plan.to_toml()).as_bytes()]);
         Ok(Sweep { plan, digest, cells })
     }
 
@@ -136,6 +136,19 @@ impl Sweep {
             }
         }
         words
+    }
+
+    /// The number of shards that is asked for, or else `absent`.
+    ///
+    /// # Errors
+    ///
+    /// More shards than cells.
+    pub(crate) fn shards(&self, asked: Option<u32>, absent: u32) -> Result<u32, Invalid> {
+        let (shards, cells) = (asked.unwrap_or(absent), self.cells.len() as u32);
+        match shards <= cells {
+            true => Ok(shards),
+            false => Err(Invalid::option("--shards", shards, format!("1 to {cells}, the plan's cells"))),
+        }
     }
 
     /// Begins the folder of this plan or goes on with it: [`PLAN`].

@@ -2,12 +2,13 @@
 
 use super::cell::measure;
 use super::plan::Sweep;
-use super::store::{Fault, Store};
+use super::store::Store;
 use crate::dataset::Shard;
 use crate::error::Failure;
 use crate::experiments::RunContext;
 use crate::results::Swept;
-use crate::store::output::{Output, OutputError};
+use crate::store::output::Output;
+use crate::store::record::Fault;
 
 /// Makes what is missing of a shard's cells. A damaged cell is made again; a foreign one is refused before anything is made.
 ///
@@ -19,9 +20,8 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, context: RunContext) ->
     let store = Store::of(sweep, output.folder());
     let (mut made, mut kept) = (0, 0);
     for (cell, _) in mine(sweep, shard) {
-        if let Err(Fault::Foreign(reason)) = store.read(cell)? {
-            let reason = format!("{reason}; use another --out, or remove this file");
-            return Err(OutputError::Content { path: store.path(cell), reason }.into());
+        if let Err(fault @ Fault::Foreign(_)) = store.read(cell)? {
+            return Err(fault.refusal(&store.path(cell), "use another --out, or remove this file").into());
         }
     }
     let total = mine(sweep, shard).count();
@@ -47,7 +47,7 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, context: RunContext) ->
             cell.seed
         );
         context.progress.note("sweep", &text);
-        store.keep(output, measure(cell, scenario, context)?)?;
+        store.keep(output, &measure(cell, scenario, context)?)?;
         made += 1;
     }
     let mut missing = 0;

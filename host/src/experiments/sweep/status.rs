@@ -1,10 +1,11 @@
 //! Where a sweep stands: which cells are there, shard by shard, and how long the others will take.
 
 use super::plan::Sweep;
-use super::store::{CELLS, Fault, Store};
+use super::store::{CELLS, Store};
 use crate::dataset::Shard;
 use crate::error::Failure;
 use crate::results::{ShardStatus, SweepStatus};
+use crate::store::record::Fault;
 use std::path::Path;
 use std::time::SystemTime;
 

@@ -21,11 +21,12 @@ use steps::{optimizer, rate};
 
 use super::backbone::Workspace;
 use super::burn_model::Network;
-use super::checkpoint::{Best, Bits, Checkpoint, CheckpointError, Identity, decode, encode};
+use super::checkpoint::{Best, Bits, Checkpoint, Undecodable, decode, encode, identity};
 use super::float_network::first_maximum;
 use super::parameters::{Architecture, Images, Parameters, shuffled};
 use crate::results::Epoch;
 use crate::scenario::Learning;
+use crate::store::record::Identity;
 
 /// Why a training could not begin.
 #[derive(Debug, Error)]
@@ -35,7 +36,7 @@ pub enum TrainingError {
     Invalid(#[from] Invalid),
     /// A checkpoint that cannot be resumed from.
     #[error("checkpoint: {0}")]
-    Checkpoint(#[from] CheckpointError),
+    Checkpoint(#[from] Undecodable),
     /// What the caller found wrong after an epoch.
     #[error("training: {0}")]
     Watch(String),
@@ -97,30 +98,23 @@ pub struct Job {
     pub seed: u64,
     /// Where it runs.
     pub backend: Backend,
-    /// Where to go on, instead of at the beginning.
+    /// Where to go on, instead of at the beginning; of this very training.
     pub resume: Option<Checkpoint>,
 }
 
 impl Job {
-    fn identity(&self, images: &Images, settings: &Learning, classes: usize) -> Identity {
-        let architecture = Architecture {
-            channels: usize::from(settings.channels),
-            blocks: usize::from(settings.blocks),
-            stem_stride: usize::from(settings.stem_stride),
-            classes,
-        };
-        Identity::new(architecture, settings, self.seed, images, self.backend.name())
+    /// What its checkpoints belong to.
+    pub fn identity(&self, images: &Images, settings: &Learning, classes: usize) -> Identity {
+        identity(architecture(settings, classes), settings, self.seed, images, self.backend.name())
     }
+}
 
-    /// Whether the checkpoint, if there is one, is of this training.
-    ///
-    /// # Errors
-    /// What differs, the architecture first.
-    pub fn check(&self, images: &Images, settings: &Learning, classes: usize) -> Result<(), CheckpointError> {
-        match &self.resume {
-            Some(checkpoint) => checkpoint.check(&self.identity(images, settings, classes)),
-            None => Ok(()),
-        }
+fn architecture(settings: &Learning, classes: usize) -> Architecture {
+    Architecture {
+        channels: usize::from(settings.channels),
+        blocks: usize::from(settings.blocks),
+        stem_stride: usize::from(settings.stem_stride),
+        classes,
     }
 }
 
@@ -213,7 +207,8 @@ fn check(images: &Images, settings: &Learning, classes: usize) -> Result<(), Tra
 struct Learner<'a> {
     images: &'a Images,
     settings: &'a Learning,
-    identity: Identity,
+    architecture: Architecture,
+    seed: u64,
     backend: Backend,
     network: Network,
     optimizer: ModuleOptimizer,
@@ -232,16 +227,14 @@ impl<'a> Learner<'a> {
         classes: usize,
         job: &Job,
     ) -> Result<Learner<'a>, TrainingError> {
-        let identity = job.identity(images, settings, classes);
-        let architecture = identity.architecture;
+        let architecture = architecture(settings, classes);
         let mut parameters = Parameters::initial(architecture, job.seed);
         let mut optimizer = optimizer(settings);
         let (mut epochs, mut best) = (Vec::new(), None);
         if let Some(checkpoint) = &job.resume {
-            checkpoint.check(&identity)?;
             parameters = checkpoint.parameters.parameters(architecture)?;
             let bytes = Bytes::from_bytes_vec(decode(&checkpoint.optimizer)?);
-            optimizer = optimizer.from_bytes(bytes).map_err(|_| CheckpointError::Damaged("optimizer"))?;
+            optimizer = optimizer.from_bytes(bytes).map_err(|_| Undecodable("optimizer"))?;
             (epochs, best) = (checkpoint.epochs.clone(), checkpoint.best.clone());
         }
         let (train, validate) = split(&images.labels, settings.validation);
@@ -251,7 +244,8 @@ impl<'a> Learner<'a> {
         Ok(Learner {
             images,
             settings,
-            identity,
+            architecture,
+            seed: job.seed,
             backend,
             network,
             optimizer,
@@ -269,7 +263,7 @@ impl<'a> Learner<'a> {
             watch(&|| self.checkpoint(), &self.epochs).map_err(TrainingError::Watch)?;
         }
         let parameters = match &self.best {
-            Some(best) => best.parameters.parameters(self.identity.architecture)?,
+            Some(best) => best.parameters.parameters(self.architecture)?,
             None => self.network.parameters(),
         };
         Ok(Trained { parameters, epochs: self.epochs })
@@ -283,7 +277,6 @@ impl<'a> Learner<'a> {
 
     fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
-            identity: self.identity.clone(),
             epochs: self.epochs.clone(),
             parameters: Bits::new(&self.network.parameters()),
             best: self.best.clone(),
@@ -293,16 +286,16 @@ impl<'a> Learner<'a> {
 
     fn epoch(&mut self) {
         let number = self.epochs.len();
-        let classes = self.identity.architecture.classes;
+        let classes = self.architecture.classes;
         let device = self.backend.device().autodiff();
-        let order = shuffled(self.train.len(), self.identity.seed, number as u64);
+        let order = shuffled(self.train.len(), self.seed, number as u64);
         let batches = batches(self.train.len(), self.settings.batch as usize);
         let steps = batches.len() * self.settings.epochs as usize;
         let (mut loss_sum, mut right) = (0.0, 0);
         for (index, range) in batches.iter().enumerate() {
             let batch: Vec<usize> = order[range.clone()].iter().map(|&i| self.train[i]).collect();
             let mut augmented = Batch::of(self.images, &batch, classes);
-            augment(&mut augmented, self.settings, &mut stream(self.identity.seed, number, index));
+            augment(&mut augmented, self.settings, &mut stream(self.seed, number, index));
             let (input, truth) = augmented.tensors(&device);
             let logits = match self.backend {
                 Backend::Flex => self.network.forward_batch(input, &self.workspace),
@@ -336,7 +329,7 @@ impl<'a> Learner<'a> {
         let network = Network::new(&self.network.parameters(), &device);
         let (mut loss, mut right) = (0.0, 0);
         for batch in self.validate.chunks(100) {
-            let classes = self.identity.architecture.classes;
+            let classes = self.architecture.classes;
             let (input, truth) = Batch::of(self.images, batch, classes).tensors(&device);
             let logits = network.forward(input);
             right += self.right(&logits, batch);
@@ -349,7 +342,7 @@ impl<'a> Learner<'a> {
     fn right(&self, logits: &Tensor<2>, batch: &[usize]) -> usize {
         let answers: Vec<f32> = logits.to_data().iter::<f32>().collect();
         let labels = batch.iter().map(|&i| self.images.labels[i]);
-        let answers = answers.chunks(self.identity.architecture.classes).zip(labels);
+        let answers = answers.chunks(self.architecture.classes).zip(labels);
         answers.filter(|(l, label)| first_maximum(l) == *label).count()
     }
 }
@@ -441,7 +434,7 @@ mod tests {
             assert_eq!(resumed, whole, "{optimizer:?}");
             let wider = Learning { channels: 8, ..settings };
             let error = train(&images, &wider, 5, &rest, 2, &|_, _| Ok(())).unwrap_err().to_string();
-            assert!(error.starts_with("checkpoint: architecture is {\"channels\":4"), "{error}");
+            assert_eq!(error, "checkpoint: parameters cannot be decoded");
         }
     }
 

@@ -4,12 +4,16 @@
 //! Every slot's decision is the core's. The scheduler's properties are checked in every period; violations are counted
 //! and described.
 
-pub(crate) mod environment;
-pub(crate) mod invariants;
+mod environment;
+mod invariants;
 pub(crate) mod plain;
 pub(crate) mod radar;
-pub(crate) mod trace;
+mod simulate;
+mod trace;
 
+pub use simulate::{Exits, simulate};
+
+use crate::error::Invalid;
 use crate::optimizer::shares::integer_rates;
 use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
 use crate::scenario::Scenario;
@@ -42,8 +46,33 @@ pub struct Settings {
     pub recognise_every: u32,
 }
 
+impl Settings {
+    /// Refuses what is outside its range, by the names of the command line; also the confidence that ends sensing early.
+    ///
+    /// # Errors
+    ///
+    /// The first such option.
+    pub fn check(&self, scenario: &Scenario, threshold: Option<f64>) -> Result<(), Invalid> {
+        let most = scenario.frame.period_slots / (scenario.frame.spacing_slots + 1);
+        for (name, value, low, high) in [
+            ("--sensing-slots", Some(f64::from(self.sensing_slots)), 0.0, f64::from(most)),
+            ("--threshold", threshold, 0.0, 1.0),
+            ("--coherence", Some(self.coherence_s), 1e-3, 1e12),
+            ("--load", self.load, 0.0, 1e3),
+            ("--churn", Some(self.churn), 0.0, 1.0),
+            ("--loss", Some(self.loss), 0.0, 1.0),
+            ("--retarget", Some(self.retarget), 0.0, 1.0),
+        ] {
+            if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+                return Err(Invalid::option(name, value, format!("{low} to {high}")));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The scheduler alone, or with the radar's pipeline.
-pub enum Loop<'m, 'b> {
+enum Loop<'m, 'b> {
     Schedule(Box<Scheduler>),
     Station(Box<Radar<'m, 'b>>),
 }
@@ -76,7 +105,7 @@ impl Loop<'_, '_> {
 /// # Errors
 ///
 /// [`PlanError`] if N_s does not fit.
-pub fn scheduler(
+fn scheduler(
     scenario: &Scenario,
     settings: &Settings,
     environment: &Environment,
@@ -95,7 +124,7 @@ fn rates(environment: &Environment) -> [u32; USERS] {
     rates
 }
 
-pub fn play(
+fn play(
     scenario: &Scenario,
     settings: &Settings,
     mut environment: Environment,

@@ -9,7 +9,7 @@ pub(crate) mod intensity;
 pub(crate) mod resample;
 pub(crate) mod stored;
 
-pub use stored::{stored_elsewhere, stored_rho};
+pub use stored::{rho_of, stored_elsewhere, stored_rho};
 
 use super::channel::{BLOCKS, Complex64};
 use super::dataset::{Set, Simulation};

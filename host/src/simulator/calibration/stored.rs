@@ -58,6 +58,11 @@ pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
     })
 }
 
+/// The scenario's rho, or else the stored one.
+pub fn rho_of(scenario: &Scenario) -> f64 {
+    scenario.channel.rho.unwrap_or_else(|| stored_rho(scenario).0)
+}
+
 /// What is wrong with the stored rho for this scenario, in words: a row of another carrier or slot interval (5 % count as equal).
 pub fn stored_elsewhere(scenario: &Scenario) -> Option<String> {
     let row = nearest(scenario)?;

@@ -1,0 +1,77 @@
+//! Schedule as a command: one period of the operating point, or a campaign of many.
+
+use super::Job;
+use super::trade::QUANTIZE_FIRST;
+use crate::error::Failure;
+use crate::report::timeline;
+use crate::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
+use crate::scheduling::campaign::{Exits, Settings, plain, simulate};
+use crate::scheduling::playback;
+
+impl Job {
+    /// One period of the run's operating point: `schedule.json` and a figure.
+    ///
+    /// # Errors
+    ///
+    /// No run, or numbers that are not a plan.
+    pub fn schedule(&self) -> Result<Schedule, Failure> {
+        let schedule = playback::play(&self.run()?.operating_point)?;
+        self.output.write_result("schedule.json", &schedule)?;
+        self.draw_period(&schedule.timeline)?;
+        Ok(schedule)
+    }
+
+    /// Many periods: `campaign.json`, `trace.json` and a figure of the first. With a `threshold` sensing may end early. The period
+    /// in s is returned too.
+    ///
+    /// # Errors
+    ///
+    /// Settings outside their ranges; models or early exits that are not there.
+    pub fn campaign(
+        mut self,
+        settings: &Settings,
+        threshold: Option<f64>,
+    ) -> Result<(Campaign, f64), Failure> {
+        if settings.recognise_every > 0 {
+            self.scenario = self.trained_scenario()?;
+        }
+        settings.check(&self.scenario, threshold)?;
+        self.record("schedule")?;
+        let stage = self.progress.stage("schedule", "periods");
+        let models = if settings.recognise_every > 0 { self.models(QUANTIZE_FIRST)? } else { Vec::new() };
+        let exits = match threshold {
+            Some(threshold) if settings.recognise_every > 0 => Exits::Fitted(self.fitted_exits()?, threshold),
+            _ => Exits::None,
+        };
+        let played =
+            simulate(&self.scenario, settings, self.seed, &models, &exits, &|done, all| stage.at(done, all))?;
+        let found = played.campaign;
+        stage.finish(&format!("{} decisions, {} violations", found.decisions, found.broken.len()));
+        if settings.recognise_every == 0 {
+            self.progress.note("schedule", &plain::speeds(&played.plan, found.decisions, played.took_s));
+        }
+        self.output.write("trace.json", played.trace.as_bytes())?;
+        self.output.write_result("campaign.json", &found)?;
+        self.draw_period(&found.timeline)?;
+        Ok((found, self.scenario.period_s()))
+    }
+
+    /// The exits that `sdp3 anytime` fitted to the models.
+    fn fitted_exits(&self) -> Result<Vec<AnytimeExit>, Failure> {
+        let known: AnytimeResult =
+            self.output.read_json("anytime.json", "`sdp3 anytime` with the same --out makes it")?;
+        let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
+        let own = &self.scenario.frame.sensing_slots;
+        match slots == *own {
+            true => Ok(known.exits),
+            false => {
+                Err(format!("anytime.json: exits = {slots:?} are not frame.sensing_slots = {own:?}").into())
+            }
+        }
+    }
+
+    /// The (first) period's slots as a picture.
+    fn draw_period(&self, runs: &[(i32, u32)]) -> Result<(), Failure> {
+        self.draw("timeline", &timeline::svg(runs, self.scenario.period_s()))
+    }
+}

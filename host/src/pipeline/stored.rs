@@ -1,0 +1,147 @@
+//! What an earlier command left in the output folder: its run, its scenario, its models.
+
+use super::{Job, draw};
+use crate::error::{Failure, Invalid};
+use crate::formats::model_file::check_use;
+use crate::results::{Accuracy, CurvePoint, Figures, Run};
+use crate::scenario::Scenario;
+use crate::store::output::OutputError;
+use crate::store::resume::difference;
+use std::path::PathBuf;
+
+/// What makes the files of a run.
+pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
+
+/// Where the folder has the int8 network of so many sensing slots.
+fn model_name(sensing_slots: u32) -> String {
+    format!("models/dsn-{sensing_slots}.sdp3")
+}
+
+/// Accuracies as points of the learning curve.
+pub fn points(accuracy: &[Accuracy]) -> Vec<CurvePoint> {
+    let point = |a: &Accuracy| CurvePoint {
+        sensing_slots: f64::from(a.sensing_slots),
+        accuracy: a.int8,
+        tested: Some(f64::from(a.tested)),
+        std: None,
+    };
+    accuracy.iter().map(point).collect()
+}
+
+impl Job {
+    /// The run's results.
+    ///
+    /// # Errors
+    ///
+    /// No run, or a file that is none.
+    pub fn run(&self) -> Result<Run, OutputError> {
+        self.output.read_json("run.json", RUN_FIRST)
+    }
+
+    /// The seed of what was made with `own`: one that is given must be the same.
+    ///
+    /// # Errors
+    ///
+    /// Another one, in the words for `file`.
+    pub(super) fn seed_of(&self, own: u64, file: &str) -> Result<u64, Failure> {
+        match self.given.seed {
+            Some(seed) if seed != own => {
+                Err(Invalid::option("--seed", seed, format!("{own}, the seed of {file}")).into())
+            }
+            _ => Ok(own),
+        }
+    }
+
+    /// The run's resolved scenario, which nothing changes any more: one that is given must be the same.
+    ///
+    /// # Errors
+    ///
+    /// The first field that differs; no scenario.
+    pub(super) fn run_scenario(&self) -> Result<Scenario, Failure> {
+        let made = self.output.path("scenario.toml");
+        let found = Scenario::load(&made)?;
+        let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
+        let mut asked = self.trained_scenario()?;
+        if self.given.scenario.is_some() && asked.learning != found.learning {
+            // the run's preset may have been quick
+            let (quick, _) = Scenario::quick(self.given.scenario.as_deref(), &self.given.set)?;
+            asked = Some(quick).filter(|quick| quick.learning == found.learning).unwrap_or(asked);
+        }
+        match difference("", &json(&found), &json(&asked)) {
+            None => Ok(found),
+            Some((field, found, asked)) => Err(format!(
+                "{}: {field} = {found}, but the command line says {asked}: what has been made is not changed; another --out takes \
+                 another scenario",
+                made.display()
+            )
+            .into()),
+        }
+    }
+
+    /// The scenario that the folder's networks were trained in, or the one that is given; with what is set over it.
+    ///
+    /// # Errors
+    ///
+    /// A scenario that is missing or cannot be.
+    pub(super) fn trained_scenario(&self) -> Result<Scenario, Failure> {
+        if self.given.scenario.is_some() {
+            return Ok(self.scenario.clone());
+        }
+        Ok(Scenario::resolve(Some(&self.output.path("scenario.toml")), &self.given.set)?)
+    }
+
+    /// The models of every N_s of the scenario, each for its radar; `hint` says what makes them.
+    ///
+    /// # Errors
+    ///
+    /// A model that is missing or of another radar.
+    pub(super) fn models(&self, hint: &'static str) -> Result<Vec<Vec<u8>>, Failure> {
+        let stored = |&slots: &u32| {
+            let name = model_name(slots);
+            let bytes = self.output.read(&name, hint)?;
+            let path = self.output.path(&name);
+            check_use(&bytes, &self.scenario, slots).map_err(|e| format!("{}: {e}", path.display()))?;
+            Ok(bytes)
+        };
+        self.scenario.frame.sensing_slots.iter().map(stored).collect()
+    }
+
+    /// Writes the models of every N_s of the scenario.
+    #[cfg(feature = "train")]
+    pub(super) fn write_models(&self, models: &[Vec<u8>]) -> Result<Vec<PathBuf>, OutputError> {
+        let slots = &self.scenario.frame.sensing_slots;
+        models.iter().zip(slots).map(|(bytes, &n)| self.output.write(&model_name(n), bytes)).collect()
+    }
+
+    /// Writes the scenario that a command's results are of beside them: `COMMAND-scenario.toml`.
+    pub(super) fn record(&self, command: &str) -> Result<(), OutputError> {
+        self.output.write(&format!("{command}-scenario.toml"), self.scenario.to_toml().as_bytes())?;
+        Ok(())
+    }
+
+    /// A picture beside the results.
+    pub(super) fn draw(&self, name: &str, svg: &str) -> Result<(), Failure> {
+        draw(&self.output, name, svg)
+    }
+
+    /// Draws the page and the figures of the run again; the page's path.
+    ///
+    /// # Errors
+    ///
+    /// A run that is not there, or of another scenario than the one given.
+    pub fn report(self) -> Result<PathBuf, Failure> {
+        let run = self.run()?;
+        let figures: Figures = self.output.read_json("figures.json", RUN_FIRST)?;
+        let scenario = self.run_scenario()?;
+        Job { scenario, ..self }.page(&run, &figures)
+    }
+
+    /// Pictures and page of a run; the page's path.
+    pub(super) fn page(&self, run: &Run, figures: &Figures) -> Result<PathBuf, Failure> {
+        let page = crate::report::page(run, figures, &self.scenario.to_toml());
+        for (name, bytes) in crate::report::paper::files(run, figures)? {
+            self.output.write(&format!("figures/{name}"), &bytes)?;
+        }
+        Ok(self.output.write("report.html", page.as_bytes())?)
+    }
+}

@@ -1,0 +1,86 @@
+//! Studies as commands: cells that are kept, a table, figures.
+
+use super::Job;
+use crate::error::Failure;
+use crate::experiments::baselines::{self, Baselines};
+use crate::experiments::cells::Cells;
+use crate::experiments::fidelity::{self, Fidelity};
+use crate::experiments::learning_curve::{self, LearningCurve};
+use crate::experiments::robustness::{self, Robustness};
+use crate::experiments::{Request, RunContext, Study, labelled};
+use crate::recordings::Stated;
+use crate::report;
+use serde::Serialize;
+use std::path::Path;
+
+/// What a study found.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum Found {
+    LearningCurve(Box<LearningCurve>),
+    Robustness(Robustness),
+    Fidelity(Box<Fidelity>),
+    Baselines(Baselines),
+}
+
+impl Found {
+    /// The result in words.
+    pub fn table(&self, request: &Request) -> String {
+        match self {
+            Found::LearningCurve(found) => learning_curve::table(request, found),
+            Found::Robustness(found) => robustness::table(request, found),
+            Found::Fidelity(found) => fidelity::table(request, found),
+            Found::Baselines(found) => baselines::table(request, found),
+        }
+    }
+
+    /// Its figures, by name.
+    fn figures(&self) -> Vec<(String, String)> {
+        match self {
+            Found::LearningCurve(found) => {
+                vec![("learning-curve".into(), report::studies::learning_curve(found))]
+            }
+            Found::Robustness(found) => vec![("robustness".into(), report::studies::robustness(found))],
+            Found::Fidelity(found) => report::fidelity::pictures(found),
+            Found::Baselines(found) => vec![("baselines".into(), report::studies::baselines(found))],
+        }
+    }
+}
+
+impl Job {
+    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`].
+    ///
+    /// # Errors
+    ///
+    /// A folder of another study; whatever a training or a recording says.
+    pub fn study(
+        &self,
+        study: Study,
+        seeds: u32,
+        measured: Option<(&Path, &Stated)>,
+    ) -> Result<(Request, Found), Failure> {
+        let request =
+            Request { study: study.name(), seed: self.seed, seeds, scenario: self.scenario.clone() };
+        let cells = Cells::open(&self.output, &request)?;
+        self.warn_of_few_tests();
+        self.warn_of_rho();
+        let context = RunContext { progress: self.progress, workers: self.workers };
+        let found = match study {
+            Study::LearningCurve => {
+                Found::LearningCurve(Box::new(learning_curve::study(&request, &cells, context)?))
+            }
+            Study::Robustness => Found::Robustness(robustness::study(&request, &cells, context)?),
+            Study::Fidelity => {
+                let recordings =
+                    measured.map(|(folder, stated)| labelled::read(folder, stated)).transpose()?;
+                let found = fidelity::study(&request, &cells, recordings.unwrap_or_default(), context)?;
+                Found::Fidelity(Box::new(found))
+            }
+            Study::Baselines => Found::Baselines(baselines::study(&request, &cells, context)?),
+        };
+        for (name, svg) in found.figures() {
+            self.draw(&name, &svg)?;
+        }
+        Ok((request, found))
+    }
+}

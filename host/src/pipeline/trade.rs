@@ -1,0 +1,219 @@
+//! Predict and optimize: the learning curve, the accuracy-throughput region, the operating point, early exits.
+
+use super::{Job, stored};
+use crate::error::{Failure, Invalid};
+use crate::formats::points;
+use crate::network::early_exits::Policy;
+use crate::network::early_exits::calibration::weights;
+use crate::network::evaluation::Networks;
+use crate::network::spectrograms::Part;
+use crate::optimizer::sweep::{self, Sweep};
+use crate::optimizer::{Outcome, Rule, anytime, optimise};
+use crate::predictor::bootstrap::replicates;
+use crate::predictor::{Model, best_curve, fit_all, predict};
+use crate::report::{self, figures, plot::Medium};
+use crate::results::{Accuracy, AnytimeResult, Curve, CurvePoint, Optimum, Prediction, SweepRow};
+use sdp3_core::early_exit::EXITS;
+use std::path::Path;
+
+/// What makes int8 networks.
+pub(super) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
+
+/// The curves through the points of a file.
+///
+/// # Errors
+///
+/// A file that is none of points; too few of them.
+pub fn predict_file(file: &Path, seed: u64) -> Result<Prediction, Failure> {
+    Ok(predict(&points::read(file)?, seed).map_err(|e| format!("{}: {e}", file.display()))?)
+}
+
+impl Job {
+    /// The learning curve through accuracies.
+    ///
+    /// # Errors
+    ///
+    /// Too few points.
+    pub(super) fn predict(&self, accuracy: &[Accuracy]) -> Result<(Prediction, Curve), Failure> {
+        let prediction = predict(&stored::points(accuracy), self.seed)?;
+        let curve = best_curve(&prediction);
+        let text = format!("A(N_s) by {}, rmse {:.4}", curve.model, curve.rmse);
+        self.progress.note("predict", &text);
+        Ok((prediction, curve))
+    }
+
+    /// The curves through the accuracies of the run in the output folder.
+    ///
+    /// # Errors
+    ///
+    /// No run; too few points.
+    pub fn predict_run(&self) -> Result<Prediction, Failure> {
+        Ok(predict(&stored::points(&self.run()?.accuracy), self.seed)?)
+    }
+
+    /// Writes and draws a prediction.
+    ///
+    /// # Errors
+    ///
+    /// A folder that cannot be written.
+    pub fn keep_prediction(&self, prediction: &Prediction) -> Result<(), Failure> {
+        self.output.write_json("predict.json", prediction)?;
+        self.draw("predict", &figures::learning_curve(prediction, &[]).svg(Medium::SINGLE))
+    }
+
+    /// The learning curve through the points of a file, or else the accuracies of the run: the best one, or `model`'s.
+    ///
+    /// # Errors
+    ///
+    /// No points; too few of them for that curve.
+    pub fn learning_curve(
+        &self,
+        file: Option<&Path>,
+        model: Option<Model>,
+    ) -> Result<(Curve, Vec<CurvePoint>), Failure> {
+        let (points, origin) = match file {
+            Some(file) => (points::read(file)?, format!("{}: ", file.display())),
+            None => (stored::points(&self.run()?.accuracy), String::new()),
+        };
+        let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
+        let Some(model) = model else { return Ok((best_curve(&prediction), points)) };
+        let found = prediction.models.iter().find(|m| m.name == model.name());
+        let m = found.ok_or_else(|| {
+            format!("command line: --curve {}: it has no fit through these points", model.name())
+        })?;
+        Ok((Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }, points))
+    }
+
+    /// Region and operating point.
+    ///
+    /// # Errors
+    ///
+    /// See [`crate::optimizer::OptimizerError`].
+    pub(super) fn optimize(
+        &self,
+        curve: &Curve,
+        points: &[CurvePoint],
+        rule: Option<Rule>,
+    ) -> Result<Outcome, Failure> {
+        let stage = self.progress.stage("optimize", "accuracy against throughput");
+        let replicates = replicates(curve, points, self.seed);
+        let outcome = optimise(curve, points, &replicates, &self.scenario, self.rule(rule), self.seed)?;
+        let p = &outcome.operating_point;
+        stage.finish(&format!(
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user",
+            p.sensing_slots,
+            p.accuracy,
+            p.throughput_bit,
+            p.throughput_bit / p.period_s / 1e6
+        ));
+        Ok(outcome)
+    }
+
+    /// Region and operating point as files: `boundary.csv`, `optimize.json`, a figure.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::optimize`]; a folder that cannot be written.
+    pub fn optimum(
+        &self,
+        curve: Curve,
+        points: &[CurvePoint],
+        rule: Option<Rule>,
+    ) -> Result<Optimum, Failure> {
+        self.note_room();
+        let outcome = self.optimize(&curve, points, rule)?;
+        let found = Optimum {
+            curve,
+            region: outcome.region,
+            operating_point: outcome.operating_point,
+            weighted: outcome.weighted,
+            cases: outcome.cases,
+            spacings: outcome.spacings,
+            zone_ratio: self.scenario.trade.zone_ratio,
+        };
+        self.record("optimize")?;
+        self.output.write("boundary.csv", outcome.boundary.as_bytes())?;
+        self.output.write_result("optimize.json", &found)?;
+        let region = figures::region(&found.region, &found.operating_point, &found.cases, points);
+        self.draw("optimize", &region.svg(Medium::SINGLE))?;
+        Ok(found)
+    }
+
+    /// The operating points of other links: `sweep.csv`.
+    ///
+    /// # Errors
+    ///
+    /// Links that are stated, not computed; a value no scenario has; a folder that cannot be written.
+    pub fn vary_links(
+        &self,
+        curve: &Curve,
+        rule: Option<Rule>,
+        axes: &[Sweep],
+    ) -> Result<Vec<SweepRow>, Failure> {
+        if self.scenario.communication.slot_bit.is_some() {
+            return Err(
+                "command line: --sweep varies channels; communication.slot_bit states links without one"
+                    .into(),
+            );
+        }
+        let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
+        self.record("optimize")?;
+        let table = report::tables::sweep(&rows, self.scenario.period_s(), b',');
+        self.output.write("sweep.csv", table.as_bytes())?;
+        Ok(rows)
+    }
+
+    /// The rule that is given, or else the scenario's weight.
+    fn rule(&self, given: Option<Rule>) -> Rule {
+        given.unwrap_or(Rule::Weighted(self.scenario.trade.accuracy_weight))
+    }
+
+    /// Early exits of the models in the output folder, in the scenario that they were trained in: `anytime.json` and a figure. The
+    /// period of that scenario in s is returned too.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::fit_exits`]; models that are not there.
+    pub fn anytime(mut self, per_class: u32, rule: Option<Rule>) -> Result<(AnytimeResult, f64), Failure> {
+        self.scenario = self.trained_scenario()?;
+        let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;
+        self.record("anytime")?;
+        self.output.write_result("anytime.json", &found)?;
+        let period_s = self.scenario.period_s();
+        self.draw("anytime", &report::anytime::region(&found, period_s).svg(Medium::SINGLE))?;
+        Ok((found, period_s))
+    }
+
+    /// Fits early exits on recordings that follow those trained on, and states what they reach on the test recordings.
+    ///
+    /// # Errors
+    ///
+    /// Models the core refuses; more exits than it takes; a rule no point satisfies.
+    fn fit_exits(
+        &self,
+        rho: f64,
+        models: &[Vec<u8>],
+        per_class: u32,
+        rule: Rule,
+    ) -> Result<AnytimeResult, Failure> {
+        let s = &self.scenario;
+        if models.len() > EXITS {
+            let most = EXITS;
+            return Err(
+                Invalid::new("frame.sensing_slots (exits)", models.len(), format!("1 to {most}")).into()
+            );
+        }
+        let networks = Networks::parse(models, &s.frame.sensing_slots)?;
+        let gather = |part: Part, per_class: u32, what: &str| {
+            let stage = self.progress.stage("early exits", what);
+            let recordings = self.recordings(rho, part, per_class);
+            let found = networks.recordings(&recordings, &|done, all| stage.at(done, all));
+            stage.finish(&format!("{what}: {per_class} of each class"));
+            found
+        };
+        let calibration = gather(Part::Calibration, per_class, "recordings to calibrate on");
+        let test = gather(Part::Test, s.learning.test_per_class, "test recordings");
+        let policy = Policy::new(&calibration.slots, weights(&calibration));
+        Ok(anytime::outcome(s, self.seed, &policy, &calibration, &test, rule)?)
+    }
+}

@@ -1,0 +1,140 @@
+//! Train and quantise as commands of their own: networks from simulated recordings or a dataset.
+
+use super::Job;
+use super::expected::Work;
+use super::learn::How;
+use crate::dataset::Stored;
+use crate::error::Failure;
+use crate::formats::table;
+use crate::network::parameters::Parameters;
+use crate::network::recipe::Recipe;
+use crate::network::safetensors;
+use crate::network::spectrograms::{Collected, Part};
+use crate::network::training::Backend;
+use crate::results::{Epoch, Training};
+use crate::scenario::Scenario;
+use std::path::{Path, PathBuf};
+
+/// How to train, beside the scenario.
+#[derive(Debug, Clone)]
+pub struct Train {
+    /// Whether sizes that nobody stated are the quick ones.
+    pub quick: bool,
+    /// A dataset; `None`: recordings are simulated.
+    pub data: Option<PathBuf>,
+    /// `None`: the scenario's.
+    pub recipe: Option<Recipe>,
+    /// Whether to go on from the checkpoints that are there.
+    pub resume: bool,
+    pub backend: Backend,
+}
+
+/// Where the folder has the float network of so many sensing slots.
+fn network_name(sensing_slots: u32) -> String {
+    format!("models/dsn-{sensing_slots}.json")
+}
+
+/// Histories as CSV: one row per network and epoch; the validation's columns stay empty without one.
+fn history(training: &[Training]) -> String {
+    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
+    let row = |n: u32, k: usize, e: &Epoch| {
+        let Epoch { loss, accuracy, validation_loss, validation_accuracy } = e;
+        let learned = [n.to_string(), (k + 1).to_string(), loss.to_string(), accuracy.to_string()];
+        learned.into_iter().chain([validation_loss, validation_accuracy].map(|&v| number(v))).collect()
+    };
+    let rows = training
+        .iter()
+        .flat_map(|t| t.epochs.iter().enumerate().map(move |(k, e)| row(t.sensing_slots, k, e)));
+    let header = ["sensing_slots", "epoch", "loss", "accuracy", "validation_loss", "validation_accuracy"];
+    table::csv(&header, rows)
+}
+
+impl Job {
+    /// Takes the quick sizes, if asked to, and notes those that it set.
+    pub(super) fn size(&mut self, quick: bool) -> Result<(), Failure> {
+        if quick {
+            let (scenario, sizes) = Scenario::quick(self.given.scenario.as_deref(), &self.given.set)?;
+            self.scenario = scenario;
+            if !sizes.is_empty() {
+                let text = format!("quick: {sizes}; --preset paper takes the scenario's sizes");
+                self.progress.note("preset", &text);
+            }
+        }
+        Ok(())
+    }
+
+    /// Images of the training recordings that the scenario asks for.
+    fn simulated(&self) -> Collected {
+        self.collect(self.rho(), Part::Train, "training recordings")
+    }
+
+    /// Trains the networks and writes their parameters and histories.
+    ///
+    /// # Errors
+    ///
+    /// A dataset or checkpoints that do not fit; a folder that cannot be written.
+    pub fn train_networks(mut self, ask: &Train) -> Result<Vec<Training>, Failure> {
+        self.size(ask.quick)?;
+        if let Some(recipe) = ask.recipe {
+            recipe.apply(&mut self.scenario.learning);
+        }
+        let images = match &ask.data {
+            Some(folder) => {
+                let stored = Stored::open(folder)?;
+                let asked = self.scenario.learning.windows;
+                self.scenario = stored.scenario(&self.scenario, self.given.scenario.is_some())?;
+                if self.scenario.learning.windows != asked {
+                    let slots = stored.slots();
+                    let text =
+                        format!("recordings of {slots} slots have no room for {asked} windows: one of each");
+                    self.progress.note("read", &text);
+                }
+                self.collect_stored(&stored)?
+            }
+            None => {
+                self.warn_of_rho();
+                self.say_expected(Work::Train, self.rho());
+                self.simulated()
+            }
+        };
+        let trained = self.train(&images, How { backend: ask.backend, resume: ask.resume })?;
+        self.output.write("training.csv", history(&trained.training).as_bytes())?;
+        for (parameters, n) in trained.parameters.iter().zip(&self.scenario.frame.sensing_slots) {
+            self.output.write_json(&network_name(*n), parameters)?;
+        }
+        self.output.write_json("training.json", &trained.training)?;
+        Ok(trained.training)
+    }
+
+    /// Converts the networks of the output folder into model files, ranges measured on a dataset or simulated recordings.
+    ///
+    /// # Errors
+    ///
+    /// Networks that are not there or damaged; a dataset that does not fit; a folder that cannot be written.
+    pub fn quantize_networks(mut self, data: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
+        const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
+        self.scenario = self.run_scenario()?;
+        let networks = self
+            .scenario
+            .frame
+            .sensing_slots
+            .iter()
+            .map(|n| {
+                let name = network_name(*n);
+                let network: Parameters = self.output.read_json(&name, TRAIN_FIRST)?;
+                let checked = safetensors::check(&network);
+                checked.map_err(|e| format!("{}: {e}", self.output.path(&name).display()))?;
+                Ok(network)
+            })
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let images = match data {
+            Some(folder) => {
+                let stored = Stored::open(folder)?;
+                stored.scenario(&self.scenario, true)?;
+                self.collect_stored(&stored)?
+            }
+            None => self.simulated(),
+        };
+        Ok(self.write_models(&self.quantize(&networks, &images)?)?)
+    }
+}
