@@ -4,7 +4,6 @@
 //! for several instants side by side.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
-use wide::f64x4;
 
 /// What a kinematic formula may do with a number.
 pub trait Real:
@@ -112,28 +111,28 @@ impl Real for Dual {
 /// Instants side by side.
 pub const LANES: usize = 4;
 
-/// The same number at [`LANES`] instants, in vector registers. IEEE operations only (no fused multiply-add), so that the bits do
-/// not depend on the processor.
+/// The same number at [`LANES`] instants, which the compiler puts in vector registers. IEEE operations only (no fused
+/// multiply-add), so that the bits do not depend on the processor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lanes(f64x4);
+pub struct Lanes([f64; LANES]);
 
 impl Lanes {
     /// From the instants' values.
     #[inline(always)]
     pub fn new(values: [f64; LANES]) -> Self {
-        Lanes(f64x4::new(values))
+        Lanes(values)
     }
 
     #[inline(always)]
     pub fn to_array(self) -> [f64; LANES] {
-        self.0.to_array()
+        self.0
     }
 
     /// The number minus its nearest integer.
     #[inline(always)]
     pub fn fraction(self) -> Self {
-        let magic = f64x4::splat(6_755_399_441_055_744.0); // 1.5 * 2^52: adding it rounds
-        Lanes(self.0 - ((self.0 + magic) - magic))
+        const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52: adding it rounds
+        Lanes(self.0.map(|x| x - ((x + MAGIC) - MAGIC)))
     }
 }
 
@@ -143,7 +142,7 @@ macro_rules! lanewise {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self {
-                Lanes(self.0 $op o.0)
+                Lanes(std::array::from_fn(|lane| self.0[lane] $op o.0[lane]))
             }
         }
     };
@@ -157,7 +156,7 @@ impl Neg for Lanes {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Lanes(-self.0)
+        Lanes(self.0.map(|x| -x))
     }
 }
 
@@ -193,11 +192,11 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], x: Lanes) -> Lanes {
 impl Real for Lanes {
     #[inline(always)]
     fn of(x: f64) -> Self {
-        Lanes(f64x4::splat(x))
+        Lanes([x; LANES])
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Lanes(self.0.sqrt())
+        Lanes(self.0.map(f64::sqrt))
     }
     /// Error below 3e-11.
     #[inline(always)]
