@@ -1,12 +1,16 @@
 //! The two contexts of a radar module on the host: the slot interrupt and the task take turns as the test says.
 
+mod support;
+
 use core::sync::atomic::Ordering::Relaxed;
 use rand_core::SeedableRng;
+use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Model, Shape};
-use sdp3_core::early_exit::EarlyExit;
+use sdp3_core::early_exit::{EXITS, EarlyExit};
 use sdp3_core::pipeline::Pipeline;
 use sdp3_core::radar::{
-    Event, ProcessingContext, Progress, RadarModule, SLOT_BUFFERS, Settings, SlotAction, SlotContext,
+    Event, ProcessingContext, Progress, RadarMemory, RadarModule, SLOT_BUFFERS, Settings, SlotAction,
+    SlotContext,
 };
 use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
 use sdp3_core::supervision::retained::Retained;
@@ -407,4 +411,134 @@ fn what_does_not_fit_is_named() {
     let close = SensingLayout::new(400, 1, 200).unwrap();
     assert_eq!(with(close), Some(Error::Deadline { need: 62, have: 50 }));
     assert_eq!(with(SensingLayout::new(4000, 3, 1000).unwrap()), None, "the default is in time");
+}
+
+/// Exits of networks of random numbers, and the memory of the largest.
+const EXIT_SLOTS: [u16; 3] = [144, 200, 264];
+const THREE: Shape = Shape {
+    sensing_slots: 264,
+    frames: 18,
+    channels: support::CHANNELS,
+    stem_stride: 2,
+    radar: RadarConfig::PAPER,
+};
+
+/// An exit, and what a recognition by it costs in steps of processing, as a pipeline alone shows it.
+struct Cost {
+    exit: EarlyExit<'static>,
+    slots: u32,
+    /// Until the slow time is made: then the next recording has room again.
+    slow_time: u32,
+    /// Until the classification.
+    recognition: u32,
+    /// One for each kilobyte of the model without its checksum, also a begun one, and one for what is found.
+    check: u32,
+}
+
+impl Cost {
+    fn of(file: &'static [u8]) -> Self {
+        let model = Model::parse(file).expect("a model");
+        let exit = EarlyExit { model, weights: [1000; EXITS] };
+        let slots = model.sensing_slots();
+        let mut memory = support::Memory::of(&model);
+        let mut pipeline: Pipeline<'_, '_> =
+            Pipeline::new([exit], 2.0, memory.view()).expect("enough memory");
+        let samples = support::noise_slots(slots + 1, 4);
+        let (next, samples) = samples.split_last().expect("samples");
+        samples.iter().for_each(|slot| assert_eq!(pipeline.push(slot, &mut ()), Ok(())));
+        pipeline.reset();
+        while pipeline.push(next, &mut ()).is_ok() {}
+        let (mut recognition, mut slow_time) = (0, None);
+        loop {
+            let done = pipeline.step(&mut ()).is_some();
+            recognition += 1;
+            if slow_time.is_none() && pipeline.push(next, &mut ()).is_ok() {
+                slow_time = Some(recognition);
+            }
+            if done {
+                let slow_time = slow_time.expect("room before the classification");
+                let check = (file.len() - 4).div_ceil(1024) as u32 + 1;
+                return Cost { exit, slots: slots as u32, slow_time, recognition, check };
+            }
+        }
+    }
+}
+
+/// What is not in time by these exits in this layout. A slot has room for one step.
+fn late(exits: &[Cost], layout: SensingLayout) -> Option<Error> {
+    let (period, apart, sensing) = (layout.period(), layout.spacing() + 1, layout.slots());
+    let reached: Vec<_> = exits.iter().filter(|exit| exit.slots <= sensing).collect();
+    let first = reached[0].slots;
+    let mut tasks = Vec::new();
+    // until the next exit is due: its slots are taken, and the recognition before it is over
+    for pair in reached.windows(2) {
+        let slots = pair[1].slots - pair[0].slots;
+        tasks.push((pair[0].recognition + pair[0].check + slots, slots * apart));
+    }
+    // behind the last: the period's remaining sensing slots, then the next recording's
+    let last = reached[reached.len() - 1];
+    let (more, rest) = (sensing - last.slots, period - last.slots * apart);
+    // one in eight of the largest recording can wait for the slow time
+    let waiting = first.min(exits[exits.len() - 1].slots / 8);
+    tasks.push((last.slow_time + more + waiting, rest + waiting * apart));
+    tasks.push((last.recognition + last.check + more + first, rest + first * apart));
+    let (need, have) = tasks.into_iter().find(|(need, have)| need > have)?;
+    Some(Error::Deadline { need, have })
+}
+
+#[test]
+fn what_is_in_time_is_accepted_to_the_slot() {
+    let costs: Vec<Cost> = EXIT_SLOTS.map(|slots| Cost::of(support::random_model(slots, 9).leak())).into();
+    for (number, exits) in
+        [&costs[..1], &costs[1..2], &costs[..2], &costs[1..], &costs[..]].into_iter().enumerate()
+    {
+        let all: Vec<_> = exits.iter().map(|cost| cost.exit).collect();
+        let made = |layout| {
+            let memory: &'static mut radar_memory!(THREE) = Box::leak(Box::new(RadarMemory::new()));
+            RadarModule::new(&all, Settings { layout, ..settings() }, memory, retained()).err()
+        };
+        for spacing in [0, 1, 2, 3, 5] {
+            for sensing in [exits[0].slots, exits[0].slots + 30, 264, 300] {
+                let layout = |period| SensingLayout::new(period, spacing, sensing).expect("a layout");
+                let least = sensing * (spacing + 1);
+                // the shortest period that is in time, if a longer one helps
+                let enough = (least..least + 1000).find(|&period| late(exits, layout(period)).is_none());
+                for period in enough.map_or([least; 2], |enough| [enough, least.max(enough - 1)]) {
+                    let layout = layout(period);
+                    assert_eq!(made(layout), late(exits, layout), "{number}: {layout:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn two_changes_in_a_period_are_planned_one_after_the_other() {
+    let mut radio = Radio::new(0);
+    let played = radio.play(10);
+    radio.processing.set_rate(1, 9);
+    radio.poll();
+    radio.processing.set_rate(1, 0);
+    radio.processing.set_rate(2, 5);
+    radio.poll();
+    let first = [played, radio.play(1190)].concat();
+    assert_eq!(first[..790], planned(1)[..790], "changes wait for the next period");
+    let (second, third) = (radio.play(1200), radio.play(1200));
+    let alone = |rates| {
+        let mut scheduler = Scheduler::new(layout(), rates);
+        (0..790).map(|_| scheduler.next_slot().into()).collect::<Vec<Use>>()
+    };
+    assert_eq!(second[..790], alone([3, 9, 1, 0, 0, 0, 0, 0]));
+    assert_eq!(third[..790], alone([3, 0, 5, 0, 0, 0, 0, 0]));
+}
+
+#[test]
+fn classes_have_the_models_names() {
+    let (_, processing) = make(retained(), settings()).unwrap();
+    let model = Model::parse(DSN_200).unwrap();
+    for class in 0..model.classes() {
+        assert!(!model.class_name(class).is_empty());
+        assert_eq!(processing.class_name(class as u8), model.class_name(class));
+    }
+    assert_eq!(processing.class_name(model.classes() as u8), "");
 }
