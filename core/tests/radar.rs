@@ -12,7 +12,7 @@ use sdp3_core::radar::{
     Event, ProcessingContext, Progress, RadarMemory, RadarModule, SLOT_BUFFERS, Settings, SlotAction,
     SlotContext,
 };
-use sdp3_core::scheduler::{Scheduler, SensingLayout, SlotUse, USERS};
+use sdp3_core::scheduler::{Changes, Scheduler, SensingLayout, SlotUse, USERS};
 use sdp3_core::supervision::retained::Retained;
 use sdp3_core::supervision::{Fault, SampleFault};
 use sdp3_core::{Error, pipeline_memory, radar_memory};
@@ -524,12 +524,8 @@ fn two_changes_in_a_period_are_planned_one_after_the_other() {
     let first = [played, radio.play(1190)].concat();
     assert_eq!(first[..790], planned(1)[..790], "changes wait for the next period");
     let (second, third) = (radio.play(1200), radio.play(1200));
-    let alone = |rates| {
-        let mut scheduler = Scheduler::new(layout(), rates);
-        (0..790).map(|_| scheduler.next_slot().into()).collect::<Vec<Use>>()
-    };
-    assert_eq!(second[..790], alone([3, 9, 1, 0, 0, 0, 0, 0]));
-    assert_eq!(third[..790], alone([3, 0, 5, 0, 0, 0, 0, 0]));
+    assert_eq!(second[..790], start_of(layout(), [3, 9, 1, 0, 0, 0, 0, 0]));
+    assert_eq!(third[..790], start_of(layout(), [3, 0, 5, 0, 0, 0, 0, 0]));
 }
 
 #[test]
@@ -541,4 +537,185 @@ fn classes_have_the_models_names() {
         assert_eq!(processing.class_name(class as u8), model.class_name(class));
     }
     assert_eq!(processing.class_name(model.classes() as u8), "");
+}
+
+/// The first 790 slots of a period: sensing ends early only after the 797th.
+fn start_of(layout: SensingLayout, rates: [u32; USERS]) -> Vec<Use> {
+    let mut scheduler = Scheduler::new(layout, rates);
+    (0..790).map(|_| scheduler.next_slot().into()).collect()
+}
+
+#[test]
+fn another_layout_holds_from_the_next_period_on() {
+    let mut radio = Radio::new(0);
+    radio.play(400);
+    assert!(radio.processing.set_sensing_slots(301).is_err(), "they do not fit");
+    assert_eq!(radio.processing.set_sensing_slots(230), Ok(()));
+    radio.play(800);
+    let fewer = start_of(SensingLayout::new(1200, 3, 230).unwrap(), RATES);
+    assert_ne!(fewer, start_of(layout(), RATES));
+    assert_eq!(radio.play(1200)[..790], fewer);
+    let wider = SensingLayout::new(1300, 4, 220).unwrap();
+    radio.processing.set_layout(wider);
+    radio.poll();
+    assert_eq!(radio.play(1300)[..790], start_of(wider, RATES));
+    assert_eq!((radio.classified(), radio.faults()), (vec![1, 2, 3], vec![]));
+}
+
+#[test]
+fn the_position_counts_the_slots_of_a_period() {
+    let mut radio = Radio::new(50);
+    for slot in 1..=2500 {
+        radio.slot();
+        assert_eq!(radio.slots.position(), slot % 1200);
+    }
+}
+
+#[test]
+fn a_period_is_reported_with_what_the_one_before_lost() {
+    let mut radio = Radio::new(0);
+    let mut sensed = 0;
+    for number in 0..1200 {
+        let given = radio.given(number);
+        sensed += u32::from(given == Use::Sense);
+        match given {
+            _ if [9, 10, 15, 16].contains(&number) => radio.slots.lost(), // the fifth sensing slot, and three of the users
+            Use::Sense => radio.slots.samples_ready(),
+            _ => (),
+        }
+        radio.poll();
+    }
+    radio.number = 1200;
+    radio.processing.set_rate(0, 4);
+    let senses = |uses: Vec<Use>| uses.iter().filter(|&&slot| slot == Use::Sense).count() as u32;
+    let (second, _) = (senses(radio.play(1200)), radio.play(1));
+    let reports = radio.events.iter().filter_map(|event| match event {
+        Event::Period(report) => Some((report.period, report.replanned, report.changes)),
+        _ => None,
+    });
+    let nothing = Changes::default();
+    let losses = Changes { lost: 3, sensing_lost: 1, released: 250 - sensed, ..nothing };
+    // nobody has polled between the new rate and the period
+    let changed = Changes { rates: 1, released: 250 - second, ..nothing };
+    let expected = [(1, true, nothing), (2, false, losses), (3, true, changed)];
+    assert_eq!(reports.collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn reports_that_nobody_takes_are_counted() {
+    let mut radio = Radio::new(0);
+    radio.polls = 0;
+    radio.play(200);
+    radio.polls = 1000;
+    radio.poll();
+    // 50 sensing slots, of which three had a buffer; eight reports wait, the first that a period began
+    assert_eq!(radio.faults(), [Fault::Overrun; 7]);
+    radio.slots.samples_ready();
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::ReportsLost(40), Fault::UnexpectedSamples]);
+    radio.slots.samples_ready();
+    radio.poll();
+    assert_eq!(radio.faults(), [Fault::UnexpectedSamples], "they are counted once");
+}
+
+#[test]
+fn numbers_that_do_not_follow_each_other_are_late_each() {
+    let whole = planned(1);
+    let mut radio = Radio::new(0);
+    assert_eq!(radio.play(12), whole[..12]);
+    for number in [0, 3, 8, 5, 11] {
+        assert_eq!(radio.given(number), Use::Idle, "{number}");
+        radio.poll();
+        assert_eq!(radio.faults(), [Fault::SlotLate], "{number}");
+    }
+    assert_eq!(radio.play(30), whole[12..42]);
+}
+
+#[test]
+fn a_damaged_copy_is_played_over_behind_skipped_slots() {
+    let whole = planned(1);
+    let kept = retained();
+    let mut radio = Radio::with(make(kept, settings()).unwrap(), 0);
+    radio.play(9);
+    radio.number += 8;
+    radio.play(1);
+    // eleven saves: the last, number 10, is the first copy; the other one is nine slots older
+    flip(kept, 3, 1);
+    assert_eq!(radio.play(60), whole[18..78]);
+    let sensing = whole[9..17].iter().filter(|&&slot| slot == Use::Sense).count() as u32;
+    assert_eq!(radio.faults(), [Fault::SlotsSkipped { slots: 8, sensing }, Fault::StateRepaired]);
+}
+
+#[test]
+fn the_threshold_ends_sensing_at_the_first_exit_that_is_sure_enough() {
+    let exits = EXIT_SLOTS.map(|slots| Cost::of(support::random_model(slots, 9).leak()).exit);
+    let memory: &'static mut radar_memory!(THREE) = Box::leak(Box::new(RadarMemory::new()));
+    let layout = SensingLayout::new(1400, 3, 300).unwrap();
+    let module = RadarModule::new(&exits, Settings { layout, ..settings() }, memory, retained());
+    let mut radio = Radio::with(module.expect("in time").split(), 0);
+    let exits_of_a_period = |radio: &mut Radio| {
+        let sensed = radio.play(1400).iter().filter(|&&slot| slot == Use::Sense).count();
+        let exits = radio.events.drain(..).filter_map(|event| match event {
+            Event::Classification { classification, .. } => Some((classification.exit, classification.stop)),
+            _ => None,
+        });
+        (sensed, exits.collect::<Vec<_>>())
+    };
+    assert_eq!(exits_of_a_period(&mut radio), (264, vec![(0, false), (1, false), (2, true)]));
+    radio.processing.set_threshold(0.0);
+    assert_eq!(exits_of_a_period(&mut radio), (144, vec![(0, true)]));
+    radio.processing.set_threshold(2.0);
+    assert_eq!(exits_of_a_period(&mut radio).0, 264);
+}
+
+/// One slot whose samples, if it senses, are all the same.
+fn silent_slot(radio: &mut Radio) {
+    if let SlotAction::Sense(buffer) = radio.slots.begin(radio.number) {
+        buffer.0.fill(5);
+        radio.slots.samples_ready();
+    }
+    radio.number += 1;
+    radio.poll();
+}
+
+#[test]
+fn samples_behind_a_classification_are_not_looked_at() {
+    let slow = || {
+        let mut radio = Radio::new(0);
+        radio.polls = 1;
+        radio
+    };
+    let mut radio = slow();
+    while radio.classified().is_empty() {
+        radio.slot();
+    }
+    // while the model is checked, one kilobyte a slot that does not sense, the recording is complete
+    let (classified, check) = (radio.number, DSN_200.len() as u32 / 1024 + 1);
+    assert!(check >= 8 && classified < 1000, "two sensing slots at least");
+    let mut silent = slow();
+    silent.play((classified - check) as usize);
+    while silent.number < 1200 {
+        silent_slot(&mut silent);
+    }
+    let classification = |radio: &Radio| {
+        radio.events.iter().find(|event| matches!(event, Event::Classification { .. })).cloned()
+    };
+    assert_eq!(classification(&silent), classification(&radio));
+    assert_eq!(silent.faults(), []);
+}
+
+#[test]
+fn samples_of_a_period_without_a_recording_are_not_looked_at() {
+    let mut radio = Radio::new(0);
+    radio.play(4 * 60);
+    // a gap after which too few sensing slots are left: nobody polls until three more have been taken
+    radio.number += 8;
+    radio.polls = 0;
+    radio.play(4);
+    (0..8).for_each(|_| silent_slot(&mut radio));
+    radio.polls = 1000;
+    radio.poll();
+    let faults = radio.faults();
+    assert!(matches!(faults[..], [Fault::SlotsSkipped { slots: 8, .. }]), "{faults:?}");
+    assert!(!radio.play(900).contains(&Use::Sense), "released");
 }
