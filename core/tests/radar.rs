@@ -680,8 +680,9 @@ fn silent_slot(radio: &mut Radio) {
 
 #[test]
 fn samples_behind_a_classification_are_not_looked_at() {
+    let layout = SensingLayout::new(1600, 3, 400).unwrap();
     let slow = || {
-        let mut radio = Radio::new(0);
+        let mut radio = Radio::with(make(retained(), Settings { layout, ..settings() }).unwrap(), 0);
         radio.polls = 1;
         radio
     };
@@ -691,10 +692,10 @@ fn samples_behind_a_classification_are_not_looked_at() {
     }
     // while the model is checked, one kilobyte a slot that does not sense, the recording is complete
     let (classified, check) = (radio.number, DSN_200.len() as u32 / 1024 + 1);
-    assert!(check >= 8 && classified < 1000, "two sensing slots at least");
+    assert!(check >= 8 && classified < 1600, "two sensing slots at least");
     let mut silent = slow();
     silent.play((classified - check) as usize);
-    while silent.number < 1200 {
+    while silent.number < 1600 {
         silent_slot(&mut silent);
     }
     let classification = |radio: &Radio| {
