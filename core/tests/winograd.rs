@@ -256,6 +256,41 @@ fn what_is_packed_ahead_is_not_packed_at_a_recognition() {
 }
 
 #[test]
+fn a_step_does_as_much_as_it_may() {
+    for (channels, stride, frames) in
+        [(8, 1, 21), (8, 2, 110), (16, 2, 67), (16, 1, 40), (32, 2, 67), (32, 1, 67)]
+    {
+        let bytes = random_model(channels, stride, frames, 5, Numbers::Usual);
+        let model = Model::parse(&bytes).expect("a model");
+        let image = vec![3; ROWS * model.frames()];
+        let mut memory = Memory::new(sizes(&model, 1));
+        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let mut kernels = Steps(Counting(kernels, 0), Vec::new());
+        let mut scratch = vec![0; model.shape().scratch_bytes()];
+        infer(&model, &image, &mut scratch, &mut kernels, &mut ());
+        assert_eq!(kernels.0.1, 0, "steps by plain loops");
+        let pooled = |axis: usize| axis.div_ceil(stride.into()) / 2;
+        let (height, width) = (pooled(ROWS), pooled(frames.into()));
+        // a step packs the numbers of a layer, of a convolution 16 outputs; the other steps compute
+        let stem_values = if stride == 1 { 512 } else { 256 };
+        let stem = 1 + height * width.div_ceil(stem_values / channels);
+        let normalised = 1 + (height * width).div_ceil(2560 / channels);
+        // two tiles are four columns of two rows; so many of them a step
+        let blocks = match channels {
+            8 => 4,
+            16 => 2,
+            _ => 1,
+        };
+        let conv = channels.div_ceil(16) + height.div_ceil(2) * width.div_ceil(4 * blocks);
+        let added = 1 + (height * width * channels).div_ceil(2560);
+        let average = channels.div_ceil((16384 / (height * width) / 4).max(1) * 4);
+        let block = [normalised, conv, conv, added];
+        let expected = [&[stem][..], &block, &block, &[average]].concat();
+        assert_eq!(kernels.1, expected, "{channels} channels, {frames} frames, stride {stride}");
+    }
+}
+
+#[test]
 fn the_larger_of_two_sizes_serves_both() {
     let [tall, long] = [(3, 20), (4, 10)].map(|(vectors, words)| WinogradSizes { vectors, words });
     let both = WinogradSizes { vectors: 4, words: 20 };
