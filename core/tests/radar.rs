@@ -604,6 +604,36 @@ fn a_period_is_reported_with_what_the_one_before_lost() {
 }
 
 #[test]
+fn lost_slots_are_given_back_one_period_later_and_once() {
+    let rates = [2, 2, 2, 0, 0, 0, 0, 0];
+    let mut radio = Radio::with(make(retained(), Settings { rates, ..settings() }).unwrap(), 0);
+    let mut scheduler = Scheduler::new(layout(), rates);
+    let mut lost = 0;
+    for number in 0..1200 {
+        scheduler.next_slot();
+        match radio.given(number) {
+            Use::Serve(1) if lost < 30 => {
+                radio.slots.lost();
+                scheduler.on_lost();
+                lost += 1;
+            }
+            Use::Sense => radio.slots.samples_ready(),
+            _ => (),
+        }
+        radio.poll();
+    }
+    radio.number = 1200;
+    let mut period = || radio.play(1200)[..790].to_vec();
+    let (usual, repaying) = (start_of(layout(), rates), (0..790).map(|_| scheduler.next_slot().into()));
+    let repaying: Vec<Use> = repaying.collect();
+    let gained = totals(&repaying)[1] - totals(&usual)[1];
+    assert!(gained > 5, "of the 20 more of the whole period: {gained}");
+    assert_eq!(period(), usual, "the plan was not yet made");
+    assert_eq!(period(), repaying);
+    assert_eq!(period(), usual);
+}
+
+#[test]
 fn reports_that_nobody_takes_are_counted() {
     let mut radio = Radio::new(0);
     radio.polls = 0;
