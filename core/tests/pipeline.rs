@@ -3,11 +3,12 @@
 
 mod support;
 
-use sdp3_core::Error;
-use sdp3_core::dsn::{Classification, Model, Portable};
+use sdp3_core::config::RadarConfig;
+use sdp3_core::dsn::{Classification, Model, Portable, Shape};
 use sdp3_core::early_exit::{EXITS, EarlyExit, MAX_WEIGHT, add_evidence, decide};
 use sdp3_core::pipeline::Pipeline;
 use sdp3_core::signal::stft::FixedStft;
+use sdp3_core::{Error, pipeline_memory};
 use support::{CHANNELS, Memory, SHORTER, VALUES, altered, noise_slots, random_model};
 
 const SLOTS: [u16; 3] = [144, 200, 264];
@@ -222,4 +223,37 @@ fn memory_is_asked_for_to_the_element() {
             other => panic!("{wanted}: {other:?}"),
         }
     }
+}
+
+/// Bytes of the memory type for a shape, and those that the shape states.
+macro_rules! bytes {
+    ($slots:expr, $frames:expr, $channels:expr, $stride:expr, $radar:ident) => {{
+        const SHAPE: Shape = Shape {
+            sensing_slots: $slots,
+            frames: $frames,
+            channels: $channels,
+            stem_stride: $stride,
+            radar: RadarConfig::$radar,
+        };
+        (<pipeline_memory!(SHAPE)>::BYTES, SHAPE.required_bytes())
+    }};
+}
+
+#[test]
+fn a_shape_states_the_bytes_of_its_memory() {
+    for (bytes, stated) in [
+        bytes!(200, 10, 8, 1, PAPER),
+        bytes!(201, 10, 8, 1, PAPER),
+        bytes!(1000, 110, 16, 2, PAPER),
+        bytes!(264, 18, 12, 2, PAPER),
+        bytes!(300, 22, 32, 1, BGT60),
+        bytes!(1000, 110, 16, 2, IWR),
+    ] {
+        assert_eq!(bytes, stated);
+    }
+    // two tiles and weights, constants and two tables; slow time of 200 slots, ten frames of levels, 512 complex words for the
+    // spectrum; three maps of 32 x 5 x 8 and a row; whole vectors
+    let kernels = 16 * (32 + 128) + 4 * (32 + 512);
+    let all = kernels + 200 * 72 + 64 * 10 * 2 + 4096 + 3 * 1280 + 40;
+    assert_eq!(bytes!(200, 10, 8, 1, PAPER).1, (all as usize).next_multiple_of(16));
 }

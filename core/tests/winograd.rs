@@ -24,7 +24,18 @@ impl Probe for Layers {
 }
 
 fn random_model(channels: usize, stride: u8, frames: u16, seed: u64, numbers: Numbers) -> Vec<u8> {
-    let size = Size { channels, stride, blocks: 2, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
+    random_blocks(2, channels, stride, frames, seed, numbers)
+}
+
+fn random_blocks(
+    blocks: u8,
+    channels: usize,
+    stride: u8,
+    frames: u16,
+    seed: u64,
+    numbers: Numbers,
+) -> Vec<u8> {
+    let size = Size { channels, stride, blocks, slots: 8 + 4 * (frames - 1), window: 8, hop: 4 };
     let mut bytes = vec![0; 1 << 17];
     let length = write(size, seed, numbers, crc32, &mut bytes);
     bytes.truncate(length);
@@ -187,6 +198,14 @@ fn memory_is_asked_for_to_the_element() {
         let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
         assert_eq!(kernels.prepacked(), ahead, "{packed} packed");
     }
+    // two of one block, six of three
+    for (blocks, packed, ahead) in [(1, 1, 0), (1, 2, 2), (1, 3, 2), (3, 5, 4), (3, 6, 6), (3, 7, 6)] {
+        let bytes = random_blocks(blocks, 8, 1, 16, 1, Numbers::Usual);
+        let model = Model::parse(&bytes).expect("a model");
+        let mut memory = Memory::new(sizes(&model, packed));
+        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        assert_eq!(kernels.prepacked(), ahead, "{packed} packed of {blocks} blocks");
+    }
     // weights and two tiles; constants and the largest of sums and a strip, the stem's weights and two tables
     for (frames, channels, stride, packed, vectors, words, bytes) in [
         (110, 16, 2, 1, 512 + 64, 64 + 32 + 30 * 4 * 8, 13_440),
@@ -196,6 +215,78 @@ fn memory_is_asked_for_to_the_element() {
     ] {
         let sizes = WinogradSizes::new(frames, channels, stride, packed);
         assert_eq!((sizes, sizes.total()), (WinogradSizes { vectors, words }, bytes), "{channels} channels");
+    }
+}
+
+/// Counts the steps of every operator.
+struct Steps<K>(K, Vec<usize>);
+
+impl<K: Kernels> Kernels for Steps<K> {
+    fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
+        self.1.resize(self.1.len().max(index + 1), 0);
+        self.1[index] += 1;
+        self.0.run(index, operator, step)
+    }
+}
+
+#[test]
+fn what_is_packed_ahead_is_not_packed_at_a_recognition() {
+    let bytes = random_blocks(3, 16, 1, 16, 4, Numbers::Usual);
+    let model = Model::parse(&bytes).expect("a model");
+    let image = vec![3; ROWS * model.frames()];
+    let steps = |packed: usize| {
+        let mut memory = Memory::new(sizes(&model, packed));
+        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let mut kernels = Steps(kernels, Vec::new());
+        let mut scratch = vec![0; model.shape().scratch_bytes()];
+        infer(&model, &image, &mut scratch, &mut kernels, &mut ());
+        kernels.1
+    };
+    // behind the stem come a normalisation, two convolutions and an addition for each block
+    let convolutions = [2, 3, 6, 7, 10, 11];
+    let (none, all) = (steps(1), steps(6));
+    let packing = none[2] - all[2];
+    assert!(packing > 0);
+    for packed in 1..=6 {
+        let mut expected = none.clone();
+        let ahead = if packed == 6 { 6 } else { packed - 1 };
+        convolutions[..ahead].iter().for_each(|&index| expected[index] -= packing);
+        assert_eq!(steps(packed), expected, "{packed}");
+    }
+}
+
+#[test]
+fn a_step_does_as_much_as_it_may() {
+    for (channels, stride, frames) in
+        [(8, 1, 21), (8, 2, 110), (16, 2, 67), (16, 1, 40), (32, 2, 67), (32, 1, 67)]
+    {
+        let bytes = random_model(channels, stride, frames, 5, Numbers::Usual);
+        let model = Model::parse(&bytes).expect("a model");
+        let image = vec![3; ROWS * model.frames()];
+        let mut memory = Memory::new(sizes(&model, 1));
+        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let mut kernels = Steps(Counting(kernels, 0), Vec::new());
+        let mut scratch = vec![0; model.shape().scratch_bytes()];
+        infer(&model, &image, &mut scratch, &mut kernels, &mut ());
+        assert_eq!(kernels.0.1, 0, "steps by plain loops");
+        let pooled = |axis: usize| axis.div_ceil(stride.into()) / 2;
+        let (height, width) = (pooled(ROWS), pooled(frames.into()));
+        // a step packs the numbers of a layer, of a convolution 16 outputs; the other steps compute
+        let stem_values = if stride == 1 { 512 } else { 256 };
+        let stem = 1 + height * width.div_ceil(stem_values / channels);
+        let normalised = 1 + (height * width).div_ceil(2560 / channels);
+        // two tiles are four columns of two rows; so many of them a step
+        let blocks = match channels {
+            8 => 4,
+            16 => 2,
+            _ => 1,
+        };
+        let conv = channels.div_ceil(16) + height.div_ceil(2) * width.div_ceil(4 * blocks);
+        let added = 1 + (height * width * channels).div_ceil(2560);
+        let average = channels.div_ceil((16384 / (height * width) / 4).max(1) * 4);
+        let block = [normalised, conv, conv, added];
+        let expected = [&[stem][..], &block, &block, &[average]].concat();
+        assert_eq!(kernels.1, expected, "{channels} channels, {frames} frames, stride {stride}");
     }
 }
 

@@ -112,6 +112,50 @@ fn one_step_does_a_whole_operator_and_the_plain_loops_keep_their_steps() {
     }
 }
 
+#[test]
+fn an_average_takes_one_step_where_its_channels_divide_a_vector() {
+    let file = model(8, 1, 16, 1, Numbers::Usual);
+    let model = Model::parse(&file).expect("a model");
+    for (channels, divide) in [(4, true), (8, true), (16, true), (12, false), (32, false)] {
+        // of so many pixels a step of the plain loops adds four channels
+        let input = vec![3; 8192 * channels];
+        for isa in available() {
+            let mut kernels = VectorKernels::new(&model, isa).expect("an available instruction set");
+            let mut output = vec![0; channels];
+            let average = Operator::Average { input: &input, channels, output: &mut output };
+            let whole = kernels.run(9, average, 0);
+            assert_eq!(whole, divide && isa != Isa::Scalar || channels == 4, "{isa:?}, {channels} channels");
+            let known = if whole { channels } else { 4 };
+            assert!(output[..known].iter().all(|&mean| mean == 3), "{isa:?}, {channels} channels");
+        }
+    }
+}
+
+#[test]
+fn sixteens_of_inputs_of_16_bits_run_by_winograd() {
+    for (inputs, in_a_word, by_winograd) in [
+        (16, 2, true),
+        (32, 2, true),
+        (1, 2, false),
+        (8, 2, false),
+        (24, 2, false),
+        (16, 4, false),
+        (32, 4, false),
+    ] {
+        assert_eq!(
+            packing::by_winograd(inputs, in_a_word),
+            by_winograd,
+            "{inputs} inputs, {in_a_word} in a word"
+        );
+    }
+}
+
+#[test]
+fn instruction_sets_have_the_names_that_commands_take() {
+    let names = Isa::ALL.map(Isa::name);
+    assert_eq!(names, ["scalar", "arrays", "avx2", "avx-vnni", "avx512-vnni"]);
+}
+
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 #[test]
 fn kernels_are_made_for_what_the_system_says_the_processor_has() {
