@@ -700,7 +700,7 @@ fn the_threshold_ends_sensing_at_the_first_exit_that_is_sure_enough() {
     assert_eq!(exits_of_a_period(&mut radio).0, 264);
 }
 
-/// One slot whose samples, if it senses, are all the same.
+/// One slot; if it senses, all samples are the same.
 fn silent_slot(radio: &mut Radio) {
     if let SlotAction::Sense(buffer) = radio.slots.begin(radio.number) {
         buffer.0.fill(5);
