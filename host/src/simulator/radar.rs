@@ -305,7 +305,7 @@ mod tests {
     }
 
     fn path(gain: Complex64, delay_s: f64) -> Path {
-        Path { gain, delay_s, arrival: [1.0, 0.0, 0.0] }
+        Path { gain, delay_s, departure: [1.0, 0.0, 0.0], arrival: [1.0, 0.0, 0.0] }
     }
 
     /// A path there and back over a distance, with its carrier phase.

@@ -121,6 +121,7 @@ impl Ar1Process {
         let path = |(state, ray): (&Complex64, &Ray)| Path {
             gain: *state,
             delay_s: ray.delay_s,
+            departure: ray.departure,
             arrival: ray.arrival,
         };
         paths.extend(self.state.iter().zip(&self.rays).map(path));
@@ -145,7 +146,7 @@ mod tests {
     use super::*;
 
     fn ray(fixed: Option<f64>) -> Ray {
-        Ray { amplitude: 1.0, delay_s: 20e-9, arrival: [1.0, 0.0, 0.0], fixed }
+        Ray { amplitude: 1.0, delay_s: 20e-9, departure: [1.0, 0.0, 0.0], arrival: [1.0, 0.0, 0.0], fixed }
     }
 
     fn memory(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Ar1Process {

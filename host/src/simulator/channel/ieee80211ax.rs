@@ -146,6 +146,7 @@ pub fn taps(scenario: &Scenario, ends: (Vec3, Vec3)) -> Vec<Ray> {
     let ray = |(n, (delay, share, azimuth)): (usize, (f64, f64, f64))| Ray {
         amplitude: (power * share).sqrt(),
         delay_s: first / SPEED_OF_LIGHT + delay,
+        departure: [libm::cos(azimuth), libm::sin(azimuth), 0.0],
         arrival: [libm::cos(azimuth), libm::sin(azimuth), 0.0],
         fixed: (n == 0).then_some(0.0),
     };

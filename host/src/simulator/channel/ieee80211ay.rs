@@ -17,7 +17,9 @@ pub struct Ray {
     /// Amplitude ratio between isotropic antennas.
     pub amplitude: f64,
     pub delay_s: f64,
-    /// Unit vector towards its origin.
+    /// Unit vector from the transmitter towards where it leaves.
+    pub departure: Vec3,
+    /// Unit vector from the receiver towards where it comes from.
     pub arrival: Vec3,
     /// Phase in rad of a ray that geometry gives; `None` for a diffuse one.
     pub fixed: Option<f64>,
@@ -134,6 +136,7 @@ pub fn rays(scenario: &Scenario, (from, to): (Vec3, Vec3), random: &mut Random) 
             rays.push(Ray {
                 amplitude: amplitude * offset.amplitude,
                 delay_s,
+                departure: turned(reflection.departure, offset.angle),
                 arrival: turned(reflection.arrival, offset.angle),
                 fixed: offset.central.then(|| carrier_phase(reflection.length_m, lambda).arg()),
             });
@@ -190,7 +193,9 @@ impl ChannelModel for ConferenceRoom {
                 let delay_s = reflection.delay_s() + offset.delay_s;
                 if delay_s >= 0.0 {
                     let arrival = turned(reflection.arrival, offset.angle);
-                    paths.push(Path { gain: gain * phase * offset.amplitude, delay_s, arrival });
+                    let departure = turned(reflection.departure, offset.angle);
+                    let gain = gain * phase * offset.amplitude;
+                    paths.push(Path { gain, delay_s, departure, arrival });
                 }
             }
         }

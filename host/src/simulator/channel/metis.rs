@@ -65,7 +65,9 @@ impl ChannelModel for MapBased {
                 let delay_s = way.delay_s() + offset.delay_s;
                 if delay_s >= 0.0 {
                     let arrival = turned(way.arrival, offset.angle);
-                    paths.push(Path { gain: gain * phasor(*phase) * offset.amplitude, delay_s, arrival });
+                    let departure = turned(way.departure, offset.angle);
+                    let gain = gain * phasor(*phase) * offset.amplitude;
+                    paths.push(Path { gain, delay_s, departure, arrival });
                 }
             }
         }

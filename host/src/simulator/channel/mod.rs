@@ -49,6 +49,8 @@ pub struct Path {
     /// Complex amplitude ratio between isotropic antennas, the carrier's phase included.
     pub gain: Complex64,
     pub delay_s: f64,
+    /// Unit vector from the transmitter towards where the wave leaves.
+    pub departure: Vec3,
     /// Unit vector from the receiver towards where the wave comes from.
     pub arrival: Vec3,
 }

@@ -129,6 +129,7 @@ impl Drifting {
             paths.push(Path {
                 gain: carrier_phase(length, lambda) * phasor(s.phase) * (s.amplitude * ramp),
                 delay_s: length / SPEED_OF_LIGHT,
+                departure: scale(sub(s.place, scene.from), 1.0 / between(s.place, scene.from).max(1e-6)),
                 arrival: scale(way, 1.0 / back.max(1e-6)),
             });
         }

@@ -27,6 +27,7 @@ pub fn walls(size: Vec3, lambda: f64, scene: &Scene, paths: &mut Vec<Path>) {
     paths.extend(traced(size, scene.from, scene.to, 2).iter().map(|r| Path {
         gain: carrier_phase(r.length_m, lambda) * r.fresnel * free_space(r.length_m, lambda),
         delay_s: r.delay_s(),
+        departure: r.departure,
         arrival: r.arrival,
     }));
 }

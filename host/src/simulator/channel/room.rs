@@ -18,7 +18,9 @@ pub struct Reflection {
     pub order: u8,
     /// Whether the ceiling is one of them.
     pub ceiling: bool,
-    /// Unit vector from the receiver towards the last image.
+    /// Unit vector from the transmitter towards the receiver's last image.
+    pub departure: Vec3,
+    /// Unit vector from the receiver towards the transmitter's last image.
     pub arrival: Vec3,
     /// Product of the Fresnel coefficients, vertical polarisation.
     pub fresnel: Complex64,
@@ -51,6 +53,7 @@ fn image(p: Vec3, (axis, plane): Plane) -> Vec3 {
 
 fn reflection(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Reflection {
     let source = planes.iter().fold(from, |p, &plane| image(p, plane));
+    let sink = planes.iter().rev().fold(to, |p, &plane| image(p, plane));
     let way = sub(source, to);
     let length_m = norm(way).max(1e-6);
     let arrival = scale(way, 1.0 / length_m);
@@ -62,6 +65,7 @@ fn reflection(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Reflection 
         length_m,
         order: planes.len() as u8,
         ceiling: planes.contains(&(2, size[2])),
+        departure: scale(sub(sink, from), 1.0 / length_m),
         arrival,
         fresnel: planes.iter().map(coefficient).product(),
     }

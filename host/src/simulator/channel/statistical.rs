@@ -71,7 +71,7 @@ impl ChannelModel for SalehValenzuela {
             while cluster + ray < LAST {
                 let mean = libm::exp(-cluster / CLUSTER_DECAY - ray / RAY_DECAY);
                 let gain = complex_gaussian(&mut random) * mean.sqrt();
-                paths.push(Path { gain, delay_s: first + cluster + ray, arrival });
+                paths.push(Path { gain, delay_s: first + cluster + ray, departure: arrival, arrival });
                 ray -= RAY_GAP * libm::log(1.0 - random.uniform());
             }
             cluster -= CLUSTER_GAP * libm::log(1.0 - random.uniform());

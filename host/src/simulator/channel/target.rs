@@ -90,6 +90,7 @@ pub fn scattered(scene: &Scene, centre: Vec3, root: f64, lambda: f64, phase: f64
     Path {
         gain: carrier_phase(length, lambda) * phasor(phase) * amplitude,
         delay_s: length / SPEED_OF_LIGHT,
+        departure: scale(sub(centre, scene.from), 1.0 / there),
         arrival: scale(way, 1.0 / back),
     }
 }
@@ -102,7 +103,8 @@ pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
     let length = scene.distance_m().max(NEAREST_M);
     let gain = carrier_phase(length, lambda) * super::room::free_space(length, lambda);
     let arrival = scale(sub(scene.from, scene.to), 1.0 / length);
-    Some(Path { gain, delay_s: length / SPEED_OF_LIGHT, arrival })
+    let departure = scale(arrival, -1.0);
+    Some(Path { gain, delay_s: length / SPEED_OF_LIGHT, departure, arrival })
 }
 
 #[cfg(test)]

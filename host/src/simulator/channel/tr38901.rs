@@ -461,6 +461,7 @@ impl ChannelModel for IndoorOffice {
                 paths.push(Path {
                     gain: phasor(phase) * amplitude,
                     delay_s: first + cluster.delay_s,
+                    departure: arrival,
                     arrival,
                 });
             }
