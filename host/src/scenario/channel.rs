@@ -13,6 +13,9 @@ pub enum ArMode {
     VariancePreserving,
     /// Rays given by geometry keep their phase; only the diffuse rays are redrawn.
     Consistent,
+    /// A constant mean from geometry, v_j = m + w_j, and a stationary fluctuation w_j = rho w_{j-1} + sqrt(1 - rho^2) Upsilon_j whose power is
+    /// the mean's over the K factor.
+    Rician,
 }
 
 /// Channel models, by the names of the paper's Table I.
@@ -100,9 +103,26 @@ pub enum Clusters {
     /// IEEE 802.11ay conference room: image-method clusters with diffuse rays.
     #[serde(rename = "80211ay")]
     Ieee80211ay,
-    /// IEEE 802.11ax / TGn model B taps.
+    /// IEEE 802.11ax / TGn taps.
     #[serde(rename = "80211ax")]
     Ieee80211ax,
+    /// `80211ax` up to 6 GHz, `80211ay` from 57 GHz on; between them both, the share of `80211ay` in the power growing with the logarithm
+    /// of the carrier.
+    ByCarrier,
+}
+
+impl Clusters {
+    /// Share of 802.11ay's clusters in the power at a carrier.
+    pub fn share_80211ay(self, carrier_hz: f64) -> f64 {
+        match self {
+            Clusters::Ieee80211ay => 1.0,
+            Clusters::Ieee80211ax => 0.0,
+            Clusters::ByCarrier => {
+                let place = libm::log(carrier_hz / 6e9) / libm::log(57.0 / 6.0);
+                place.clamp(0.0, 1.0)
+            }
+        }
+    }
 }
 
 /// The channel model and its settings.
@@ -116,6 +136,8 @@ pub struct Channel {
     pub rho: Option<f64>,
     /// The recursion.
     pub mode: ArMode,
+    /// Power of the room's mean over that of its fluctuation in dB, as received (`mode = "rician"`).
+    pub k_factor_db: f64,
     /// Where the room's responses come from.
     pub clusters: Clusters,
     /// When the recursion advances.
@@ -126,6 +148,10 @@ pub struct Channel {
     pub tgn: Tgn,
     /// Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
     pub blockage: bool,
+    /// Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel with `mode = "rician"`).
+    pub shadowing: bool,
+    /// Whether a torso hides the limbs behind it (the hybrid channel).
+    pub occlusion: bool,
     /// Line of sight (`38901`, `quadriga`).
     pub line_of_sight: bool,
     /// Whether a second person walks in the room (the paper's scenario 2).

@@ -78,11 +78,10 @@ impl Scenario {
     pub fn rules(&self) -> Vec<Rule> {
         let mut rules = Rules::default();
         let c = &mut rules;
-        for (axis, &size) in ["x", "y", "z"].iter().zip(&self.room.size_m) {
-            c.within(&format!("room.size_m ({axis})"), size, 1.0, 100.0);
-        }
+        self.check_room(c);
         self.check_radar(c);
         c.within("channel.rho", self.channel.rho.unwrap_or(1.0), 0.0, 1.0);
+        c.within("channel.k_factor_db", self.channel.k_factor_db, -20.0, 80.0);
         self.check_frame(c);
         self.check_target(c);
         self.check_learning(c);

@@ -1,8 +1,8 @@
 //! What a scenario says where its file says nothing: the paper's section VI where it gives a value.
 
 use super::{
-    Advance, ArMode, Channel, Clusters, Communication, Frame, Learning, Model, Optimizer, Radar, Room,
-    Scenario, Schedule, SpectrogramSettings, Target, Tgn, Trade,
+    Advance, ArMode, Channel, Clusters, Communication, Frame, Furniture, Learning, Material, Model,
+    Optimizer, Radar, Room, Scenario, Schedule, SpectrogramSettings, Surface, Target, Tgn, Trade,
 };
 
 impl Default for Scenario {
@@ -24,7 +24,18 @@ impl Default for Scenario {
 
 impl Default for Room {
     fn default() -> Self {
-        Room { size_m: [3.0, 4.5, 3.0] }
+        let surface = |material, thickness_m| Surface { material, thickness_m };
+        Room {
+            size_m: [3.0, 4.5, 3.0],
+            walls: surface(Material::Concrete, 0.2),
+            floor: surface(Material::Concrete, 0.2),
+            ceiling: surface(Material::Plasterboard, 0.0125),
+            furniture: vec![
+                Furniture { centre_m: [0.6, 3.2, 0.7], cross_section_dbsm: -5.0 },
+                Furniture { centre_m: [0.5, 1.8, 0.5], cross_section_dbsm: -10.0 },
+                Furniture { centre_m: [2.6, 2.2, 0.5], cross_section_dbsm: -10.0 },
+            ],
+        }
     }
 }
 
@@ -45,11 +56,14 @@ impl Default for Channel {
             model: Model::Dahc,
             rho: None,
             mode: ArMode::Paper,
+            k_factor_db: 15.0,
             clusters: Clusters::Ieee80211ax,
             advance: Advance::SensingSlot,
             stationary_start: false,
             tgn: Tgn::B,
             blockage: false,
+            shadowing: false,
+            occlusion: false,
             line_of_sight: true,
             interferer: false,
         }

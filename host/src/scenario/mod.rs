@@ -14,6 +14,7 @@ mod people;
 mod preset;
 mod radar;
 mod read;
+mod room;
 mod rules;
 mod schema;
 
@@ -22,8 +23,9 @@ pub use check::ScenarioError;
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
-pub use radar::{Dechirp, Format, Radar};
+pub use radar::{AntennaPattern, Dechirp, Format, Radar};
 pub use read::syntax_message;
+pub use room::{Furniture, Material, Room, Surface};
 pub use rules::Rule;
 
 use schemars::JsonSchema;
@@ -56,15 +58,6 @@ pub struct Scenario {
     pub communication: Communication,
     /// The operating point of the two.
     pub trade: Trade,
-}
-
-/// Room: a box with one corner at the origin.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Room {
-    /// Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the throughput, depend on it
-    /// only where the channel model reflects at walls: not in the default one (`dahc` with the clusters `80211ax`).
-    pub size_m: [f64; 3],
 }
 
 /// Time frame: slots, period, spacing.

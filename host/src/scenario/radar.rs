@@ -7,6 +7,7 @@ use super::rules::Rules;
 use schemars::JsonSchema;
 use sdp3_core::config::{self, RadarConfig, RangeGate, SampleFormat};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// What a sample is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -26,6 +27,18 @@ pub enum Dechirp {
     Digital,
     /// Before the converter, which samples the beat signal.
     Analog,
+}
+
+/// How the antenna's gain depends on the direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AntennaPattern {
+    /// The same gain in every direction: no antenna's, the paper's.
+    Constant,
+    /// The element of 3GPP TR 38.901 Table 7.3-1, its beam width from the gain.
+    Element,
+    /// A measured table, `radar.antenna_table`.
+    Table,
 }
 
 /// The radar at the base station: position, sweep, converter and front end.
@@ -62,7 +75,16 @@ pub struct Radar {
     pub power_w: f64,
     /// Gain of the transmit antenna and of the receive antenna, each, in dB.
     pub antenna_gain_db: f64,
-    /// Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
+    /// How the gain depends on the direction.
+    pub antenna_pattern: AntennaPattern,
+    /// CSV of azimuth and elevation from boresight in degrees and gain in dB, of the pattern `table`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub antenna_table: Option<PathBuf>,
+    /// Point in m that the antenna looks at; absent: the torso of the person sensed where the recording begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boresight_m: Option<[f64; 3]>,
+    /// Level of the side lobes below the main lobe in dB, each way: the lowest gain of `element`; with `constant`, how others than the
+    /// person sensed are seen.
     pub sidelobe_db: f64,
     /// Receiver noise figure in dB (290 K), both sidebands of the mixer counted.
     pub noise_figure_db: f64,
@@ -94,6 +116,9 @@ impl Default for Radar {
             bins_per_sample: 0,
             power_w: 1.0,
             antenna_gain_db: 25.0,
+            antenna_pattern: AntennaPattern::Constant,
+            antenna_table: None,
+            boresight_m: None,
             sidelobe_db: 10.0,
             noise_figure_db: 10.0,
             headroom_db: 12.0,
@@ -182,6 +207,15 @@ impl Scenario {
         c.within("radar.power_w", r.power_w, 1e-12, 1e3);
         c.within("radar.antenna_gain_db", r.antenna_gain_db, -10.0, 60.0);
         c.within("radar.sidelobe_db", r.sidelobe_db, 0.0, 60.0);
+        let table = r.antenna_pattern == AntennaPattern::Table;
+        let shown = r.antenna_table.as_ref().map_or("missing".into(), |file| file.display().to_string());
+        let legal = "a file where radar.antenna_pattern is table, and nothing else";
+        c.legal("radar.antenna_table", shown, r.antenna_table.is_some() == table, legal);
+        if let Some(point) = &r.boresight_m {
+            let apart = point.iter().zip(&r.position_m).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() > 1e-4;
+            c.legal("radar.boresight_m", format!("{point:?}"), apart, "another point than radar.position_m");
+            point.iter().for_each(|&x| c.within("radar.boresight_m", x, -100.0, 200.0));
+        }
         c.within("radar.noise_figure_db", r.noise_figure_db, 0.0, 40.0);
         c.within("radar.headroom_db", r.headroom_db, 0.0, 60.0);
         c.within("radar.phase_noise_deg", r.phase_noise_deg, 0.0, 90.0);

@@ -8,13 +8,12 @@ use super::body::Vec3;
 use super::body::capture::{Capture, CaptureError};
 use super::body::gait::joint;
 use super::body::motion::{GroundTruth, Person};
-use super::channel::response::Response;
 use super::channel::target::Target;
-use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
+use super::channel::{Blocks, ChannelModel, Path, Scene, Sensor, model, wavelength};
 use super::radar::Receiver;
 use crate::formats::slots::Slots;
 use crate::numerics::random::Random;
-use crate::scenario::{Class, Scenario};
+use crate::scenario::{AntennaPattern, Class, Scenario};
 use sdp3_core::dims::Beat;
 
 /// What a recording is for; recordings of different sets share nothing.
@@ -46,7 +45,7 @@ pub struct Simulation<'a> {
     scenario: &'a Scenario,
     people: Vec<Target>,
     channel: Box<dyn ChannelModel>,
-    response: Response,
+    sensor: Sensor,
     front: f64,
     taken: u32,
     paths: Vec<Path>,
@@ -65,8 +64,8 @@ impl<'a> Simulation<'a> {
         Simulation {
             people: scene_people(scenario, class, &mut random),
             channel: model(scenario, radar, radar, rho, stream(seed, set, 1, class, index)),
-            // transmit power and both antennas
-            response: Response::of(&scenario.radar),
+            sensor: Sensor::of(scenario),
+            // transmit power and both antennas at boresight
             front: scenario.radar.power_w.sqrt() * libm::pow(10.0, scenario.radar.antenna_gain_db / 10.0),
             taken: 0,
             paths: Vec::new(),
@@ -94,7 +93,11 @@ impl<'a> Simulation<'a> {
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
         self.channel.paths(&scene, &mut paths);
         self.taken += 1;
-        paths.iter_mut().for_each(|path| path.gain *= self.front);
+        let (front, antenna) = (self.front, &self.sensor.antenna);
+        match antenna.is_constant() {
+            true => paths.iter_mut().for_each(|path| path.gain *= front),
+            false => paths.iter_mut().for_each(|path| path.gain *= front * antenna.weight(path)),
+        }
         self.paths = paths;
         &self.paths
     }
@@ -106,7 +109,7 @@ impl<'a> Simulation<'a> {
         let interval_s = self.scenario.interval_s();
         let time_s = f64::from(self.taken) * interval_s;
         let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
-        self.channel.beats(&scene, interval_s, &self.response, &mut beats);
+        self.channel.beats(&scene, interval_s, &self.sensor, &mut beats);
         self.taken += count;
         beats.iter_mut().flatten().for_each(|z| *z *= self.front);
         beats
@@ -127,8 +130,11 @@ fn scene_people(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<T
         person = Person::captured(person.truth, capture);
     }
     let mut people = vec![Target::new(person, random)];
-    // the antenna looks at the person of the recording; others are seen by its side lobes, out and back
-    let side = libm::pow(10.0, -2.0 * scenario.radar.sidelobe_db / 20.0);
+    // an antenna without a pattern looks at the person of the recording, and sees others by its side lobes, out and back
+    let side = match scenario.radar.antenna_pattern {
+        AntennaPattern::Constant => libm::pow(10.0, -2.0 * scenario.radar.sidelobe_db / 20.0),
+        _ => 1.0,
+    };
     let mut other = |class: Class, start_m: [f64; 2], heading_deg: Option<f64>, random: &mut Random| {
         let mut target = scenario.target.clone();
         (target.start_m, target.heading_spread_deg) = (start_m, 180.0);

@@ -6,7 +6,7 @@
 //! ([`super::channel::response`]). Noise has the bandwidth of the sampling rate.
 
 use super::channel::response::{Response, Table};
-use super::channel::room::mean_power;
+use super::channel::room::expected_power;
 use super::channel::{BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_S, Sweep, accumulate, phasor, tone};
 use crate::numerics::random::Random;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
@@ -64,13 +64,13 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// Full scale is `headroom_db` above the room's mean received amplitude.
+    /// Full scale is `headroom_db` above the loudest that is expected.
     ///
     /// Noise of power k T f_s F is that of both sidebands; I and Q, or the only real value, have half of it each.
     pub fn of(scenario: &Scenario) -> Self {
         let radar = &scenario.radar;
         let front = radar.power_w.sqrt() * libm::pow(10.0, radar.antenna_gain_db / 10.0);
-        let full_scale = front * mean_power(scenario).sqrt() * libm::pow(10.0, radar.headroom_db / 20.0);
+        let full_scale = front * expected_power(scenario).sqrt() * libm::pow(10.0, radar.headroom_db / 20.0);
         let bits = u32::from(radar.converter_bits);
         let largest = f64::from((1_u32 << (bits - 1)) - 1);
         let lsb = full_scale / largest;

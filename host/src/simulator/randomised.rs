@@ -10,13 +10,14 @@
 use super::body::Vec3;
 use super::body::motion::{GroundTruth, Person};
 use super::calibration::conditioning::ac_couple;
+use super::channel::antenna::Antenna;
 use super::channel::dahc::Dahc;
 use super::channel::response::Response;
 use super::channel::target::Target;
-use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, wavelength};
+use super::channel::{BLOCKS, Blocks, ChannelModel, Complex64, Scene, Sensor, wavelength};
 use crate::numerics::filter::high_pass;
 use crate::numerics::random::Random;
-use crate::scenario::{Class, Scenario, Tgn};
+use crate::scenario::{ArMode, Class, Clusters, Scenario, Tgn};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -95,6 +96,8 @@ fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, Vec3, 
     scenario.radar.carrier_hz = carrier_hz;
     scenario.frame.slot_s = 1.0 / rate_hz;
     scenario.frame.spacing_slots = 0;
+    (scenario.channel.mode, scenario.channel.clusters) = (ArMode::Paper, Clusters::Ieee80211ax);
+    (scenario.channel.shadowing, scenario.channel.occlusion) = (false, false);
     scenario.channel.stationary_start = true;
     scenario.channel.tgn = [Tgn::B, Tgn::C, Tgn::D][(3.0 * random.uniform()) as usize];
     let [width, length, _] = scenario.room.size_m;
@@ -183,11 +186,12 @@ fn seen(room: &Scenario, rho: f64, view: View, people: &[Target], random: Random
     let mut beats = vec![Blocks::default(); (SETTLE_S * rate_hz) as usize + rate_hz.round() as usize];
     let mut channel = Dahc::new(room, (view.walls, view.walls), rho, random);
     let mut time_s = view.start_s;
+    let sensor = Sensor { antenna: Antenna::constant(), response: Response::Paper };
     let groups = beats.len().div_ceil(GROUP) as f64;
     for (k, group) in beats.chunks_mut(GROUP).enumerate() {
         let interval_s = (view.pace[0] + (view.pace[1] - view.pace[0]) * k as f64 / groups) / rate_hz;
         let scene = Scene { slot: 0, time_s, from: view.radar, to: view.radar, people };
-        channel.beats(&scene, interval_s, &Response::Paper, group);
+        channel.beats(&scene, interval_s, &sensor, group);
         time_s += interval_s * group.len() as f64;
     }
     let mut y: Vec<_> = beats.iter().map(|b| Complex64::new(b[BLOCKS / 2].re, 0.0)).collect();

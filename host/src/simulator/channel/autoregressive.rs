@@ -1,11 +1,10 @@
 //! The room's response as an AR(1) process: v_j = rho v_{j-1} + (1 - rho) Upsilon_j.
 //!
-//! Eq. (vit) in three modes, once per sensing slot or once per slot. Upsilon is a sum of rays with fixed delays and redrawn
+//! Eq. (vit) in three modes, and as the fluctuation of a room that has a mean besides, once per sensing slot or once per slot. Upsilon is a sum of rays with fixed delays and redrawn
 //! phases (802.11ay) or complex Gaussian taps (802.11ax), so the recursion runs on one complex number per ray.
 
 use super::ieee80211ay::Ray;
-use super::response::Response;
-use super::{Blocks, Complex64, Path, phasor};
+use super::{Blocks, Complex64, Path, Sensor, phasor};
 use crate::numerics::random::Random;
 use crate::scenario::{Advance, ArMode, Channel};
 use crate::simulator::body::number::{LANES, Lanes, Real};
@@ -55,7 +54,7 @@ impl Ar1Process {
             rho,
             innovation: match channel.mode {
                 ArMode::Paper | ArMode::Consistent => 1.0 - rho,
-                ArMode::VariancePreserving => (1.0 - rho * rho).sqrt(),
+                ArMode::VariancePreserving | ArMode::Rician => (1.0 - rho * rho).sqrt(),
             },
             mode: channel.mode,
             stationary: channel.stationary_start,
@@ -127,10 +126,14 @@ impl Ar1Process {
         paths.extend(self.state.iter().zip(&self.rays).map(path));
     }
 
-    /// Adds their range samples, by the same response every time.
-    pub fn beat(&mut self, response: &Response, beat: &mut Blocks) {
+    /// Adds their range samples, by the same sensor every time.
+    pub fn beat(&mut self, sensor: &Sensor, beat: &mut Blocks) {
         if self.parts.is_empty() {
-            self.parts = self.rays.iter().map(|ray| response.parts(ray.delay_s)).collect();
+            let parts = |ray: &Ray| {
+                let weight = sensor.antenna.amplitude(ray.departure) * sensor.antenna.amplitude(ray.arrival);
+                sensor.response.parts(ray.delay_s).map(|part| part.map(|z| z * weight))
+            };
+            self.parts = self.rays.iter().map(parts).collect();
         }
         for (state, [one, j]) in self.state.iter().zip(&self.parts) {
             for ((sum, one), j) in beat.iter_mut().zip(one).zip(j) {

@@ -1,80 +1,229 @@
 //! `dahc`: the paper's data-assisted hybrid channel, h = u + v.
 //!
-//! u is geometry (sixteen primitives per person), v the room's response with memory; rho is calibrated on data. The beats of
-//! a recording are formed several slots at a time.
+//! u is geometry (sixteen primitives per person), v the room's response with memory; rho is calibrated on data. With `mode = "rician"` v
+//! is a constant mean m from geometry and a stationary fluctuation: E|v - m|^2 = |m|^2 / K as received, both through the radar's antenna.
+//! The beats of a recording are formed several slots at a time.
 
+use super::antenna::Antenna;
 use super::autoregressive::{Ar1Process, Innovation};
 use super::ieee80211ax::taps;
-use super::ieee80211ay::rays;
+use super::ieee80211ay::{Ray, rays};
+use super::obstruction::{Amplitudes, Obstruction, SPACING, share};
 use super::response::Response;
+use super::room::{StaticPath, static_paths};
 use super::target::{NEAREST_M, Target, direct};
 use super::{
-    BLOCK_S, BLOCKS, Blocks, ChannelModel, Complex64, MIDDLE_S, Path, SWEEP_RATE, Scene, boxcar, wavelength,
+    BLOCK_S, BLOCKS, Blocks, ChannelModel, Complex64, MIDDLE_S, Path, SWEEP_RATE, Scene, Sensor, boxcar,
+    wavelength,
 };
 use crate::numerics::random::Random;
-use crate::scenario::{Clusters, SPEED_OF_LIGHT, Scenario};
-use crate::simulator::body::Vec3;
+use crate::scenario::{ArMode, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::number::{LANES, Lanes, Real};
-use crate::simulator::body::primitives::primitive;
+use crate::simulator::body::primitives::{PRIMITIVES, primitive};
+use crate::simulator::body::{Vec3, sub};
 use std::f64::consts::{PI, TAU};
 
 #[derive(Debug, Clone)]
 pub struct Dahc {
     lambda: f64,
     room: Ar1Process,
+    mean: Vec<StaticPath>,
+    /// The mean's range samples, once they are asked for.
+    mean_parts: Vec<Blocks>,
+    obstruction: Obstruction,
     random: Random,
+}
+
+/// The room's clusters at the scenario's carrier: 802.11ax's taps, 802.11ay's rays, or both by their share of the power.
+fn clusters(scenario: &Scenario, ends: (Vec3, Vec3), random: &mut Random) -> (Vec<Ray>, Innovation) {
+    let share = scenario.channel.clusters.share_80211ay(scenario.radar.carrier_hz);
+    if share == 0.0 {
+        return (taps(scenario, ends), Innovation::Gaussian);
+    }
+    let mut all = rays(scenario, ends, random);
+    if share == 1.0 {
+        return (all, Innovation::Phase);
+    }
+    all.iter_mut().for_each(|ray| ray.amplitude *= share.sqrt());
+    let taps = taps(scenario, ends).into_iter();
+    all.extend(taps.map(|ray| Ray { amplitude: ray.amplitude * (1.0 - share).sqrt(), ..ray }));
+    (all, Innovation::Gaussian)
+}
+
+/// Power that the mean of the room has at a receiver, relative to what isotropic antennas send.
+pub fn mean_power(mean: &[StaticPath], antenna: &Antenna) -> f64 {
+    let power = |one: &StaticPath| {
+        let weight = antenna.weight(&one.path);
+        one.path.gain.norm_sqr() * weight * weight
+    };
+    mean.iter().map(power).sum()
 }
 
 impl Dahc {
     /// Draws a room between two points.
     pub fn new(scenario: &Scenario, ends: (Vec3, Vec3), rho: f64, mut random: Random) -> Self {
-        let (rays, innovation_kind) = match scenario.channel.clusters {
-            Clusters::Ieee80211ax => (taps(scenario, ends), Innovation::Gaussian),
-            Clusters::Ieee80211ay => (rays(scenario, ends, &mut random), Innovation::Phase),
-        };
+        let (mut rays, innovation_kind) = clusters(scenario, ends, &mut random);
+        let mut mean = Vec::new();
+        if scenario.channel.mode == ArMode::Rician {
+            mean = static_paths(scenario, ends.0, ends.1);
+            let antenna = if ends.0 == ends.1 { Antenna::of(scenario) } else { Antenna::constant() };
+            // geometry's own rays are the mean; the power of the others is stated as received, at the antenna's maximum
+            if innovation_kind == Innovation::Phase {
+                rays.retain(|ray| ray.fixed.is_none());
+            }
+            let power: f64 = rays.iter().map(|ray| ray.amplitude * ray.amplitude).sum();
+            let k = libm::pow(10.0, scenario.channel.k_factor_db / 10.0);
+            let scale = (mean_power(&mean, &antenna) / (k * power)).sqrt();
+            for ray in &mut rays {
+                ray.amplitude *= scale;
+                (ray.departure, ray.arrival) = (antenna.boresight(), antenna.boresight());
+            }
+        }
         let room =
             Ar1Process::new(&scenario.channel, rays, innovation_kind, rho, scenario.frame.spacing_slots);
-        Dahc { lambda: wavelength(scenario.radar.carrier_hz), room, random }
+        Dahc {
+            lambda: wavelength(scenario.radar.carrier_hz),
+            room,
+            mean,
+            mean_parts: Vec::new(),
+            obstruction: Obstruction::new(scenario),
+            random,
+        }
+    }
+
+    /// Adds the mean's range samples of the slots from `scene` on.
+    fn mean_beats(&mut self, scene: &Scene, sensor: &Sensor, beats: &mut [Blocks]) {
+        if self.mean_parts.is_empty() {
+            let part = |one: &StaticPath| {
+                let mut blocks = Blocks::default();
+                sensor.add(&mut blocks, &one.path);
+                blocks
+            };
+            self.mean_parts = self.mean.iter().map(part).collect();
+        }
+        let sum = |amplitudes: &[f64]| {
+            let mut sum = Blocks::default();
+            for (k, part) in self.mean_parts.iter().enumerate() {
+                let amplitude = amplitudes.get(k).copied().unwrap_or(1.0);
+                sum.iter_mut().zip(part).for_each(|(sum, z)| *sum += z * amplitude);
+            }
+            sum
+        };
+        let mut around = (u32::MAX, [sum(&[]); 2]);
+        for (n, beat) in beats.iter_mut().enumerate() {
+            let slot = scene.slot + n as u32;
+            if self.obstruction.is_on() && around.0 != slot / SPACING {
+                let [a, b] = self.obstruction.nodes(scene, slot / SPACING, &self.mean);
+                around = (slot / SPACING, [sum(&a.room), sum(&b.room)]);
+            }
+            let share = share(slot);
+            for ((beat, a), b) in beat.iter_mut().zip(&around.1[0]).zip(&around.1[1]) {
+                *beat += a + (b - a) * share;
+            }
+        }
     }
 }
 
 impl ChannelModel for Dahc {
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>) {
         self.room.step(&mut self.random);
+        let kept = self.obstruction.is_on().then(|| self.obstruction.at(scene, &self.mean));
+        let begin = paths.len();
         paths.extend(direct(scene, self.lambda));
+        if let Some(kept) = &kept {
+            paths[begin..].iter_mut().for_each(|path| path.gain *= kept.direct);
+        }
         self.room.paths(paths);
-        scene.people.iter().for_each(|person| person.echoes(scene, self.lambda, paths));
+        for (k, one) in self.mean.iter().enumerate() {
+            let kept = kept.as_ref().map_or(1.0, |kept| kept.room[k]);
+            paths.push(Path { gain: one.path.gain * kept, ..one.path });
+        }
+        for (number, person) in scene.people.iter().enumerate() {
+            let begin = paths.len();
+            person.echoes(scene, self.lambda, paths);
+            if let Some(kept) = &kept {
+                let kept = paths[begin..].iter_mut().zip(&kept.people[number]);
+                kept.for_each(|(path, kept)| path.gain *= kept);
+            }
+        }
     }
 
-    fn beats(&mut self, scene: &Scene, interval_s: f64, response: &Response, beats: &mut [Blocks]) {
+    fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         for beat in beats.iter_mut() {
             self.room.step(&mut self.random);
-            self.room.beat(response, beat);
+            self.room.beat(sensor, beat);
         }
-        for target in scene.people {
-            for (group, beats) in beats.chunks_mut(LANES).enumerate() {
-                let first = scene.time_s + (group * LANES) as f64 * interval_s;
-                let echo = match response {
-                    Response::Paper => narrow_echo,
-                    Response::Table(_) => wide_echo,
+        if !self.mean.is_empty() {
+            self.mean_beats(scene, sensor, beats);
+        }
+        let echo = match sensor.response {
+            Response::Paper => narrow_echo,
+            Response::Table(_) => wide_echo,
+        };
+        for (group, beats) in beats.chunks_mut(LANES).enumerate() {
+            let first = (group * LANES) as u32;
+            let kept: Option<[Amplitudes; LANES]> = self.obstruction.is_on().then(|| {
+                std::array::from_fn(|lane| {
+                    let n = first + (lane as u32).min(beats.len() as u32 - 1);
+                    let time_s = scene.time_s + f64::from(n) * interval_s;
+                    self.obstruction.at(&Scene { slot: scene.slot + n, time_s, ..*scene }, &self.mean)
+                })
+            });
+            for (number, target) in scene.people.iter().enumerate() {
+                let view = View {
+                    radar: scene.to,
+                    lambda: self.lambda,
+                    first: scene.time_s + f64::from(first) * interval_s,
+                    interval_s,
+                    kept: kept.as_ref().map(|kept| {
+                        std::array::from_fn(|k| {
+                            Lanes::new(kept.each_ref().map(|kept| kept.people[number][k]))
+                        })
+                    }),
                 };
-                echo(response, target, scene.to, self.lambda, first, interval_s, beats);
+                echo(sensor, target, &view, beats);
             }
         }
     }
 }
 
-/// Adds a person's range samples of up to [`LANES`] slots, every primitive at its own delay: range cells may be smaller than a body.
-fn wide_echo(
-    response: &Response,
-    target: &Target,
+/// From where a person is seen, when, and what is left of it.
+struct View {
     radar: Vec3,
     lambda: f64,
+    /// Time of the first of the slots in s.
     first: f64,
     interval_s: f64,
-    beats: &mut [Blocks],
-) {
-    let t = Lanes::new(std::array::from_fn(|lane| first + lane as f64 * interval_s));
+    /// Amplitude that obstruction leaves of each primitive.
+    kept: Option<[Lanes; PRIMITIVES]>,
+}
+
+impl View {
+    fn times(&self) -> Lanes {
+        Lanes::new(std::array::from_fn(|lane| self.first + lane as f64 * self.interval_s))
+    }
+
+    /// A primitive's amplitude through the antenna, there and back, and past what hides it.
+    #[inline(always)]
+    fn seen(&self, antenna: &Antenna, index: usize, centre: Vec3<Lanes>, mut amplitude: Lanes) -> Lanes {
+        if !antenna.is_constant() {
+            let [x, y, z] = centre.map(Lanes::to_array);
+            let weight = |lane: usize| {
+                let one = antenna.amplitude(sub([x[lane], y[lane], z[lane]], self.radar));
+                one * one
+            };
+            amplitude = amplitude * Lanes::new(std::array::from_fn(weight));
+        }
+        match &self.kept {
+            Some(kept) => amplitude * kept[index],
+            None => amplitude,
+        }
+    }
+}
+
+/// Adds a person's range samples of up to [`LANES`] slots, every primitive at its own delay: range cells may be smaller than a body.
+fn wide_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
+    let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
     let joints = person.joints(t);
     let front = target.gain * lambda / libm::pow(4.0 * PI, 1.5);
@@ -83,9 +232,10 @@ fn wide_echo(
         let (distance, amplitude) = part.echo(radar);
         let (s, c) = distance.times(-2.0 / lambda).plus(phase / TAU).sin_cos_turns();
         let amplitude = amplitude.times(front * target.weights[index]);
+        let amplitude = view.seen(&sensor.antenna, index, part.centre, amplitude);
         let (re, im) = ((amplitude * c).to_array(), (amplitude * s).to_array());
         for (lane, (beat, distance)) in beats.iter_mut().zip(distance.to_array()).enumerate() {
-            response.add(beat, Complex64::new(re[lane], im[lane]), 2.0 * distance / SPEED_OF_LIGHT);
+            sensor.response.add(beat, Complex64::new(re[lane], im[lane]), 2.0 * distance / SPEED_OF_LIGHT);
         }
     }
 }
@@ -99,16 +249,8 @@ const TERMS: usize = 4;
 /// With tau_0 the torso's delay, block b at kappa_b = 2 pi S (t_b - t_mid) sees
 /// sum_p a_p exp(-j kappa_b tau_p) = exp(-j kappa_b tau_0) sum_q (-j kappa_b)^q / q! M_q with M_q = sum_p a_p (tau_p - tau_0)^q:
 /// one phasor a primitive instead of eight.
-fn narrow_echo(
-    _: &Response,
-    target: &Target,
-    radar: Vec3,
-    lambda: f64,
-    first: f64,
-    interval_s: f64,
-    beats: &mut [Blocks],
-) {
-    let t = Lanes::new(std::array::from_fn(|lane| first + lane as f64 * interval_s));
+fn narrow_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
+    let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
     let joints = person.joints(t);
     let part = |index| primitive(&joints, person.segments(), person.truth.height_m, index);
@@ -121,8 +263,10 @@ fn narrow_echo(
     let zero = Lanes::of(0.0);
     let mut moments = [[zero; 2]; TERMS];
     for (index, phase) in target.phases.iter().enumerate() {
-        let (distance, amplitude) = part(index).echo(radar);
+        let part = part(index);
+        let (distance, amplitude) = part.echo(radar);
         let amplitude = amplitude.times(front * target.weights[index]);
+        let amplitude = view.seen(&sensor.antenna, index, part.centre, amplitude);
         let (s, c) = distance.times(-turns).plus(phase / TAU).sin_cos_turns();
         let (mut re, mut im) = (amplitude * c, amplitude * s);
         let delta = (distance - torso).times(slope);
@@ -166,7 +310,7 @@ fn narrow_echo(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Class;
+    use crate::scenario::{AntennaPattern, Class, Clusters};
     use crate::simulator::body::motion::Person;
 
     #[test]
@@ -177,8 +321,17 @@ mod tests {
             scenario.radar.carrier_hz = carrier_hz;
             scenario
         };
-        for scenario in [at(3.5e9), at(24e9), at(60e9), shipped("bgt60"), shipped("iwr")] {
-            let response = Response::of(&scenario.radar);
+        let real = |mut scenario: Scenario| {
+            scenario.radar.antenna_pattern = AntennaPattern::Element;
+            scenario.radar.sidelobe_db = 30.0;
+            let channel = &mut scenario.channel;
+            (channel.mode, channel.clusters) = (ArMode::Rician, Clusters::ByCarrier);
+            (channel.shadowing, channel.occlusion) = (true, true);
+            scenario
+        };
+        let all = [at(3.5e9), at(24e9), at(60e9), shipped("bgt60"), shipped("iwr")];
+        for scenario in all.iter().cloned().chain(all.iter().cloned().map(real)) {
+            let sensor = Sensor::of(&scenario);
             let radar = scenario.radar.position_m;
             let ends = (radar, radar);
             for class in Class::EVERY {
@@ -187,22 +340,22 @@ mod tests {
                 let people = [Target::new(person, &mut random)];
                 let scene = Scene { slot: 0, time_s: 0.0, from: radar, to: radar, people: &people };
                 let mut fast = vec![Blocks::default(); 203];
-                Dahc::new(&scenario, ends, 0.997, random.clone()).beats(&scene, 1e-3, &response, &mut fast);
+                let interval_s = scenario.interval_s();
+                let mut model = Dahc::new(&scenario, ends, 0.997, random.clone());
+                model.beats(&scene, interval_s, &sensor, &mut fast);
                 let mut slow = Dahc::new(&scenario, ends, 0.997, random);
                 let (mut error, mut power) = (0.0, 0.0);
                 for (n, fast) in fast.iter().enumerate() {
-                    let scene = Scene { slot: n as u32, time_s: n as f64 * 1e-3, ..scene };
+                    let scene = Scene { slot: n as u32, time_s: n as f64 * interval_s, ..scene };
                     let mut paths = Vec::new();
                     slow.paths(&scene, &mut paths);
                     let mut exact = Blocks::default();
-                    paths.iter().for_each(|p| response.add(&mut exact, p.gain, p.delay_s));
-                    let mut room = Blocks::default();
-                    slow.room.beat(&response, &mut room);
-                    for ((a, b), v) in fast.iter().zip(&exact).zip(&room) {
-                        error += (a - b).norm_sqr();
-                        // relative to the person alone, not to the louder room
-                        power += (b - v).norm_sqr();
-                    }
+                    paths.iter().for_each(|p| sensor.add(&mut exact, p));
+                    // relative to the person alone, not to the louder room
+                    let mut person = Blocks::default();
+                    paths.iter().rev().take(PRIMITIVES).for_each(|p| sensor.add(&mut person, p));
+                    error += fast.iter().zip(&exact).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>();
+                    power += person.iter().map(|z| z.norm_sqr()).sum::<f64>();
                 }
                 let db = 10.0 * libm::log10(error / power);
                 assert!(
@@ -213,5 +366,58 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// The default room that was there before the recording began.
+    fn settled() -> Scenario {
+        let mut scenario = Scenario::default();
+        (scenario.radar.antenna_pattern, scenario.radar.sidelobe_db) = (AntennaPattern::Element, 30.0);
+        (scenario.channel.mode, scenario.channel.clusters) = (ArMode::Rician, Clusters::ByCarrier);
+        scenario
+    }
+
+    #[test]
+    fn the_fluctuation_lies_the_k_factor_below_the_mean_at_every_carrier() {
+        for carrier_hz in [3.5e9, 24e9, 60e9] {
+            let mut scenario = settled();
+            scenario.radar.carrier_hz = carrier_hz;
+            let (radar, sensor) = (scenario.radar.position_m, Sensor::of(&scenario));
+            let scene = Scene { slot: 0, time_s: 0.0, from: radar, to: radar, people: &[] };
+            let (mut fluctuation, mut mean) = (0.0, 0.0);
+            for index in 0..600 {
+                let random = Random::new(7, 0, 0, index);
+                let mut room = Dahc::new(&scenario, (radar, radar), 0.997, random);
+                let mut paths = Vec::new();
+                room.paths(&scene, &mut paths);
+                let fixed = paths.len() - room.mean.len();
+                let power = |paths: &[Path]| -> f64 {
+                    let one =
+                        |p: &Path| p.gain.norm_sqr() * sensor.antenna.weight(p) * sensor.antenna.weight(p);
+                    paths.iter().map(one).sum()
+                };
+                fluctuation += power(&paths[..fixed]);
+                mean += power(&paths[fixed..]);
+            }
+            let db = 10.0 * libm::log10(mean / fluctuation);
+            assert!((db - 15.0).abs() < 0.3, "{carrier_hz}: {db} dB");
+        }
+    }
+
+    #[test]
+    fn the_power_of_a_settled_room_does_not_change_while_it_is_recorded() {
+        let scenario = settled();
+        let (radar, sensor) = (scenario.radar.position_m, Sensor::of(&scenario));
+        let scene = Scene { slot: 0, time_s: 0.0, from: radar, to: radar, people: &[] };
+        let mut sums = [0.0; 2];
+        for index in 0..40 {
+            let mut beats = vec![Blocks::default(); 1000];
+            let mut room = Dahc::new(&scenario, (radar, radar), 0.997, Random::new(3, 0, 0, index));
+            room.beats(&scene, 1e-3, &sensor, &mut beats);
+            let power = |beats: &[Blocks]| beats.iter().flatten().map(|z| z.norm_sqr()).sum::<f64>();
+            sums[0] += power(&beats[..100]);
+            sums[1] += power(&beats[900..]);
+        }
+        let db = 10.0 * libm::log10(sums[1] / sums[0]);
+        assert!(db.abs() < 1.0, "{db} dB");
     }
 }

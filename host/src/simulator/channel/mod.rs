@@ -16,19 +16,23 @@
 //! | `quadriga` | [`quadriga`] | the same clusters as scatterers in space, drifting within segments |
 //! | `metis` | [`metis`] | map-based hybrid: traced walls, random objects, a diffuse rest |
 
+pub(crate) mod antenna;
 pub(crate) mod autoregressive;
 pub(crate) mod dahc;
 pub(crate) mod field;
 pub(crate) mod ieee80211ax;
 pub(crate) mod ieee80211ay;
 pub(crate) mod link;
+pub(crate) mod material;
 pub(crate) mod metis;
+pub(crate) mod obstruction;
 pub(crate) mod primitive;
 pub(crate) mod properties;
 pub(crate) mod quadriga;
 pub(crate) mod ray_tracing;
 pub(crate) mod response;
 pub(crate) mod room;
+pub(crate) mod shadowing;
 pub(crate) mod statistical;
 pub(crate) mod target;
 pub(crate) mod tr38901;
@@ -36,6 +40,7 @@ pub(crate) mod tr38901;
 use super::body::Vec3;
 use crate::numerics::random::Random;
 use crate::scenario::{Model, SPEED_OF_LIGHT, Scenario};
+use antenna::Antenna;
 use response::Response;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -82,22 +87,42 @@ impl Scene<'_> {
     }
 }
 
+/// What a radar makes of paths: its antenna for both ways, and its range samples.
+#[derive(Debug, Clone)]
+pub struct Sensor {
+    pub antenna: Antenna,
+    pub response: Response,
+}
+
+impl Sensor {
+    /// The radar of a scenario.
+    pub fn of(scenario: &Scenario) -> Self {
+        Sensor { antenna: Antenna::of(scenario), response: Response::of(&scenario.radar) }
+    }
+
+    /// Adds a path.
+    pub fn add(&self, beat: &mut Blocks, path: &Path) {
+        let gain = if self.antenna.is_constant() { path.gain } else { path.gain * self.antenna.weight(path) };
+        self.response.add(beat, gain, path.delay_s);
+    }
+}
+
 /// A channel model of one link in one recording: it has a state, and draws from its own stream of random numbers.
 pub trait ChannelModel: Send {
-    /// Appends the paths of `scene`. Scenes come in the order of their slots, every slot once.
+    /// Appends the paths of `scene` between isotropic antennas. Scenes come in the order of their slots, every slot once.
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>);
 
-    /// The range samples of consecutive slots by a radar's response, added to `beats`; `scene` is the first, the others follow
+    /// The range samples of consecutive slots by a radar's antenna and response, added to `beats`; `scene` is the first, the others follow
     /// `interval_s` apart. Models with sums that can be formed faster than path by path do so; the result agrees with
-    /// [`ChannelModel::paths`] to -80 dB. A model keeps to the response it is first asked for.
-    fn beats(&mut self, scene: &Scene, interval_s: f64, response: &Response, beats: &mut [Blocks]) {
+    /// [`ChannelModel::paths`] to -80 dB. A model keeps to the sensor it is first asked for.
+    fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
             let scene =
                 Scene { slot: scene.slot + n as u32, time_s: scene.time_s + n as f64 * interval_s, ..*scene };
             paths.clear();
             self.paths(&scene, &mut paths);
-            paths.iter().for_each(|path| response.add(beat, path.gain, path.delay_s));
+            paths.iter().for_each(|path| sensor.add(beat, path));
         }
     }
 }

@@ -1,10 +1,15 @@
 //! The room as a box: reflections by the image method, and how materials reflect.
 //!
 //! A reflected way is the straight way from the transmitter's image. Fresnel's coefficients take the angle at which that
-//! straight line meets each wall; permittivities are ITU-R P.2040's as the NIST Q-D software uses them.
+//! straight line meets each wall. Ray tracing as the paper's baseline has the permittivities of the NIST Q-D software at 60 GHz; the
+//! mean of the default room has those of ITU-R P.2040 at the carrier ([`super::material`]).
 
-use super::Complex64;
-use crate::scenario::{SPEED_OF_LIGHT, Scenario};
+use super::antenna::Antenna;
+use super::material::slab;
+use super::shadowing::{self, Leg};
+use super::target::{mean_cross_section, scattered};
+use super::{Complex64, Path, Scene, carrier_phase};
+use crate::scenario::{ArMode, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, norm, scale, sub};
 
 /// A wall: the axis it is normal to and its coordinate.
@@ -92,21 +97,102 @@ pub fn conference_room(size: Vec3, from: Vec3, to: Vec3) -> Vec<Reflection> {
     found
 }
 
-/// Every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
-pub fn traced(size: Vec3, from: Vec3, to: Vec3, order: u8) -> Vec<Reflection> {
+/// The planes of every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
+fn orders(size: Vec3, order: u8) -> Vec<Vec<Plane>> {
     let planes: [Plane; 6] = std::array::from_fn(|k| (k / 2, if k % 2 == 0 { 0.0 } else { size[k / 2] }));
-    let mut found: Vec<Reflection> = planes.iter().map(|&p| reflection(size, &[p], from, to)).collect();
+    let mut found: Vec<Vec<Plane>> = planes.iter().map(|&p| vec![p]).collect();
     if order >= 2 {
         for (i, &a) in planes.iter().enumerate() {
             for (j, &b) in planes.iter().enumerate() {
                 // images in planes of different axes commute: each pair once; opposite planes do not
                 if a.0 == b.0 && i != j || a.0 < b.0 {
-                    found.push(reflection(size, &[a, b], from, to));
+                    found.push(vec![a, b]);
                 }
             }
         }
     }
     found
+}
+
+/// Every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
+pub fn traced(size: Vec3, from: Vec3, to: Vec3, order: u8) -> Vec<Reflection> {
+    orders(size, order).iter().map(|planes| reflection(size, planes, from, to)).collect()
+}
+
+/// A way through the room that never changes.
+#[derive(Debug, Clone)]
+pub struct StaticPath {
+    /// Amplitude between isotropic antennas, delay and directions.
+    pub path: Path,
+    /// Its straight legs, from the transmitter on.
+    pub legs: Vec<Leg>,
+}
+
+/// The mean of the room between two points: reflections up to second order off slabs of the room's materials, vertical polarisation,
+/// and the echoes of what stands in it (pieces outside the room do not count).
+pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath> {
+    let room = &scenario.room;
+    let carrier_hz = scenario.radar.carrier_hz;
+    let lambda = super::wavelength(carrier_hz);
+    let surface = |(axis, plane): Plane| match axis {
+        2 if plane == 0.0 => &room.floor,
+        2 => &room.ceiling,
+        _ => &room.walls,
+    };
+    let mut found: Vec<StaticPath> = Vec::new();
+    for planes in orders(room.size_m, 2) {
+        let r = reflection(room.size_m, &planes, from, to);
+        let bounce =
+            |&plane: &Plane| slab(surface(plane), carrier_hz, r.arrival[plane.0].abs(), plane.0 == 2);
+        let coefficient: Complex64 = planes.iter().map(bounce).product();
+        let path = Path {
+            gain: carrier_phase(r.length_m, lambda) * coefficient * free_space(r.length_m, lambda),
+            delay_s: r.delay_s(),
+            departure: r.departure,
+            arrival: r.arrival,
+        };
+        found.push(StaticPath { path, legs: legs(room.size_m, &planes, from, to) });
+    }
+    let scene = Scene { slot: 0, time_s: 0.0, from, to, people: &[] };
+    for piece in &room.furniture {
+        let inside = piece.centre_m.iter().zip(&room.size_m).all(|(x, size)| (0.0..=*size).contains(x));
+        if inside {
+            let root = libm::pow(10.0, piece.cross_section_dbsm / 20.0);
+            let path = scattered(&scene, piece.centre_m, root, lambda, 0.0);
+            found.push(StaticPath { path, legs: vec![(from, piece.centre_m), (piece.centre_m, to)] });
+        }
+    }
+    found
+}
+
+/// The straight legs of a reflected way. Two planes of different axes have the same image in either order, but only one order has its
+/// points on the walls.
+fn legs(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Vec<Leg> {
+    let trace = |planes: &[Plane]| {
+        // images of the transmitter, the last one first
+        let images: Vec<Vec3> = (0..=planes.len())
+            .rev()
+            .map(|n| planes[..n].iter().fold(from, |p, &plane| image(p, plane)))
+            .collect();
+        let mut points = vec![to];
+        let mut end = to;
+        for (&source, &(axis, plane)) in images.iter().zip(planes.iter().rev()) {
+            let step = end[axis] - source[axis];
+            let share = if step.abs() < 1e-12 { 0.5 } else { (plane - source[axis]) / step };
+            end = shadowing::between(source, end, share);
+            points.push(end);
+        }
+        points.push(from);
+        points.reverse();
+        points
+    };
+    let inside = |point: &Vec3| point.iter().zip(&size).all(|(x, size)| (-1e-9..=size + 1e-9).contains(x));
+    let mut points = trace(planes);
+    if !points.iter().all(inside) {
+        let reversed: Vec<Plane> = planes.iter().rev().copied().collect();
+        points = trace(&reversed);
+    }
+    points.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
 /// Images of a point in the six planes, with each plane's coefficient seen from `to`.
@@ -121,7 +207,7 @@ pub fn images(size: Vec3, point: Vec3, to: Vec3) -> [(Vec3, Complex64); 6] {
 pub const LOSS_DB: [(f64, f64); 2] = [(-10.0, 4.0), (-16.0, 5.0)];
 
 /// Power ratio of all reflections at their mean losses, isotropic antennas: the large-scale law of a monostatic radar in
-/// every stochastic model here, and what sets the converter's full scale.
+/// every stochastic model here.
 pub fn mean_power(scenario: &Scenario) -> f64 {
     let radar = &scenario.radar;
     let lambda = super::wavelength(radar.carrier_hz);
@@ -132,6 +218,32 @@ pub fn mean_power(scenario: &Scenario) -> f64 {
             amplitude * amplitude
         })
         .sum()
+}
+
+/// Power ratio of the loudest that a radar has to expect, through its antenna: what sets the converter's full scale.
+///
+/// As the paper has it, that is the room at its mean losses seen at the antenna's maximum. With an antenna's pattern or a room that has a
+/// mean it is the room through the antenna and a person at 1 m.
+pub fn expected_power(scenario: &Scenario) -> f64 {
+    let antenna = Antenna::of(scenario);
+    let rician = scenario.channel.mode == ArMode::Rician;
+    if antenna.is_constant() && !rician {
+        return mean_power(scenario);
+    }
+    let radar = scenario.radar.position_m;
+    let lambda = super::wavelength(scenario.radar.carrier_hz);
+    let room = if rician {
+        let mean = super::dahc::mean_power(&static_paths(scenario, radar, radar), &antenna);
+        mean * (1.0 + libm::pow(10.0, -scenario.channel.k_factor_db / 10.0))
+    } else {
+        let power = |r: &Reflection| {
+            let one =
+                mean_amplitude(r, lambda) * antenna.amplitude(r.departure) * antenna.amplitude(r.arrival);
+            one * one
+        };
+        conference_room(scenario.room.size_m, radar, radar).iter().map(power).sum()
+    };
+    room + lambda * lambda * mean_cross_section(1.75, 0.0) / libm::pow(4.0 * std::f64::consts::PI, 3.0)
 }
 
 /// Free-space amplitude of a way times its mean reflection loss.
@@ -170,6 +282,26 @@ mod tests {
         assert_eq!(traced.len(), 24);
         for r in conference_room(SIZE, RADAR, to) {
             assert!(traced.iter().any(|length| (length - r.length_m).abs() < 1e-12), "{r:?}");
+        }
+    }
+
+    #[test]
+    fn legs_are_as_long_as_their_way_and_stay_inside() {
+        let scenario = Scenario::default();
+        for to in [RADAR, [2.1, 3.3, 1.4], [0.5, 1.0, 1.0]] {
+            for one in static_paths(&scenario, RADAR, to) {
+                let sum: f64 = one.legs.iter().map(|&(a, b)| norm(sub(b, a))).sum();
+                assert!((sum - one.path.delay_s * SPEED_OF_LIGHT).abs() < 1e-9, "{one:?}");
+                let inside = |p: Vec3| p.iter().zip(&SIZE).all(|(x, s)| (-1e-6..=s + 1e-6).contains(x));
+                assert!(one.legs.iter().all(|&(a, b)| inside(a) && inside(b)), "{one:?}");
+                assert_eq!((one.legs[0].0, one.legs[one.legs.len() - 1].1), (RADAR, to));
+                // it leaves along its first leg and comes along its last
+                let along = |(a, b): Leg| scale(sub(b, a), 1.0 / norm(sub(b, a)).max(1e-12));
+                let first = norm(sub(along(one.legs[0]), one.path.departure));
+                let (a, b) = one.legs[one.legs.len() - 1];
+                let last = norm(sub(along((b, a)), one.path.arrival));
+                assert!(first < 1e-6 && last < 1e-6, "{one:?}");
+            }
         }
     }
 
