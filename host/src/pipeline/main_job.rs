@@ -40,6 +40,7 @@ impl Job {
     pub fn main_job(mut self, ask: &MainJob) -> Result<(Run, PathBuf), Failure> {
         self.size(ask.quick)?;
         self.warn_of_aliasing();
+        self.note_near_field();
         self.warn_of_few_tests();
         self.note_room();
         self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;

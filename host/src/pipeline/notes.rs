@@ -24,6 +24,17 @@ impl Job {
         }
     }
 
+    /// A note if people come nearer than the antenna's far field.
+    pub fn note_near_field(&self) {
+        if let Some([nearest, far]) = dataset::near_field(&self.scenario) {
+            let text = format!(
+                "the antenna's far field begins at {far:.1} m (2 D^2 / lambda) and people come as near as {nearest:.1} m, where its pattern \
+                 and the radar equation are approximations"
+            );
+            self.progress.note("simulate", &text);
+        }
+    }
+
     /// A warning if the stored rho, which is used where the scenario states none, is of another carrier or slot interval.
     pub fn warn_of_rho(&self) {
         let stored =
@@ -40,7 +51,7 @@ impl Job {
         if of_links && !knows_walls(s) {
             let text = format!(
                 "room.size_m = {:?} does not change the throughput: links of channel.model = {} have no walls here; those of \
-                 ray-tracing have, and those of dahc with channel.clusters = 80211ay",
+                 ray-tracing have, and those of dahc with channel.mode = rician or channel.clusters = 80211ay",
                 s.room.size_m,
                 s.channel.model.name()
             );

@@ -64,6 +64,7 @@ impl Job {
     /// A folder of another dataset, or that cannot be written.
     pub fn simulate(&self, dataset: Dataset) -> Result<Written, Failure> {
         self.warn_of_aliasing();
+        self.note_near_field();
         self.warn_of_rho();
         let Dataset { per_class, classes, raw, sigmf, shard } = dataset;
         let stage = self.progress.stage("simulate", "recordings");

@@ -72,7 +72,8 @@ mod tests {
             for line in text.lines() {
                 assert!(line.len() <= COLUMNS || !line.starts_with('#'), "{line}");
                 let plain = !line.starts_with(['#', '[', ' ', ']']) && !line.is_empty();
-                let other = line.contains("class =") || line.contains("start_m =");
+                let listed = ["class =", "start_m =", "centre_m =", "cross_section_dbsm ="];
+                let other = listed.iter().any(|field| line.contains(field));
                 assert!(!plain || other || before.starts_with('#'), "{}: {line}", one.name);
                 before = line;
             }

@@ -10,5 +10,7 @@ pub mod body;
 pub mod calibration;
 pub(crate) mod channel;
 pub mod dataset;
+#[cfg(test)]
+mod physics;
 pub(crate) mod radar;
 pub(crate) mod randomised;

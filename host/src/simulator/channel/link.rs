@@ -63,10 +63,15 @@ mod tests {
     use super::*;
     use crate::scenario::{Clusters, Model};
 
+    /// The paper's room, whose links are clusters alone.
+    fn printed() -> Scenario {
+        crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario()
+    }
+
     #[test]
     fn nearer_receivers_have_better_gains() {
         for clusters in [Clusters::Ieee80211ax, Clusters::Ieee80211ay] {
-            let mut scenario = Scenario::default();
+            let mut scenario = printed();
             scenario.channel.clusters = clusters;
             let mean = |p: Vec3| expected(&subcarrier_draws(&scenario, p, 1)).iter().sum::<f64>();
             assert!(mean([1.5, 2.8, 1.0]) > mean([1.5, 3.0, 1.0]));
@@ -76,7 +81,8 @@ mod tests {
 
     #[test]
     fn only_models_with_reflections_at_walls_know_them() {
-        let mut scenario = Scenario::default();
+        assert!(knows_walls(&Scenario::default()));
+        let mut scenario = printed();
         assert!(!knows_walls(&scenario));
         scenario.channel.clusters = Clusters::Ieee80211ay;
         assert!(knows_walls(&scenario));

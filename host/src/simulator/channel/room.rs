@@ -220,10 +220,13 @@ pub fn mean_power(scenario: &Scenario) -> f64 {
         .sum()
 }
 
+/// Where a person is expected who sets the converter's full scale, in m.
+const PERSON_M: f64 = 2.0;
+
 /// Power ratio of the loudest that a radar has to expect, through its antenna: what sets the converter's full scale.
 ///
 /// As the paper has it, that is the room at its mean losses seen at the antenna's maximum. With an antenna's pattern or a room that has a
-/// mean it is the room through the antenna and a person at 1 m.
+/// mean it is the room through the antenna and a person at 2 m ([`PERSON_M`]): with 12 dB above it a person may come to 1 m.
 pub fn expected_power(scenario: &Scenario) -> f64 {
     let antenna = Antenna::of(scenario);
     let rician = scenario.channel.mode == ArMode::Rician;
@@ -243,7 +246,8 @@ pub fn expected_power(scenario: &Scenario) -> f64 {
         };
         conference_room(scenario.room.size_m, radar, radar).iter().map(power).sum()
     };
-    room + lambda * lambda * mean_cross_section(1.75, 0.0) / libm::pow(4.0 * std::f64::consts::PI, 3.0)
+    let distance4 = libm::pow(PERSON_M, 4.0) * libm::pow(4.0 * std::f64::consts::PI, 3.0);
+    room + lambda * lambda * mean_cross_section(1.75, 0.0) / distance4
 }
 
 /// Free-space amplitude of a way times its mean reflection loss.
