@@ -12,7 +12,7 @@ use sdp3::conformance::suite::{Case, ScheduleCase, Suite, Transform, stimuli};
 use sdp3::conformance::verification::Verification;
 use sdp3::network::parameters::Architecture;
 use sdp3::results::TargetVerdict;
-use sdp3::scenario::{Class, Scenario, builtin::named};
+use sdp3::scenario::{Class, builtin::named};
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_tests::networks::{Random, quantized};
@@ -33,7 +33,7 @@ const LIMIT: Duration = Duration::from_secs(3000);
 /// `count` recordings of each class at a carrier, for the model in a file.
 fn recordings(file: &str, slots: u32, carrier_hz: f64, count: u32) -> Result<Vec<Case>> {
     let model = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;
-    let mut scenario = Scenario::default();
+    let mut scenario = sdp3_tests::printed_room();
     scenario.radar.carrier_hz = carrier_hz;
     let rho = stored_rho(&scenario).0;
     let take = |class: Class, index: u32| Case {

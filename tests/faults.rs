@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 use rayon::prelude::*;
 use sdp3::network::memory::OwnedMemory;
 use sdp3::numerics::random::Random;
-use sdp3::scenario::{Class, Scenario};
+use sdp3::scenario::Class;
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dsn::{Model, Shape};
@@ -98,7 +98,7 @@ type Counts = [u32; 7];
 ///
 /// The module may use all sensing slots of a period for one recording.
 fn cost(seed: u64, per_class: u32) -> Result<()> {
-    let mut scenario = Scenario::default();
+    let mut scenario = sdp3_tests::printed_room();
     scenario.frame.sensing_slots = vec![200];
     let rho = stored_rho(&scenario).0;
     let frame = &scenario.frame;

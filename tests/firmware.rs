@@ -4,7 +4,7 @@ use sdp3::conformance::qemu::{Firmware, QemuError, machines, run};
 use sdp3::conformance::suite::{ScheduleCase, Suite, stimuli};
 use sdp3::formats::slots::Slots;
 use sdp3::network::memory::OwnedMemory;
-use sdp3::scenario::{Class, Scenario};
+use sdp3::scenario::Class;
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::dsn::Model;
@@ -34,7 +34,7 @@ fn records(firmware: &Firmware, log: &Path) -> Vec<String> {
 }
 
 fn walk(slots: u32) -> Slots {
-    let scenario = Scenario::default();
+    let scenario = sdp3_tests::printed_room();
     recording(&scenario, stored_rho(&scenario).0, 5, Set::Demo, Class::AdultWalking, 0, slots).slots
 }
 

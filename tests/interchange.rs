@@ -7,7 +7,6 @@ use sdp3::formats::tflite::{ImportDefaults, export, import};
 use sdp3::network::interchange::header;
 use sdp3::network::parameters::Architecture;
 use sdp3::network::safetensors;
-use sdp3::scenario::Scenario;
 use sdp3_core::dsn::Model;
 use sdp3_tests::networks::{Random, images, layers, parameters, quantized};
 use sdp3_tests::vectors::{bytes, list, signed};
@@ -18,7 +17,7 @@ use std::path::Path;
 /// The preprocessing of the networks that say nothing of their own.
 fn import_defaults() -> ImportDefaults {
     let preprocessing =
-        Preprocessing { window_len: 32, hop: 4, kaiser_beta: 10.0, ..header(&Scenario::default(), 0) };
+        Preprocessing { window_len: 32, hop: 4, kaiser_beta: 10.0, ..header(&sdp3_tests::printed_room(), 0) };
     ImportDefaults { preprocessing, sensing_slots: vec![200], classes: Vec::new() }
 }
 

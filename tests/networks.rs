@@ -7,7 +7,6 @@ use sdp3::formats::model_file::QuantizedNetwork;
 use sdp3::network::interchange::header;
 use sdp3::network::parameters::{Architecture, Images, Norm, Parameters};
 use sdp3::network::quantization::quantize;
-use sdp3::scenario::Scenario;
 use sdp3_core::dsn::{Model, Portable, infer};
 use sdp3_core::probe::Probe;
 
@@ -95,7 +94,7 @@ pub fn images(frames: usize, count: usize, classes: usize, seed: u64) -> Images 
 ///
 /// If it cannot be quantised.
 pub fn quantized(architecture: Architecture, frames: u16, seed: u64) -> QuantizedNetwork {
-    let preprocessing = header(&Scenario::default(), u32::from(128 + 8 * (frames - 1)));
+    let preprocessing = header(&crate::printed_room(), u32::from(128 + 8 * (frames - 1)));
     let names: Vec<String> = (0..architecture.classes).map(|k| format!("class {k}")).collect();
     let calibration = images(usize::from(frames), 16, architecture.classes, seed ^ 0xCA11);
     let found = quantize(&parameters(architecture, seed), preprocessing, &names, &calibration);

@@ -3,6 +3,7 @@
 pub mod networks;
 pub mod vectors;
 
+use sdp3::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -24,6 +25,16 @@ stem_stride = 2
 [communication]
 draws = 20
 "#;
+
+/// The paper's room and radar as printed, with the default images but d = 2: what the networks and digests of these tests were made with.
+pub fn printed_room() -> Scenario {
+    let printed =
+        sdp3::scenario::builtin::named(Path::new("as-printed")).map(|one| one.scenario()).unwrap_or_default();
+    let usual = Scenario::default();
+    let mut spectrogram = usual.spectrogram;
+    spectrogram.first_kept = 2;
+    Scenario { spectrogram, learning: usual.learning, ..printed }
+}
 
 /// The `sdp3` command beside this test's profile.
 ///

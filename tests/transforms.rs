@@ -53,7 +53,7 @@ fn counts(model: &Model<'_>, scenario: &Scenario, each: u32) -> Result<Counts> {
 }
 
 fn table(each: u32, files: &[String]) -> Result<bool> {
-    let scenario = Scenario::default();
+    let scenario = sdp3_tests::printed_room();
     let mut good = !files.is_empty();
     println!(
         "{:<40}{:>12}{:>12}{:>16}{:>18}",

@@ -8,7 +8,7 @@ mod stack;
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind};
 use sdp3::conformance::qemu::{MACHINES, machines, run};
-use sdp3::scenario::{Class, Scenario};
+use sdp3::scenario::Class;
 use sdp3::simulator::calibration::stored_rho;
 use sdp3::simulator::dataset::{Set, recording};
 use sdp3_core::{dsn::Shape, radar_memory};
@@ -99,7 +99,7 @@ fn painted_stack(folder: &Path, machine: &str, configuration: &Configuration, sl
 }
 
 fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
-    let scenario = Scenario::default();
+    let scenario = sdp3_tests::printed_room();
     let rho = stored_rho(&scenario).0;
     let temporary = tempfile::tempdir()?;
     let mut good = true;
