@@ -56,7 +56,7 @@ pub struct Furniture {
 #[serde(deny_unknown_fields, default)]
 pub struct Room {
     /// Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the throughput, depend on it
-    /// only where the channel model reflects at walls: not in the default one (`dahc` with the clusters `80211ax`).
+    /// only where the channel model reflects at walls.
     pub size_m: [f64; 3],
     /// What the four walls are made of (the hybrid channel with `mode = "rician"`).
     pub walls: Surface,
