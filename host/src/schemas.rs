@@ -91,6 +91,7 @@ enum Studied {
     Robustness(crate::experiments::robustness::Robustness),
     Fidelity(Box<crate::experiments::fidelity::Fidelity>),
     Baselines(crate::experiments::baselines::Baselines),
+    Ablation(Box<crate::experiments::ablation::Ablation>),
 }
 
 /// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.

@@ -9,6 +9,7 @@ use crate::pipeline::sweep::{self, Cluster};
 use crate::results::{Merged, Submitted, SweepStatus, Swept};
 use clap::Args;
 use indicatif::HumanDuration;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -146,6 +147,8 @@ fn table(merged: &Merged) -> String {
         }
     }
     text += &format!("\nby guessing: {:.3}", merged.chance);
+    let sentences: BTreeSet<&str> = merged.groups.iter().map(|group| group.channels.as_str()).collect();
+    sentences.into_iter().filter(|one| !one.is_empty()).for_each(|one| text += &format!("\n{one}"));
     if !merged.missing.is_empty() {
         let (missing, whole) = (merged.missing.len(), merged.missing.len() + merged.cells.len());
         let indices: Vec<String> = merged.missing.iter().map(|cell| cell.index.to_string()).collect();

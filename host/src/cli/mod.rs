@@ -88,12 +88,13 @@ pub enum Command {
   sdp3 train --preset paper --recipe paper-adam --resume
   sdp3 train --data data --set learning.epochs=40 --out trained")]
     Train(training::TrainArgs),
-    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines.
+    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation.
     ///
     /// After an interruption the same command resumes.
     #[command(after_help = "Examples:
   sdp3 study learning-curve --out curve
   sdp3 study robustness --seeds 3 --out robustness
+  sdp3 study ablation --seeds 5 --out ablation
   sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
     Study(training::StudyArgs),
     /// Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster.

@@ -2,8 +2,10 @@
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
-//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise).
+//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise),
+//! [`ablation`] (one effect at a time).
 
+pub mod ablation;
 #[cfg(feature = "train")]
 pub(crate) mod baselines;
 #[cfg(feature = "train")]
@@ -41,6 +43,8 @@ pub enum Study {
     Fidelity,
     /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
     Baselines,
+    /// Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards.
+    Ablation,
 }
 
 impl Study {

@@ -118,5 +118,6 @@ pub fn outcome(
         static_region: still,
         operating_point,
         exits: policy.exits.clone(),
+        channels: scenario.communication.channels().to_owned(),
     })
 }

@@ -1,10 +1,11 @@
 //! The optimizer: what accuracy costs in throughput, and the operating point of the scheduler.
 //!
-//! [`water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
+//! [`water_filling`], [`limited_water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
 //! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond
 //! it, [`spacings`] and [`sweep`] vary what else may vary.
 
 pub(crate) mod anytime;
+pub mod limited_water_filling;
 pub mod operating_point;
 pub mod region;
 pub(crate) mod shares;
@@ -20,7 +21,7 @@ pub use operating_point::Rule;
 use crate::error::Invalid;
 use crate::formats::table;
 use crate::predictor::bootstrap::interval;
-use crate::results::{Case, Curve, CurvePoint, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
+use crate::results::{Case, Curve, CurvePoint, Link, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
 use region::Point;
@@ -105,19 +106,22 @@ struct Bits {
     expected: Vec<f64>,
     /// Expected over fading.
     over_fading: Vec<f64>,
+    /// What they are made of; nothing where they are stated.
+    links: Vec<Link>,
 }
 
 impl Bits {
     /// Those the scenario states, else those of its channels.
     fn of(scenario: &Scenario, index: usize, seed: u64) -> Result<Self, OptimizerError> {
         if let Some(known) = scenario.communication.slot_bit.as_ref().and_then(|cases| cases.get(index)) {
-            return Ok(Bits { expected: known.clone(), over_fading: known.clone() });
+            return Ok(Bits { expected: known.clone(), over_fading: known.clone(), links: Vec::new() });
         }
         let draws = draws(scenario, index, seed);
         let gains: Vec<_> = draws.iter().map(|draws| link::expected(draws)).collect();
         let expected = throughput::slot_bits(scenario, &gains)?;
         let over_fading = draws.iter().map(|draws| throughput::over_fading(scenario, draws)).collect();
-        Ok(Bits { expected, over_fading })
+        let links = gains.iter().map(|gains| throughput::link(scenario, gains)).collect();
+        Ok(Bits { expected, over_fading, links })
     }
 }
 
@@ -144,7 +148,7 @@ fn price(
     index: usize,
     seed: u64,
 ) -> Result<Priced, OptimizerError> {
-    let Bits { expected: slot_bit, over_fading } = Bits::of(scenario, index, seed)?;
+    let Bits { expected: slot_bit, over_fading, links } = Bits::of(scenario, index, seed)?;
     let points = region::boundary(scenario, curve, &slot_bit)?;
     let range = region::range(scenario, scenario.frame.spacing_slots)?;
     let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
@@ -163,10 +167,17 @@ fn price(
             throughput_bit: p.throughput_bit,
             zone: zones.at(p.sensing_slots),
             rule: rule.words(),
+            channels: scenario.communication.channels().to_owned(),
         }
     });
-    let case =
-        Case { case, slot_bit, slot_bit_over_fading: over_fading, borders: zones.borders(), operating_point };
+    let case = Case {
+        case,
+        slot_bit,
+        slot_bit_over_fading: over_fading,
+        links,
+        borders: zones.borders(),
+        operating_point,
+    };
     Ok(Priced { case, points })
 }
 

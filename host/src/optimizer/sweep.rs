@@ -125,6 +125,7 @@ pub fn rows(
                 accuracy: point.as_ref().map(|p| p.accuracy),
                 throughput_bit: point.as_ref().map(|p| p.throughput_bit),
                 zone: point.as_ref().map(|p| p.zone),
+                channels: scenario.communication.channels().to_owned(),
             });
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Job;
 use crate::error::Failure;
+use crate::experiments::ablation::{self, Ablation};
 use crate::experiments::baselines::{self, Baselines};
 use crate::experiments::cells::Cells;
 use crate::experiments::fidelity::{self, Fidelity};
@@ -21,6 +22,7 @@ pub enum Found {
     Robustness(Robustness),
     Fidelity(Box<Fidelity>),
     Baselines(Baselines),
+    Ablation(Box<Ablation>),
 }
 
 impl Found {
@@ -31,6 +33,7 @@ impl Found {
             Found::Robustness(found) => robustness::table(request, found),
             Found::Fidelity(found) => fidelity::table(request, found),
             Found::Baselines(found) => baselines::table(request, found),
+            Found::Ablation(found) => ablation::table(request, found),
         }
     }
 
@@ -43,6 +46,8 @@ impl Found {
             Found::Robustness(found) => vec![("robustness".into(), report::studies::robustness(found))],
             Found::Fidelity(found) => report::fidelity::pictures(found),
             Found::Baselines(found) => vec![("baselines".into(), report::studies::baselines(found))],
+            // a table of differences with their intervals says it without a picture
+            Found::Ablation(_) => Vec::new(),
         }
     }
 }
@@ -77,6 +82,7 @@ impl Job {
                 Found::Fidelity(Box::new(found))
             }
             Study::Baselines => Found::Baselines(baselines::study(&request, &cells, context)?),
+            Study::Ablation => Found::Ablation(Box::new(ablation::study::study(&request, &cells, context)?)),
         };
         for (name, svg) in found.figures() {
             self.draw(&name, &svg)?;

@@ -100,11 +100,12 @@ impl Job {
         let outcome = optimise(curve, points, &replicates, &self.scenario, self.rule(rule), self.seed)?;
         let p = &outcome.operating_point;
         stage.finish(&format!(
-            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user",
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user; {}",
             p.sensing_slots,
             p.accuracy,
             p.throughput_bit,
-            p.throughput_bit / p.period_s / 1e6
+            p.throughput_bit / p.period_s / 1e6,
+            p.channels
         ));
         Ok(outcome)
     }
@@ -156,6 +157,7 @@ impl Job {
                     .into(),
             );
         }
+        self.progress.note("optimize", self.scenario.communication.channels());
         let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
         self.record("optimize")?;
         let table = report::tables::sweep(&rows, self.scenario.period_s(), b',');

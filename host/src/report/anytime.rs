@@ -79,14 +79,15 @@ pub fn table(found: &AnytimeResult, period_s: f64) -> String {
     let p = &found.operating_point;
     let _ = write!(
         text,
-        "operating point of case {}: threshold {:.3}, at most {} slots: accuracy {:.3}, {:.0} slots, {:.0} bit per period ({:.3} Mbit/s)",
+        "operating point of case {}: threshold {:.3}, at most {} slots: accuracy {:.3}, {:.0} slots, {:.0} bit per period ({:.3} Mbit/s)\n{}",
         p.case,
         p.point.threshold,
         p.point.most_sensing_slots,
         p.point.accuracy,
         p.point.sensing_slots,
         p.throughput_bit,
-        p.throughput_bit / period_s / 1e6
+        p.throughput_bit / period_s / 1e6,
+        found.channels
     );
     text
 }

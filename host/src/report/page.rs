@@ -88,12 +88,13 @@ fn answer(run: &Run) -> String {
     };
     format!(
         "With {} of the {} slots of a {} s period spent on sensing, the learning curve predicts that {:.1} %{band} of the recordings \
-         are recognised, and the other slots leave at least {:.2} Mbit/s to every user.{beyond}",
+         are recognised, and the other slots leave at least {:.2} Mbit/s to every user.{beyond} {}",
         p.sensing_slots,
         p.period_slots,
         number(p.period_s),
         100.0 * p.accuracy,
-        p.throughput_bit / p.period_s / 1e6
+        p.throughput_bit / p.period_s / 1e6,
+        escape(&p.channels)
     )
 }
 

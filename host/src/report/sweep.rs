@@ -113,6 +113,7 @@ mod tests {
             points: vec![point(200), point(300)],
             curve: None,
             cases: Vec::new(),
+            channels: String::new(),
         };
         let mut merged = Merged {
             name: "s".into(),

@@ -153,6 +153,9 @@ pub struct Group {
     pub curve: Option<Curve>,
     /// Zones and operating point by that curve, one for each user placement.
     pub cases: Vec<Case>,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// One N_s of a group.

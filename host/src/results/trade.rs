@@ -64,6 +64,19 @@ pub struct Border {
     pub marginal: f64,
 }
 
+/// A user's link at its expected gains.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Link {
+    /// OFDM sub-carriers M.
+    pub subcarriers: u32,
+    /// Bits that a sub-carrier carries in a symbol, mean of all.
+    pub subcarrier_bit: f64,
+    /// Share of the sub-carriers that carry the most bits of the largest modulation; 0 without a largest one.
+    pub full_share: f64,
+    /// Share of the power that is spent: below 1 where all sub-carriers carry the most.
+    pub power_share: f64,
+}
+
 /// A user placement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Case {
@@ -73,6 +86,9 @@ pub struct Case {
     pub slot_bit: Vec<f64>,
     /// Bits of one slot for each user, expected over fading.
     pub slot_bit_over_fading: Vec<f64>,
+    /// What `slot_bit` is made of; nothing where the scenario states it.
+    #[serde(default)]
+    pub links: Vec<Link>,
     /// Borders of the zones.
     pub borders: Vec<Border>,
     /// The operating point; absent if no point satisfies the rule.
@@ -121,6 +137,9 @@ pub struct SweepRow {
     pub throughput_bit: Option<f64>,
     /// Zone.
     pub zone: Option<Zone>,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// The paper's three zones of the region.
@@ -171,6 +190,9 @@ pub struct OperatingPoint {
     pub zone: Zone,
     /// How it was chosen, in words.
     pub rule: String,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// One period as the core's scheduler played it.
@@ -191,6 +213,9 @@ pub struct Schedule {
     /// Class the core recognised at the end of the sensing slots, if signals were played.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub recognised: Option<Recognised>,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// One period of a boundary's point as the core's scheduler plays it, in as many numbers as a picture needs.
@@ -242,6 +267,9 @@ pub struct Campaign {
     pub timeline: Vec<(i32, u32)>,
     /// Properties that did not hold, the first twenty.
     pub broken: Vec<String>,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// A user in a campaign.
@@ -366,6 +394,9 @@ pub struct AnytimeResult {
     pub static_region: Vec<StaticPoint>,
     /// The threshold and last exit that the rule chooses in `trade.case`.
     pub operating_point: AnytimeRegionPoint,
+    /// Where the users' bits are from: whether their channels have people in them.
+    #[serde(default)]
+    pub channels: String,
 }
 
 /// Recordings of the gallery with early exits.

@@ -86,6 +86,7 @@ impl Scenario {
         self.check_target(c);
         self.check_learning(c);
         self.check_communication(c);
+        self.check_trade(c);
         rules.list
     }
 
@@ -203,48 +204,10 @@ impl Scenario {
         c.count("learning.stem_stride", u32::from(l.stem_stride), 1, 2);
     }
 
-    fn check_communication(&self, c: &mut Rules) {
-        let m = &self.communication;
-        c.count("communication.subcarriers", m.subcarriers, 1, 65_536);
-        c.within("communication.bandwidth_hz", m.bandwidth_hz, 1e4, 10e9);
-        c.beside("communication.symbol_s", m.symbol_s, [1e-7, self.frame.slot_s], "at most a slot");
-        c.within("communication.power_w", m.power_w, 1e-9, 1e3);
-        c.within("communication.noise_figure_db", m.noise_figure_db, 0.0, 40.0);
-        c.count("communication.draws", m.draws, 1, 1_000_000);
-        c.count("communication.cases (how many)", m.cases.len() as u32, 1, 16);
-        for (case, users) in m.cases.iter().enumerate() {
-            c.count(&format!("communication.cases[{case}] (users)"), users.len() as u32, 1, 8);
-            for (k, position) in users.iter().enumerate() {
-                let name = format!("communication.cases[{case}][{k}]");
-                c.inside(&name, position, &self.room.size_m);
-                let distance = position
-                    .iter()
-                    .zip(&self.radar.position_m)
-                    .map(|(a, b)| (a - b) * (a - b))
-                    .sum::<f64>()
-                    .sqrt();
-                c.legal(
-                    &name,
-                    format!("{position:?}"),
-                    distance >= 0.1,
-                    "at least 0.1 m from the base station",
-                );
-            }
-        }
-        if let Some(known) = &m.slot_bit {
-            let (shape, cases): (Vec<usize>, Vec<usize>) =
-                (known.iter().map(Vec::len).collect(), m.cases.iter().map(Vec::len).collect());
-            let legal = format!("{cases:?}, one number for each user of communication.cases");
-            c.legal("communication.slot_bit (users)", format!("{shape:?}"), shape == cases, &legal);
-            for (case, bits) in known.iter().enumerate() {
-                for (k, &bit) in bits.iter().enumerate() {
-                    c.within(&format!("communication.slot_bit[{case}][{k}]"), bit, 1.0, 1e9);
-                }
-            }
-        }
+    fn check_trade(&self, c: &mut Rules) {
         c.within("trade.accuracy_weight", self.trade.accuracy_weight, 0.0, 1.0);
         c.within("trade.zone_ratio", self.trade.zone_ratio, 1e-6, 1.0);
-        let cases = [1.0, m.cases.len() as f64];
+        let cases = [1.0, self.communication.cases.len() as f64];
         c.beside("trade.case", f64::from(self.trade.case), cases, "one of communication.cases");
     }
 }

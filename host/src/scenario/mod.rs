@@ -7,6 +7,7 @@ mod annotated;
 pub mod builtin;
 mod channel;
 mod check;
+mod communication;
 mod defaults;
 mod learning;
 mod overrides;
@@ -20,6 +21,7 @@ mod schema;
 
 pub use channel::{Advance, ArMode, Channel, Clusters, Model, Tgn};
 pub use check::ScenarioError;
+pub use communication::Communication;
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
@@ -92,29 +94,6 @@ pub struct SpectrogramSettings {
     pub bins_per_row: u8,
     /// Dynamic range in dB; weaker is black.
     pub range_db: f64,
-}
-
-/// The communication side.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Communication {
-    /// OFDM sub-carriers M.
-    pub subcarriers: u32,
-    /// Bandwidth that they share in Hz.
-    pub bandwidth_hz: f64,
-    /// Duration of an OFDM symbol with its prefix T_o in s.
-    pub symbol_s: f64,
-    /// Transmit power in W, shared by the sub-carriers.
-    pub power_w: f64,
-    /// Noise figure of the users' receivers in dB.
-    pub noise_figure_db: f64,
-    /// User positions in m, one list per case.
-    pub cases: Vec<Vec<[f64; 3]>>,
-    /// Channel draws averaged for the expected gain of a sub-carrier.
-    pub draws: u32,
-    /// Bits that one slot carries to every user, one list per case, where links are known; the channel model is not used then.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub slot_bit: Option<Vec<Vec<f64>>>,
 }
 
 /// Zones and operating point.

@@ -47,6 +47,7 @@ pub fn play(point: &OperatingPoint) -> Result<Schedule, OptimizerError> {
         delivered_bit: vec![0.0; users],
         timeline: Vec::new(),
         recognised: None,
+        channels: point.channels.clone(),
     };
     let mut waits = vec![0; users];
     for _ in 0..plan.period() {

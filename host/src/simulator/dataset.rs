@@ -125,7 +125,7 @@ impl<'a> Simulation<'a> {
 }
 
 /// Everybody in the room: the person of the recording first.
-fn scene_people(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<Target> {
+pub(crate) fn scene_people(scenario: &Scenario, class: Class, random: &mut Random) -> Vec<Target> {
     let (room, radar) = (scenario.room.size_m, scenario.radar.position_m);
     let mut person = Person::draw(class, &scenario.target, room, radar, random);
     if let Some(capture) = scenario.target.capture.as_ref().and_then(|file| Capture::shared(file).ok()) {

@@ -9,7 +9,7 @@ use crate::optimizer::sweep::Sweep;
 use crate::pipeline;
 use crate::predictor::Model;
 use crate::report::{anytime, tables};
-use crate::results::Optimum;
+use crate::results::{Link, Optimum};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -151,6 +151,9 @@ fn words(found: &Optimum) -> String {
                 );
             }
         }
+        if !case.links.is_empty() {
+            let _ = writeln!(text, "  {}", links(&case.links));
+        }
         for b in &case.borders {
             let _ = writeln!(text, "  {} from N_s = {}", b.to.name(), b.sensing_slots);
         }
@@ -160,5 +163,18 @@ fn words(found: &Optimum) -> String {
         "zones: |dA / dR|, both over their span, above {:.3}, between, below {ratio}; every N_s in boundary.csv",
         1.0 / ratio
     );
+    text += "\n";
+    text += &p.channels;
     text
+}
+
+/// What the users' slots are made of, in a line.
+fn links(links: &[Link]) -> String {
+    let list = |of: &dyn Fn(&Link) -> String| links.iter().map(of).collect::<Vec<_>>().join(", ");
+    let subcarriers = links.first().map_or(0, |link| link.subcarriers);
+    format!(
+        "{subcarriers} sub-carriers with {} bit a symbol, {} of them at the modulation's limit",
+        list(&|link| format!("{:.2}", link.subcarrier_bit)),
+        list(&|link| format!("{:.0} %", 100.0 * link.full_share))
+    )
 }

@@ -70,8 +70,8 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
 
 fn one_period(s: &Schedule) -> String {
     format!(
-        "N = {}: {} sensing, {:?} communication, longest waits {:?} slots",
-        s.period_slots, s.sensing_slots, s.communication_slots, s.longest_wait_slots
+        "N = {}: {} sensing, {:?} communication, longest waits {:?} slots\n{}",
+        s.period_slots, s.sensing_slots, s.communication_slots, s.longest_wait_slots, s.channels
     )
 }
 
@@ -126,6 +126,8 @@ fn campaign_words(found: &Campaign, period_s: f64) -> String {
             n.slots as f64 / n.count.max(1) as f64
         );
     }
+    text += &found.channels;
+    text.push('\n');
     match found.broken.first() {
         None => text += "every property held",
         Some(first) => {

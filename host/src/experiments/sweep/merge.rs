@@ -169,7 +169,16 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
             None => Vec::new(),
         };
         let (carrier_hz, rho) = (first.carrier_hz, first.rho);
-        groups.push(Group { scenario: first.scenario.clone(), carrier_hz, rho, points, curve, cases });
+        let channels = scenario.communication.channels().to_owned();
+        groups.push(Group {
+            scenario: first.scenario.clone(),
+            carrier_hz,
+            rho,
+            points,
+            curve,
+            cases,
+            channels,
+        });
     }
     Ok(groups)
 }

@@ -96,6 +96,8 @@ function fillPlan(element, point) {
       ...point.communication_slots.map((_, k) => cell(values?.[k] ?? "–", `${name} ${k + 1}`)),
     );
   const bits = prices?.slot_bit.map((bit) => grouped(Math.round(bit)));
+  const symbols = prices?.links?.map((link) => digits(link.subcarrier_bit, 3));
+  const full = prices?.links?.map((link) => `${Math.round(link.full_share * link.subcarriers)} of ${link.subcarriers}`);
   const head = ["", "sensing", ...point.communication_slots.map((_, k) => useName(k))];
   const table = html(
     "table",
@@ -104,6 +106,8 @@ function fillPlan(element, point) {
     html("tr", {}, ...head.map((name) => html("th", { scope: "col" }, name))),
     row("slots", String(point.sensing_slots), point.communication_slots.map(String)),
     row("bit a slot", "–", bits),
+    row("bit a symbol and sub-carrier", "–", symbols),
+    row("sub-carriers at the modulation's limit", "–", full),
     row("longest wait", "–", plan?.longest_wait_slots.map(String)),
   );
   element.replaceChildren(html("div", { class: "scroll" }, table));

@@ -142,6 +142,7 @@ fn play(
         recognitions: None,
         timeline: Vec::new(),
         broken: Vec::new(),
+        channels: scenario.communication.channels().to_owned(),
     };
     let mut recognitions = Recognitions::default();
     let mut invariants = Invariants::new();

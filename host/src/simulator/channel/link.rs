@@ -1,18 +1,23 @@
 //! The downlink to a communication receiver: its sub-carriers' responses and their expected power gains.
 //!
 //! Eq. (H_sub) averaged over draws of the scenario's channel model between base station and receiver. Antennas are isotropic; the
-//! same draws serve every position, so nearer is better.
+//! same draws serve every position, so nearer is better. Every draw is a channel of its own: rho, the memory from slot to slot,
+//! plays no part. `communication.people` puts the people of the scenario into every draw, otherwise the room is empty.
 
+use super::target::Target;
 use super::{Complex64, Scene, model, phasor};
 use crate::numerics::random::Random;
-use crate::scenario::Scenario;
+use crate::scenario::{Class, Scenario};
 use crate::simulator::body::Vec3;
+use crate::simulator::dataset::scene_people;
 use std::f64::consts::PI;
 
 /// Stream number of the links' random draws.
 const STREAM: u64 = 101;
+/// Stream number of the people in them.
+const PEOPLE_STREAM: u64 = 102;
 
-/// `|H_m|^2` of the `communication.subcarriers` sub-carriers, `[draw][subcarrier]`, for `communication.draws` draws.
+/// `|H_m|^2` of the sub-carriers, `[draw][subcarrier]`, for `communication.draws` draws.
 pub fn subcarrier_draws(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<Vec<f64>> {
     let responses = (0..scenario.communication.draws).map(|draw| response(scenario, receiver, seed, draw));
     responses.map(|h| h.iter().map(|z| z.norm_sqr()).collect()).collect()
@@ -32,11 +37,15 @@ pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Ve
     let station = scenario.radar.position_m;
     let random = Random::new(seed, STREAM, 0, u64::from(draw));
     let mut channel = model(scenario, station, receiver, 1.0, random);
-    let scene = Scene { slot: 0, time_s: 0.0, from: station, to: receiver, people: &[] };
+    let (people, time_s) = match scenario.communication.people {
+        true => people(scenario, seed, draw),
+        false => (Vec::new(), 0.0),
+    };
+    let scene = Scene { slot: 0, time_s, from: station, to: receiver, people: &people };
     let mut paths = Vec::new();
     channel.paths(&scene, &mut paths);
-    let m = scenario.communication.subcarriers;
-    let spacing_hz = scenario.communication.bandwidth_hz / f64::from(m);
+    let m = scenario.communication.used_subcarriers();
+    let spacing_hz = scenario.communication.spacing_hz();
     let mut tones: Vec<(Complex64, Complex64)> =
         paths.iter().map(|p| (p.gain, phasor(-2.0 * PI * spacing_hz * p.delay_s))).collect();
     (0..m)
@@ -46,6 +55,19 @@ pub fn response(scenario: &Scenario, receiver: Vec3, seed: u64, draw: u32) -> Ve
             h
         })
         .collect()
+}
+
+/// Everybody in the room in a draw, the person sensed with a random one of the classes, and a random time of the longest recording.
+/// They are the same for every receiver.
+fn people(scenario: &Scenario, seed: u64, draw: u32) -> (Vec<Target>, f64) {
+    let mut random = Random::new(seed, PEOPLE_STREAM, 0, u64::from(draw));
+    let class = Class::ALL[(random.bits() % Class::ALL.len() as u64) as usize];
+    let lasts_s = scenario.interval_s() * f64::from(scenario.largest_sensing_slots());
+    let time_s = lasts_s * random.uniform();
+    let mut people = scene_people(scenario, class, &mut random);
+    // the radar's antenna looks at the person sensed; the link's antennas are isotropic
+    people.iter_mut().for_each(|person| person.gain = 1.0);
+    (people, time_s)
 }
 
 /// Whether the links depend on the size of the room: one draw in this room and in a larger one.
@@ -77,6 +99,39 @@ mod tests {
             assert!(mean([1.5, 2.8, 1.0]) > mean([1.5, 3.0, 1.0]));
             assert!(mean([2.3, 1.0, 1.0]) > mean([2.5, 1.0, 1.0]));
         }
+    }
+
+    #[test]
+    fn people_change_every_models_links_a_little() {
+        let mut scenario = Scenario::default();
+        scenario.communication.draws = 40;
+        scenario.target.others =
+            vec![crate::scenario::Other { class: Class::Standing, start_m: [0.5, 3.5], heading_deg: None }];
+        let user = [1.5, 3.0, 1.0];
+        let total = |draws: &[Vec<f64>]| draws.iter().flatten().sum::<f64>();
+        for model in Model::ALL {
+            scenario.channel.model = model;
+            scenario.communication.people = false;
+            let empty = subcarrier_draws(&scenario, user, 1);
+            scenario.communication.people = true;
+            let filled = subcarrier_draws(&scenario, user, 1);
+            assert!(empty.iter().zip(&filled).all(|(a, b)| a != b), "{model:?}");
+            let db = 10.0 * libm::log10(total(&filled) / total(&empty));
+            assert!(db.abs() < 6.0, "{model:?}: {db} dB");
+            assert_eq!(filled, subcarrier_draws(&scenario, user, 1), "{model:?}");
+        }
+    }
+
+    #[test]
+    fn people_are_elsewhere_in_every_draw_and_the_same_for_every_receiver() {
+        let scenario = Scenario::default();
+        let found: Vec<_> = (0..60).map(|draw| people(&scenario, 1, draw)).collect();
+        let classes = found.iter().map(|(people, _)| people[0].person.truth.class.name());
+        assert_eq!(classes.collect::<std::collections::BTreeSet<_>>().len(), Class::ALL.len());
+        let lasts_s = scenario.interval_s() * f64::from(scenario.largest_sensing_slots());
+        assert!(found.iter().all(|(_, time_s)| (0.0..lasts_s).contains(time_s)));
+        let centres: Vec<Vec3> = found.iter().map(|(people, time_s)| people[0].centre(*time_s)).collect();
+        assert!(centres.windows(2).all(|pair| pair[0] != pair[1]));
     }
 
     #[test]

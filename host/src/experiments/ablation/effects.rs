@@ -1,0 +1,128 @@
+//! The effects of the ablation study: settings of the scenario with an effect and without it, at each carrier.
+
+use crate::scenario::{Clusters, Override, Scenario, ScenarioError};
+
+/// An effect, and the fields that put it in and take it away, as `--set` takes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effect {
+    /// Its name.
+    pub name: &'static str,
+    /// Fields with the effect.
+    pub with: &'static [&'static str],
+    /// The same fields without it.
+    pub without: &'static [&'static str],
+}
+
+/// The effects, one at a time away from the scenario: `with` or `without` states what the default scenario has. A further effect is a
+/// further line.
+pub const EFFECTS: &[Effect] = &[
+    effect(
+        "start of the room's recursion",
+        &["channel.stationary_start=false"],
+        &["channel.stationary_start=true"],
+    ),
+    effect(
+        "power of the room's recursion as printed",
+        &["channel.mode=paper"],
+        &["channel.mode=variance-preserving"],
+    ),
+    effect("clusters of 802.11ay", &["channel.clusters=80211ay"], &["channel.clusters=80211ax"]),
+    effect("second person", &["channel.interferer=true"], &["channel.interferer=false"]),
+    effect("phase noise of 3 degrees", &["radar.phase_noise_deg=3"], &["radar.phase_noise_deg=0"]),
+    effect(
+        "I and Q of 1 dB and 2 degrees",
+        &["radar.iq_gain_db=1", "radar.iq_phase_deg=2"],
+        &["radar.iq_gain_db=0", "radar.iq_phase_deg=0"],
+    ),
+    effect("removal of the first component", &["spectrogram.first_kept=2"], &["spectrogram.first_kept=1"]),
+];
+
+const fn effect(
+    name: &'static str,
+    with: &'static [&'static str],
+    without: &'static [&'static str],
+) -> Effect {
+    Effect { name, with, without }
+}
+
+/// The carriers of the paper in Hz.
+pub const CARRIERS: [f64; 2] = [3.5e9, 60e9];
+
+/// The scenario at a carrier. At 60 GHz it is that of the built-in `radar-60ghz`: sensing slots follow one another, as many more as
+/// make the same time of observation, with IEEE 802.11ay's clusters and four bins a row.
+pub fn at(scenario: &Scenario, carrier_hz: f64) -> Scenario {
+    let mut found = scenario.clone();
+    found.radar.carrier_hz = carrier_hz;
+    if carrier_hz == CARRIERS[1] {
+        let spacing = std::mem::take(&mut found.frame.spacing_slots);
+        found.frame.sensing_slots.iter_mut().for_each(|slots| *slots *= spacing + 1);
+        found.channel.clusters = Clusters::Ieee80211ay;
+        found.spectrogram.bins_per_row = 4;
+    }
+    found
+}
+
+impl Effect {
+    /// The scenario with the effect and without it.
+    ///
+    /// # Errors
+    ///
+    /// A value that is illegal in this scenario.
+    pub fn arms(&self, scenario: &Scenario) -> Result<[Scenario; 2], ScenarioError> {
+        let set = |fields: &[&str]| {
+            let fields: Vec<Override> = fields.iter().filter_map(|field| field.parse().ok()).collect();
+            scenario.clone().with(&fields, "ablation")
+        };
+        Ok([set(self.with)?, set(self.without)?])
+    }
+
+    /// Its name as part of a file's.
+    pub fn key(&self) -> String {
+        let name = self.name.to_lowercase();
+        let words = name.split(|c: char| !c.is_ascii_alphanumeric() && c != '.');
+        words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::builtin::named;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_effect_is_one_step_away_from_the_default_at_both_carriers() {
+        for carrier_hz in CARRIERS {
+            let base = at(&Scenario::default(), carrier_hz);
+            base.check("ablation").unwrap();
+            for effect in EFFECTS {
+                let fields = effect.with.iter().chain(effect.without);
+                assert!(fields.clone().all(|field| field.parse::<Override>().is_ok()), "{}", effect.name);
+                let [with, without] = effect.arms(&base).unwrap();
+                assert_ne!(with, without, "{}", effect.name);
+                assert!(with == base || without == base, "{}: neither is the default", effect.name);
+            }
+        }
+    }
+
+    #[test]
+    fn names_make_files_of_their_own() {
+        let keys: BTreeSet<String> = EFFECTS.iter().map(Effect::key).collect();
+        assert_eq!(keys.len(), EFFECTS.len());
+        assert!(keys.contains("i-and-q-of-1-db-and-2-degrees"), "{keys:?}");
+    }
+
+    #[test]
+    fn at_60_ghz_the_radar_looks_as_long_as_at_3_5() {
+        let base = Scenario::default();
+        let [low, high] = CARRIERS.map(|carrier_hz| at(&base, carrier_hz));
+        assert_eq!(low, base);
+        let lasts = |s: &Scenario| s.interval_s() * f64::from(s.largest_sensing_slots());
+        assert!((lasts(&low) / lasts(&high) - 1.0).abs() < 1e-12);
+        assert_eq!(high.frame.sensing_slots, [800, 1200, 1600, 2000, 2400, 4000]);
+        let built_in = named("radar-60ghz".as_ref()).unwrap().scenario();
+        assert_eq!(high.channel, built_in.channel);
+        assert_eq!(high.spectrogram, built_in.spectrogram);
+        assert_eq!((high.radar, high.frame.spacing_slots), (built_in.radar, built_in.frame.spacing_slots));
+    }
+}
