@@ -128,12 +128,12 @@ impl Default for Learning {
 impl Default for Communication {
     fn default() -> Self {
         Communication {
-            subcarriers: 64,
+            subcarriers: 0,
             bandwidth_hz: 10e6,
             symbol_s: 50e-6,
             prefix_s: 3.3e-6,
-            modulation_bit: 0.0,
-            evm_percent: 0.0,
+            modulation_bit: 8.0,
+            evm_percent: 3.5,
             power_w: 1.0,
             noise_figure_db: 10.0,
             cases: vec![
@@ -141,7 +141,7 @@ impl Default for Communication {
                 vec![[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]],
             ],
             draws: 200,
-            people: false,
+            people: true,
             slot_bit: None,
         }
     }
