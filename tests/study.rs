@@ -89,3 +89,39 @@ fn baselines_are_the_same_after_an_interruption() {
     let (code, second, stderr) = study(folder.path(), "baselines", &["--seeds", "2", "--threads", "2"]);
     assert_eq!((code, &second), (0, &first), "{stderr}");
 }
+
+#[test]
+fn an_ablation_trains_the_default_once_a_carrier_and_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = ["--seeds", "1", "--set", "frame.sensing_slots=[200]", "--set", "learning.epochs=1"];
+    let with = |more: &[&str]| study(folder.path(), "ablation", &[&options[..], more].concat());
+    let (code, _, stderr) = with(&["--seed", "100"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("--seed is 100, must be at least 101"), "{stderr}");
+    let (code, first, stderr) = with(&["--threads", "1"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
+    let (rows, effects) = (found["rows"].as_array().expect("rows"), found["effects"].as_array().expect("effects"));
+    assert_eq!((rows.len(), &found["tested"]), (2 * effects.len(), &20.into()));
+    for row in rows {
+        let number = |pointer: &str| row.pointer(pointer).and_then(Value::as_f64).expect("a number");
+        let difference = number("/with/mean") - number("/without/mean");
+        assert!((number("/difference/mean") - difference).abs() < 1e-12, "{row}");
+        assert!(number("/difference/low") <= difference && difference <= number("/difference/high"), "{row}");
+        let slots = if number("/carrier_hz") == 60e9 { 800 } else { 200 };
+        assert_eq!(row["sensing_slots"], slots);
+    }
+    let out = folder.path().join("out");
+    for name in ["ablation.json", "ablation.csv", "ablation.md"] {
+        assert!(out.join(name).is_file(), "{name} is missing");
+    }
+    // the default at each carrier, and one other arm of every effect
+    let cells = || std::fs::read_dir(out.join("cells")).expect("cells").flatten().map(|entry| entry.path());
+    assert_eq!(cells().count(), 2 + rows.len());
+    let lost = cells().find(|file| file.to_string_lossy().contains("60ghz-default")).expect("a cell");
+    let before = std::fs::read(&lost).expect("a cell");
+    std::fs::remove_file(&lost).expect("removed");
+    let (code, second, stderr) = with(&["--threads", "2"]);
+    assert_eq!((code, &second), (0, &first), "{stderr}");
+    assert_eq!(std::fs::read(&lost).expect("a cell"), before);
+}
