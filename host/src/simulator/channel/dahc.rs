@@ -8,7 +8,7 @@ use super::antenna::Antenna;
 use super::autoregressive::{Ar1Process, Innovation};
 use super::ieee80211ax::taps;
 use super::ieee80211ay::{Ray, rays};
-use super::obstruction::{Amplitudes, Obstruction, SPACING, share};
+use super::obstruction::{Obstruction, SPACING, share};
 use super::response::Response;
 use super::room::{StaticPath, static_paths};
 use super::target::{NEAREST_M, Target, direct};
@@ -162,11 +162,11 @@ impl ChannelModel for Dahc {
         };
         for (group, beats) in beats.chunks_mut(LANES).enumerate() {
             let first = (group * LANES) as u32;
-            let kept: Option<[Amplitudes; LANES]> = self.obstruction.is_on().then(|| {
+            let kept: Option<[Vec<[f64; PRIMITIVES]>; LANES]> = self.obstruction.is_on().then(|| {
                 std::array::from_fn(|lane| {
                     let n = first + (lane as u32).min(beats.len() as u32 - 1);
                     let time_s = scene.time_s + f64::from(n) * interval_s;
-                    self.obstruction.at(&Scene { slot: scene.slot + n, time_s, ..*scene }, &self.mean)
+                    self.obstruction.people(&Scene { slot: scene.slot + n, time_s, ..*scene }, &self.mean)
                 })
             });
             for (number, target) in scene.people.iter().enumerate() {
@@ -176,9 +176,7 @@ impl ChannelModel for Dahc {
                     first: scene.time_s + f64::from(first) * interval_s,
                     interval_s,
                     kept: kept.as_ref().map(|kept| {
-                        std::array::from_fn(|k| {
-                            Lanes::new(kept.each_ref().map(|kept| kept.people[number][k]))
-                        })
+                        std::array::from_fn(|k| Lanes::new(kept.each_ref().map(|kept| kept[number][k])))
                     }),
                 };
                 echo(sensor, target, &view, beats);

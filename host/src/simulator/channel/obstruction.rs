@@ -70,15 +70,22 @@ impl Obstruction {
 
     /// The amplitudes of one slot.
     pub fn at(&mut self, scene: &Scene, room: &[StaticPath]) -> Amplitudes {
+        let people = self.people(scene, room);
         let share = share(scene.slot);
         let [a, b] = self.nodes(scene, scene.slot / SPACING, room);
         let mix = |(a, b): (&f64, &f64)| a + (b - a) * share;
-        let people = a.people.iter().zip(&b.people);
-        Amplitudes {
-            direct: mix((&a.direct, &b.direct)),
-            room: a.room.iter().zip(&b.room).map(mix).collect(),
-            people: people.map(|(a, b)| std::array::from_fn(|k| mix((&a[k], &b[k])))).collect(),
-        }
+        let room = a.room.iter().zip(&b.room).map(mix).collect();
+        Amplitudes { direct: mix((&a.direct, &b.direct)), room, people }
+    }
+
+    /// Those of one slot's primitives alone, `[person][primitive]`.
+    pub fn people(&mut self, scene: &Scene, room: &[StaticPath]) -> Vec<[f64; PRIMITIVES]> {
+        let share = share(scene.slot);
+        let [a, b] = self.nodes(scene, scene.slot / SPACING, room);
+        let mix = |(a, b): (&[f64; PRIMITIVES], &[f64; PRIMITIVES])| {
+            std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
+        };
+        a.people.iter().zip(&b.people).map(mix).collect()
     }
 
     fn amplitudes(&self, scene: &Scene, t: f64, room: &[StaticPath]) -> Amplitudes {
