@@ -24,7 +24,6 @@ const TABLE: [u32; 256] = {
 pub(crate) struct Crc32(u32);
 
 impl Crc32 {
-    /// The checksum of no bytes so far.
     pub const fn new() -> Self {
         Crc32(u32::MAX)
     }
@@ -35,7 +34,6 @@ impl Crc32 {
         Crc32(bytes.iter().fold(self.0, |crc, &byte| TABLE[usize::from(crc as u8 ^ byte)] ^ crc >> 8))
     }
 
-    /// The checksum of all bytes.
     pub const fn finish(self) -> u32 {
         !self.0
     }

@@ -135,7 +135,6 @@ struct Recognition {
     exit: usize,
     period: u32,
     imaged: bool,
-    /// Whether the recording has been reset since.
     outdated: bool,
 }
 
@@ -148,13 +147,11 @@ pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     network: Network,
     exits: Vec<EarlyExit<'m>, EXITS>,
     threshold: f32,
-    /// The next exit of the recording that is being taken.
     next_exit: usize,
     /// Logits of the exits passed.
     logits: Vec<Logits, EXITS>,
     recognition: Option<Recognition>,
     stopped: bool,
-    /// Number of the period that the recording belongs to.
     period: u32,
 }
 
@@ -371,7 +368,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     pub(crate) fn count_steps(&mut self, exit: usize) -> usize {
         let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
         let mut network = Network::new();
-        let mut steps = image_steps(model.sensing_slots(), model.frames()) + 1;
+        let mut steps = image_steps(model.preprocessing().kept, model.sensing_slots(), model.frames()) + 1;
         while network.step(model, self.scratch, &mut self.kernels, &mut ()).is_none() {
             steps += 1;
         }

@@ -76,33 +76,26 @@ impl Probe for Operators {
 
 /// The first operator, from 0, with an output by `kernels` other than that of the plain loops, on an image of noise; `None` if all agree.
 ///
-/// Scratch as of [`Network::step`]; what it holds is lost. Cost: one recognition and one by the plain loops, some four times as
-/// long.
+/// Scratch as of [`Network::step`]; what it holds is lost. Cost: one recognition and one by the plain loops, some four times as long.
 pub fn network(
     model: &Model<'_>,
     scratch: &mut [i8],
     kernels: &mut impl Kernels,
     rng: &mut impl Rng,
 ) -> Option<usize> {
-    let (mut tested, mut plain) = (Operators(Vec::new()), Operators(Vec::new()));
     let seed = rng.next_u32();
-    infer_noise(model, seed, scratch, kernels, &mut tested);
-    infer_noise(model, seed, scratch, &mut Portable, &mut plain);
+    let tested = infer_noise(model, seed, scratch, kernels);
+    let plain = infer_noise(model, seed, scratch, &mut Portable);
     let all = 4 * model.blocks() + 2;
     (0..all).find(|&k| plain.0.get(k).is_none_or(|digest| tested.0.get(k) != Some(digest)))
 }
 
 /// The network on an image of noise, the same for the same seed.
-fn infer_noise(
-    model: &Model<'_>,
-    seed: u32,
-    scratch: &mut [i8],
-    kernels: &mut impl Kernels,
-    probe: &mut impl Probe,
-) {
+fn infer_noise(model: &Model<'_>, seed: u32, scratch: &mut [i8], kernels: &mut impl Kernels) -> Operators {
     for (pixel, n) in image_mut(scratch, model.frames()).iter_mut().zip(0_u32..) {
         *pixel = (seed.wrapping_add(n).wrapping_mul(0x9e37_79b9) >> 24) as i8;
     }
-    let mut network = Network::new();
-    while network.step(model, scratch, kernels, probe).is_none() {}
+    let (mut network, mut operators) = (Network::new(), Operators(Vec::new()));
+    while network.step(model, scratch, kernels, &mut operators).is_none() {}
+    operators
 }

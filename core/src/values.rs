@@ -34,33 +34,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in their order.
-    pub const ALL: [Stage; 10] = [
-        Stage::Beat,
-        Stage::Gram,
-        Stage::Projection,
-        Stage::SlowTime,
-        Stage::Frame,
-        Stage::Image,
-        Stage::Layer,
-        Stage::Logits,
-        Stage::Class,
-        Stage::Confidence,
-    ];
+    pub const ALL: [Stage; 10] = {
+        use Stage::*;
+        [Beat, Gram, Projection, SlowTime, Frame, Image, Layer, Logits, Class, Confidence]
+    };
 
     /// Name, as reports give it.
     pub const fn name(self) -> &'static str {
-        match self {
-            Stage::Beat => "beat",
-            Stage::Gram => "gram",
-            Stage::Projection => "projection",
-            Stage::SlowTime => "slow-time",
-            Stage::Frame => "frame",
-            Stage::Image => "image",
-            Stage::Layer => "layer",
-            Stage::Logits => "logits",
-            Stage::Class => "class",
-            Stage::Confidence => "confidence",
-        }
+        NAMES[self as usize]
     }
 
     /// The stage of this name.
@@ -70,13 +51,14 @@ impl Stage {
 
     /// Bytes of one value.
     pub const fn width(self) -> usize {
-        match self {
-            Stage::Gram => 8,
-            Stage::Beat | Stage::Projection | Stage::SlowTime | Stage::Frame | Stage::Confidence => 4,
-            Stage::Image | Stage::Layer | Stage::Logits | Stage::Class => 1,
-        }
+        WIDTHS[self as usize]
     }
 }
+
+/// In the order of the stages.
+const NAMES: [&str; 10] =
+    ["beat", "gram", "projection", "slow-time", "frame", "image", "layer", "logits", "class", "confidence"];
+const WIDTHS: [usize; 10] = [4, 8, 4, 4, 4, 1, 1, 1, 1, 4];
 
 /// Takes values one by one.
 pub trait Sink {

@@ -33,9 +33,16 @@ fn settings_have_their_ranges() {
         made
     };
     assert!(with(&|_| ()));
-    for (first, last, valid) in
-        [(1, 1, true), (1, 8, true), (8, 8, true), (0, 8, false), (9, 9, false), (3, 2, false), (2, 9, false)]
-    {
+    for (first, last, valid) in [
+        (1, 1, true),
+        (1, 8, true),
+        (8, 8, true),
+        (0, 8, true),
+        (0, 0, false),
+        (9, 9, false),
+        (3, 2, false),
+        (2, 9, false),
+    ] {
         assert_eq!(with(&|s| s.kept = SvdRange { first, last }), valid, "{first} {last}");
     }
     for (window, hop, valid) in [

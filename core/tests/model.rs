@@ -72,7 +72,7 @@ fn four(value: i64) -> [u8; 4] {
 fn every_field_of_the_header_has_its_range() {
     assert_eq!(outcome(0, b"SDP3"), Ok(()));
     field("header_len", 6, two, &[63, 65, 0], &[64]);
-    field("first_kept", 14, byte, &[0, 9, 255], &[1, 2, 8]);
+    field("first_kept", 14, byte, &[9, 255], &[0, 1, 2, 8]);
     field("last_kept", 15, byte, &[0, 1, 9], &[2, 8]);
     field("window_len", 16, two, &[0, 1, 257, 65535], &[2, 128, 256]);
     field("hop", 18, two, &[0, 129], &[1, 128]);

@@ -28,6 +28,7 @@ use crate::early_exit::{EXITS, EarlyExit};
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
+use crate::signal::clutter::{DECIDED, SvdRange};
 use crate::signal::front_end::slow_time_steps;
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
@@ -73,7 +74,6 @@ enum Report {
     /// A period's sensing has ended early.
     Released {
         period: u32,
-        /// Slots of the period still to come.
         rest: u32,
         /// Slots each user has had.
         served: [u32; USERS],
@@ -180,8 +180,10 @@ fn in_time<T: Stft>(
     let total = layout.slots() as usize;
     // exits that a period reaches
     let mut slots: Vec<usize, EXITS> = Vec::new();
+    let mut kept = SvdRange { first: DECIDED, last: 8 }; // that of all exits
     for exit in pipeline.exits() {
         let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
+        kept = exit.model.preprocessing().kept;
     }
     let reached = slots.iter().filter(|&&slots| slots <= total).count();
     let fits = |need: usize, have: usize| {
@@ -195,7 +197,7 @@ fn in_time<T: Stft>(
             None => {
                 // of which the first wait in memory of the slow time until that is made
                 let waiting = first.min(slots.last().map_or(0, |most| most / BEATS));
-                fits(slow_time_steps(taken) + total - taken + waiting, rest + waiting * step)?;
+                fits(slow_time_steps(kept, taken) + total - taken + waiting, rest + waiting * step)?;
                 (rest + first * step, total - taken + first)
             }
         };

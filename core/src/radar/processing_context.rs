@@ -61,11 +61,9 @@ pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft
     planner: Planner,
     /// Losses that no plan gives back yet.
     counts: PeriodCounts,
-    /// Whether a period has begun since the last plan.
     plan_due: bool,
     /// Why the plan that is on its way differs from the running one.
     changes: Changes,
-    /// Period of the slots that are being taken.
     period: u32,
     next_index: u32,
     /// Whether the period's further slots serve nothing.

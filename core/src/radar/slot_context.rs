@@ -28,18 +28,13 @@ pub enum SlotAction<'a, const VALUES: usize> {
 struct SlotState {
     sequencer: Sequencer,
     counts: PeriodCounts,
-    /// Number of the running period, from 1.
     period: u32,
-    /// Sensing slots of the period so far.
     sensed: u32,
     last: SlotUse,
-    /// Number of the next slot.
     next: u32,
     /// A number out of order that the next one may go on from.
     other: u32,
-    /// Whether there is one.
     resync_pending: bool,
-    /// Whether there is no plan and slots stay idle.
     unplanned: bool,
 }
 
@@ -89,7 +84,6 @@ pub struct SlotContext<const VALUES: usize> {
     retained: &'static Retained,
     /// What [`SlotContext::begin`] works on; between two calls the copies in `retained` count.
     state: SlotState,
-    /// Number by which the state was saved last.
     sequence: u32,
     /// Number of the slot after the one given last; `None` before the first: it is the radio's.
     expected: Option<u32>,

@@ -13,11 +13,10 @@ pub(crate) const WEIGHT_BITS: u32 = 32;
 /// Divides `slots` so that the smallest `(credit + share) x rate` is as large as possible, exactly.
 ///
 /// `rates` are bits per slot; a user with rate 0 is absent and gets nothing. `credit` are slots each user already has (or
-/// lacks, if negative). All three slices are as long, at most [`USERS`], and no number of slots is beyond
-/// [`LONGEST_PERIOD`]; nothing is given otherwise.
-/// The worst `(credit + share) x rate` is less than the continuous optimum's by less than K - 1 slots' worth of it.
-/// Each step gives one slot to whoever is worst off, the lowest index of equals; all but K (K + 2) slots are given at once by
-/// the continuous optimum, so that the loop is bounded. Cost: O(K^3), with at most 2 K^2 divisions of 64 bits.
+/// lacks, if negative). All three slices are as long, at most [`USERS`], and no number of slots is beyond [`LONGEST_PERIOD`]; nothing
+/// is given otherwise. The worst `(credit + share) x rate` is less than the continuous optimum's by less than K - 1 slots' worth of
+/// it. Each step gives one slot to whoever is worst off, the lowest index of equals; all but K (K + 2) slots are given at once by the
+/// continuous optimum, so that the loop is bounded. Cost: O(K^3), with at most 2 K^2 divisions of 64 bits.
 pub fn apportion(rates: &[u32], credit: &[i32], slots: u32, shares: &mut [u32]) {
     shares.fill(0);
     let as_long = rates.len() == shares.len() && credit.len() == shares.len() && shares.len() <= USERS;

@@ -19,8 +19,7 @@ impl Plan {
     /// A plan in which nothing happens.
     pub const IDLE: Self = Plan { sensing: SensingLayout::EMPTY, shares: [0; USERS], users: 0 };
 
-    /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k)
-    /// for the users.
+    /// A plan of `period` (N) slots with `sensing` (N_s) of them `spacing` (N_m) slots apart and `shares` (N_c,k) for the users.
     ///
     /// # Errors
     ///

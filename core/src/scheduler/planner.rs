@@ -94,7 +94,6 @@ pub struct PeriodReport {
 pub struct Planner {
     target: SensingLayout,
     rates: [u32; USERS],
-    /// Rates the running plan was made by.
     planned: [u32; USERS],
     changes: Changes,
     /// Whether the running plan gives back lost slots, and is therefore not the next one.

@@ -42,9 +42,7 @@ pub struct Sequencer {
     plan: Plan,
     order: SlotOrder,
     position: u32,
-    /// Position of the next sensing slot.
     due: u32,
-    /// Sensing slots left in this period.
     left: u32,
     /// Slots that the users had in this period before the rest was reassigned.
     before: [u32; USERS],

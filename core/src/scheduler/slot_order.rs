@@ -18,9 +18,7 @@ struct Window {
     due: u32,
     /// j C modulo n.
     rest: u32,
-    /// n.
     share: u32,
-    /// j.
     served: u32,
 }
 
@@ -62,7 +60,6 @@ impl State for Window {
 pub(crate) struct SlotOrder {
     windows: [Window; USERS],
     users: u32,
-    /// C.
     slots: u32,
     played: u32,
 }

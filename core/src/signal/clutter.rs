@@ -1,7 +1,8 @@
 //! Clutter removal by truncated SVD: the strongest components of the beat matrix are dropped.
 //!
 //! Eq. (Y) and y = 1^T Y of the paper. Since U U^H projects, y = w^H X~ with w = (I - U U^H) 1: only the 8 x 8 Gram
-//! matrix X~ X~^H and its leading eigenvectors are needed, and y is one inner product per slot.
+//! matrix X~ X~^H and its leading eigenvectors are needed, and y is one inner product per slot. Which components are dropped is
+//! fixed, or decided per recording: those whose slow-time signal is static ([`DECIDED`]).
 
 use crate::dims::{BEATS, Beat, Complex};
 use crate::math::{roundf, sqrtf};
@@ -46,8 +47,8 @@ impl Gram {
         &self.upper
     }
 
-    /// The matrix divided by its trace, or `None` if it is zero.
-    fn normalised(&self) -> Option<Matrix> {
+    /// The matrix divided by its trace, and the trace; `None` if it is zero.
+    fn normalised(&self) -> Option<(Matrix, i128)> {
         let mut entries = self.upper.iter();
         let mut matrix = Matrix::zeros();
         let mut trace = 0_i128; // eight diagonal entries of up to 2^63
@@ -65,8 +66,8 @@ impl Gram {
         if trace <= 0 {
             return None;
         }
-        let trace = trace as f32;
-        Some(matrix.map(|value| Complex::new(value.re / trace, value.im / trace)))
+        let divisor = trace as f32;
+        Some((matrix.map(|value| Complex::new(value.re / divisor, value.im / divisor)), trace))
     }
 }
 
@@ -77,11 +78,23 @@ type Vector = SVector<Complex<f32>, BEATS>;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SvdRange {
-    /// The paper's d; 1 keeps the clutter.
+    /// The paper's d; 1 keeps the clutter, [`DECIDED`] drops what is static.
     pub first: u8,
     /// Upper cut; 8 keeps the weakest component.
     pub last: u8,
 }
+
+/// As the first component kept: the leading components are dropped as long as they are static, at most seven.
+///
+/// Of the energy lambda of a component's slow-time signal u^H b[n], |sum u^H b[n]|^2 / N is that of its mean over N slots. It is
+/// clutter if that is more than [`STATIC_SHARE`] of it. Compared in integers.
+pub const DECIDED: u8 = 0;
+
+/// Static share of a component's energy beyond which it is clutter, in 1/256: 21 dB above all that moves.
+pub const STATIC_SHARE: i128 = 254;
+
+/// Sum over slots of the range samples, `[fast_time]`, |sum| < 2^37.5.
+pub(crate) type Sum = [Complex<i64>; BEATS];
 
 /// The projection vector w in Q3.28: y = w^H b.
 pub(crate) type Projection = [Complex<i32>; BEATS];
@@ -101,6 +114,7 @@ pub const UNIT_PROJECTION: Projection = [Complex::new(1 << PROJECTION_BITS, 0); 
 pub(crate) struct ClutterSolver {
     matrix: Matrix,
     vectors: Matrix,
+    trace: i128,
     steps_left: usize,
     kept: SvdRange,
 }
@@ -129,15 +143,15 @@ pub const SOLVER_STEPS: usize = SWEEPS * PAIRS.len();
 impl ClutterSolver {
     /// Begins with a Gram matrix and the components to keep.
     pub fn new(gram: &Gram, kept: SvdRange) -> Self {
-        let all = kept.first <= 1 && usize::from(kept.last) >= BEATS;
+        let all = kept.first == 1 && usize::from(kept.last) >= BEATS;
         let matrix = gram.normalised().filter(|_| !all);
         // nothing to drop of nothing, or everything kept: the identity has no rotations to do and is not cut
         let (steps_left, kept) = match matrix {
             Some(_) => (SOLVER_STEPS, kept),
             None => (0, SvdRange { first: 1, last: BEATS as u8 }),
         };
-        let matrix = matrix.unwrap_or_else(Matrix::identity);
-        ClutterSolver { matrix, vectors: Matrix::identity(), steps_left, kept }
+        let (matrix, trace) = matrix.unwrap_or((Matrix::identity(), 1));
+        ClutterSolver { matrix, vectors: Matrix::identity(), trace, steps_left, kept }
     }
 
     /// Seven rotations; false if none is left.
@@ -150,16 +164,49 @@ impl ClutterSolver {
         true
     }
 
-    /// The projection, after the last step.
-    pub fn projection(&self) -> Projection {
-        let mut w = Vector::from_element(Complex::new(1.0, 0.0));
+    /// Rank from 1 of each column's component, strongest first; equal values rank by column.
+    fn ranks(&self) -> [usize; BEATS] {
         let value = |column: usize| self.matrix[(column, column)].re;
-        for column in 0..BEATS {
-            // rank from 1, strongest first; equal values rank by column
-            let own = value(column);
+        let mut ranks = [1; BEATS];
+        for (column, rank) in ranks.iter_mut().enumerate() {
+            let own = value(column % BEATS);
             let stronger = |&other: &usize| value(other) > own || (value(other) == own && other < column);
-            let rank = 1 + (0..BEATS).filter(stronger).count();
-            if rank < usize::from(self.kept.first) || rank > usize::from(self.kept.last) {
+            *rank += (0..BEATS).filter(stronger).count();
+        }
+        ranks
+    }
+
+    /// Whether a column's component is static: 256 |u^H s|^2 > [`STATIC_SHARE`] N lambda, u in Q3.28 and lambda in 2^-30 of the trace.
+    fn is_static(&self, column: usize, slots: usize, sum: &Sum) -> bool {
+        let largest = sum.iter().fold(0, |most, z| most | z.re.unsigned_abs() | z.im.unsigned_abs());
+        let shift = (u64::BITS - largest.leading_zeros()).saturating_sub(30) & 31;
+        let (mut re, mut im) = (0_i64, 0_i64);
+        for (u, s) in self.vectors.column(column % BEATS).iter().zip(sum) {
+            let (ur, ui) = (i64::from(to_q28(u.re)), i64::from(to_q28(u.im)));
+            let (sr, si) = (s.re >> shift, s.im >> shift);
+            re = re.wrapping_add(ur * sr + ui * si);
+            im = im.wrapping_add(ur * si - ui * sr);
+        }
+        let (re, im) = (i128::from(re >> PROJECTION_BITS), i128::from(im >> PROJECTION_BITS));
+        let value = roundf(self.matrix[(column % BEATS, column % BEATS)].re * (1 << 30) as f32) as i32;
+        let energy = (self.trace * i128::from(value)) >> 30;
+        energy > 0 && ((re * re + im * im) << (2 * shift + 8)) > STATIC_SHARE * energy * slots as i128
+    }
+
+    /// The projection, after the last step; `sum` over `slots` is that of the range samples where the first component is [`DECIDED`].
+    pub fn projection(&self, slots: usize, sum: &Sum) -> Projection {
+        let ranks = self.ranks();
+        let last = usize::from(self.kept.last);
+        let mut first = usize::from(self.kept.first.max(1));
+        if self.kept.first == DECIDED {
+            let is_clutter = |rank| (0..BEATS).any(|k| ranks[k] == rank && self.is_static(k, slots, sum));
+            while first < last && is_clutter(first) {
+                first += 1;
+            }
+        }
+        let mut w = Vector::from_element(Complex::new(1.0, 0.0));
+        for column in 0..BEATS {
+            if ranks[column] < first || ranks[column] > last {
                 let u = self.vectors.column(column);
                 let inner = u.sum().conj();
                 w -= u * inner;
@@ -173,11 +220,24 @@ impl ClutterSolver {
     }
 }
 
-/// The projection from the Gram matrix, all rotations at once.
-pub fn clutter_projection(gram: &Gram, kept: SvdRange) -> Projection {
-    let mut solver = ClutterSolver::new(gram, kept);
+/// Adds range samples to their sum over slots.
+pub(crate) fn add_slots(sum: &mut Sum, beats: &[Beat]) {
+    for beat in beats {
+        for (sum, b) in sum.iter_mut().zip(beat) {
+            sum.re = sum.re.wrapping_add(i64::from(b.re));
+            sum.im = sum.im.wrapping_add(i64::from(b.im));
+        }
+    }
+}
+
+/// The projection of a recording of at most [`GRAM_SLOTS`] slots at once, `[slow_time, BEATS]`.
+pub fn clutter_projection(beats: &[Beat], kept: SvdRange) -> Projection {
+    let (mut gram, mut sum) = (Gram::new(), Sum::default());
+    beats.iter().for_each(|beat| gram.add(beat));
+    add_slots(&mut sum, beats);
+    let mut solver = ClutterSolver::new(&gram, kept);
     while solver.step() {}
-    solver.projection()
+    solver.projection(beats.len(), &sum)
 }
 
 /// Rounds to Q3.28, halves away from zero; saturates.

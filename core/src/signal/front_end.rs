@@ -4,8 +4,8 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, SvdRange, UNIT_PROJECTION, largest_part,
-    project, slow_time_shift,
+    ClutterSolver, DECIDED, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, Sum, SvdRange, UNIT_PROJECTION,
+    add_slots, largest_part, project, slow_time_shift,
 };
 use super::dechirp::ComplexI16;
 use super::fast_time::FastTime;
@@ -16,8 +16,7 @@ use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
 
-/// How slow time becomes an image. Part of every model file: a network only understands the images it was
-/// trained on.
+/// How slow time becomes an image. Part of every model file: a network only understands the images it was trained on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Preprocessing {
@@ -45,8 +44,8 @@ impl Preprocessing {
     pub fn illegal(&self) -> Option<(&'static str, i64)> {
         let Preprocessing { kept, window, beta, hop, bins_per_row, range } = *self;
         let fields = [
-            ("first_kept", i64::from(kept.first), (1..=8).contains(&kept.first)),
-            ("last_kept", i64::from(kept.last), (kept.first..=8).contains(&kept.last)),
+            ("first_kept", i64::from(kept.first), kept.first <= 8),
+            ("last_kept", i64::from(kept.last), (kept.first.max(1)..=8).contains(&kept.last)),
             ("window_len", i64::from(window), (2..=256).contains(&window)),
             ("hop", i64::from(hop), (1..=window).contains(&hop)),
             ("bins_per_row", i64::from(bins_per_row), matches!(bins_per_row, 1 | 2 | 4)),
@@ -92,13 +91,14 @@ const SLOTS_A_STEP: usize = 128;
 const ROWS_A_STEP: usize = 16;
 
 /// Steps of a recording's slow time.
-pub(crate) const fn slow_time_steps(slots: usize) -> usize {
-    SOLVER_STEPS + 1 + 2 * slots.div_ceil(SLOTS_A_STEP)
+pub(crate) const fn slow_time_steps(kept: SvdRange, slots: usize) -> usize {
+    let passes = if kept.first == DECIDED { 3 } else { 2 };
+    SOLVER_STEPS + 1 + passes * slots.div_ceil(SLOTS_A_STEP)
 }
 
 /// Steps of its image.
-pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
-    slow_time_steps(slots) + frames + ROWS / ROWS_A_STEP
+pub(crate) const fn image_steps(kept: SvdRange, slots: usize, frames: usize) -> usize {
+    slow_time_steps(kept, slots) + frames + ROWS / ROWS_A_STEP
 }
 
 /// Where the making of an image stands.
@@ -106,6 +106,8 @@ pub(crate) const fn image_steps(slots: usize, frames: usize) -> usize {
 enum Stage {
     /// Rotations of the eigenvalue solver.
     Solve,
+    /// The sum of the slots before this one.
+    Sum { from: usize, sum: Sum },
     /// The largest part of slow time over the slots before this one.
     Scale { from: usize, largest: u64 },
     /// Slow time from this slot on.
@@ -126,6 +128,14 @@ struct Job {
     stage: Stage,
 }
 
+impl Job {
+    fn project(&mut self, sum: &Sum, probe: &mut impl Probe) -> Stage {
+        self.projection = self.solver.projection(self.slots, sum);
+        probe.projection(&self.projection);
+        Stage::Scale { from: 0, largest: 0 }
+    }
+}
+
 /// Raw slots in, image out; `T` is the arithmetic of the transform.
 pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
@@ -136,7 +146,6 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     taken: usize,
     /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
     waiting: bool,
-    /// Longest recording.
     capacity: usize,
     job: Option<Job>,
     beats: &'b mut [Beat],
@@ -250,9 +259,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                 if job.solver.step() {
                     return None;
                 }
-                job.projection = job.solver.projection();
-                probe.projection(&job.projection);
-                Stage::Scale { from: 0, largest: 0 }
+                match self.settings.kept.first {
+                    DECIDED => Stage::Sum { from: 0, sum: Sum::default() },
+                    _ => job.project(&Sum::default(), probe),
+                }
+            }
+            Stage::Sum { from, mut sum } => {
+                let end = job.slots.min(from + SLOTS_A_STEP);
+                add_slots(&mut sum, self.beats.get(from..end)?);
+                if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(&sum, probe) }
             }
             Stage::Scale { from, largest } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
@@ -332,7 +347,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         self.gram = Gram::new();
         self.taken = 0;
         self.waiting = self.job.as_ref().is_some_and(|job| match job.stage {
-            Stage::Solve | Stage::Scale { .. } | Stage::Project { from: 0, .. } => true,
+            Stage::Solve | Stage::Sum { .. } | Stage::Scale { .. } | Stage::Project { from: 0, .. } => true,
             Stage::Project { .. } => self.waiting,
             Stage::Frames { .. } | Stage::Quantize { .. } => false,
         });

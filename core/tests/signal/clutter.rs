@@ -45,8 +45,9 @@ fn exact(gram: &Gram, kept: SvdRange) -> (SVector<Complex<f64>, BEATS>, f64) {
 fn the_projection_is_that_of_an_eigenvalue_solver_in_f64() {
     let mut compared = 0;
     for seed in 0..200 {
+        let beats = noise(seed, 1 + seed as usize % 20);
         let mut gram = Gram::new();
-        noise(seed, 1 + seed as usize % 20).iter().for_each(|beat| gram.add(beat));
+        beats.iter().for_each(|beat| gram.add(beat));
         let kept = SvdRange { first: 2 + seed as u8 % 4, last: 8 - seed as u8 % 3 };
         let (w, gap) = exact(&gram, kept);
         // of fewer slots than range samples the weakest components are alike
@@ -54,7 +55,7 @@ fn the_projection_is_that_of_an_eigenvalue_solver_in_f64() {
             continue;
         }
         compared += 1;
-        let found = clutter_projection(&gram, kept).map(|q| {
+        let found = clutter_projection(&beats, kept).map(|q| {
             let scale = f64::from(1_u32 << PROJECTION_BITS);
             Complex::new(f64::from(q.re) / scale, f64::from(q.im) / scale)
         });
@@ -69,13 +70,12 @@ fn a_constant_echo_is_removed_to_the_arithmetic() {
     // one static echo at full scale: rank one, so nothing may be left at d = 2
     let echo: Beat =
         core::array::from_fn(|i| Complex::new(20_000_000 - 900_000 * i as i32, 1_000_000 * i as i32));
-    let beats = [echo; 300];
-    let mut gram = Gram::new();
-    beats.iter().for_each(|beat| gram.add(beat));
-    let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
-    let part = |w| largest_part(&[echo], w) as f64;
-    let ratio = part(&w) / part(&UNIT_PROJECTION);
-    assert!(ratio < 1e-6, "left over: {ratio}");
+    for first in [2, DECIDED] {
+        let w = clutter_projection(&[echo; 300], SvdRange { first, last: 8 });
+        let part = |w| largest_part(&[echo], w) as f64;
+        let ratio = part(&w) / part(&UNIT_PROJECTION);
+        assert!(ratio < 1e-6, "left over: {ratio}");
+    }
 }
 
 #[test]
@@ -85,36 +85,99 @@ fn full_scale_recordings_do_not_overflow() {
     let mut gram = Gram::new();
     (0..GRAM_SLOTS).for_each(|_| gram.add(&loudest));
     assert!(gram.upper().iter().all(|entry| entry.re > 0));
-    let w = clutter_projection(&gram, SvdRange { first: 2, last: 8 });
-    assert_ne!(w, UNIT_PROJECTION);
-    assert!(largest_part(&[loudest], &w) < 1 << 38); // of 2^56 before
+    for first in [2, DECIDED] {
+        let w = clutter_projection(&vec![loudest; GRAM_SLOTS], SvdRange { first, last: 8 });
+        assert_ne!(w, UNIT_PROJECTION);
+        assert!(largest_part(&[loudest], &w) < 1 << 38); // of 2^56 before
+    }
 }
 
 #[test]
 fn keeping_everything_sums_the_beat() {
     let beats = noise(7, 40);
-    let mut gram = Gram::new();
-    beats.iter().for_each(|beat| gram.add(beat));
-    assert_eq!(clutter_projection(&gram, SvdRange { first: 1, last: 8 }), UNIT_PROJECTION);
-    assert_eq!(clutter_projection(&Gram::new(), SvdRange { first: 2, last: 8 }), UNIT_PROJECTION);
+    for first in [1, DECIDED] {
+        assert_eq!(clutter_projection(&beats, SvdRange { first, last: 8 }), UNIT_PROJECTION);
+    }
+    // of nothing, and of silence, nothing is dropped
+    for first in [2, DECIDED] {
+        assert_eq!(clutter_projection(&[], SvdRange { first, last: 8 }), UNIT_PROJECTION);
+        assert_eq!(clutter_projection(&[ZERO_BEAT; 9], SvdRange { first, last: 8 }), UNIT_PROJECTION);
+    }
 }
 
 #[test]
 fn components_are_cut_by_rank_from_both_ends() {
     // every slot in one range cell: eigenvectors are the cells, the later the stronger, the first two alike
-    let mut gram = Gram::new();
+    let mut beats = Vec::new();
     for (cell, times) in [1, 1, 2, 3, 4, 5, 6, 7].into_iter().enumerate() {
         let mut beat = ZERO_BEAT;
         beat[cell] = Complex::new(1000, -1000);
-        (0..times).for_each(|_| gram.add(&beat));
+        beats.extend(std::iter::repeat_n(beat, times));
     }
     let ranks = [7, 8, 6, 5, 4, 3, 2, 1];
     for first in 1..=8 {
         for last in first..=8 {
             let kept = |rank: &u8| (first..=last).contains(rank);
             let wanted = ranks.map(|rank| Complex::new(i32::from(kept(&rank)) << PROJECTION_BITS, 0));
-            assert_eq!(clutter_projection(&gram, SvdRange { first, last }), wanted, "{first}..={last}");
+            assert_eq!(clutter_projection(&beats, SvdRange { first, last }), wanted, "{first}..={last}");
         }
+    }
+}
+
+/// A wall in one range sample, and somebody who walks in another at an energy of `clutter_db` below it; faint noise.
+fn scene(seed: u64, clutter_db: f64, hz: f64) -> Vec<Beat> {
+    let (wall, body) = (4e6, 4e6 * 10_f64.powf(-clutter_db / 20.0));
+    let mut beats = noise(seed, 300);
+    for (n, beat) in beats.iter_mut().enumerate() {
+        beat.iter_mut().for_each(|z| (z.re, z.im) = (z.re >> 20, z.im >> 20));
+        let (s, c) = (std::f64::consts::TAU * hz * n as f64 * 1e-3).sin_cos();
+        let body = body.min(2e7);
+        let wall = if clutter_db < -14.0 { 2e7 / 10_f64.powf(-clutter_db / 20.0) } else { wall };
+        beat[2].re += wall as i32;
+        beat[5].re += (body * c) as i32;
+        beat[5].im += (body * s) as i32;
+    }
+    beats
+}
+
+#[test]
+fn what_is_static_is_dropped_and_who_moves_is_kept_however_strong() {
+    for clutter_db in [-20.0, -10.0, -3.0, 3.0, 10.0, 20.0, 30.0, 40.0] {
+        // whole turns, so that the walker has no mean
+        for hz in [10.0 / 3.0, 50.0 / 3.0, 90.0] {
+            let beats = scene(7, clutter_db, hz);
+            let decided = clutter_projection(&beats, SvdRange { first: DECIDED, last: 8 });
+            let one = |b: usize| decided[b].re;
+            // the walker is whole; the wall is gone where it leads, and stays where it does not hide anybody
+            assert!(
+                (one(5) - (1 << PROJECTION_BITS)).abs() < 1 << 20,
+                "{clutter_db} dB, {hz} Hz: {decided:?}"
+            );
+            if clutter_db > 1.0 {
+                let fixed = clutter_projection(&beats, SvdRange { first: 2, last: 8 });
+                assert_eq!(decided, fixed, "{clutter_db} dB, {hz} Hz");
+                assert!(one(2).abs() < 1 << 20);
+            }
+            if clutter_db < -1.0 {
+                assert_eq!(decided, UNIT_PROJECTION, "{clutter_db} dB, {hz} Hz");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_static_share_is_held_against_its_threshold() {
+    // a component of one range sample whose phase jumps: m of 256 slots are turned round, so that its mean is 1 - m / 128
+    for (turned, dropped) in [(0, true), (1, false), (2, false), (128, false)] {
+        let mut beats = vec![ZERO_BEAT; 256];
+        for (n, beat) in beats.iter_mut().enumerate() {
+            beat[3].re = if n < turned { -1_000_000 } else { 1_000_000 };
+        }
+        let w = clutter_projection(&beats, SvdRange { first: DECIDED, last: 8 });
+        assert_eq!(w[3].re == 0, dropped, "{turned}: {w:?}");
+        // an upper cut comes first
+        let w = clutter_projection(&beats, SvdRange { first: DECIDED, last: 1 });
+        assert_eq!(w[3].re, 1 << PROJECTION_BITS);
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Preprocessing {
     pub sensing_slots: u16,
     /// First singular component kept, 1 to 8.
     pub first_kept: u8,
-    /// Last singular component kept, `first_kept..=8`.
+    /// Last singular component kept, `first_kept..=8`, at least 1.
     pub last_kept: u8,
     /// Kaiser window's length in sensing slots, 2 to 256.
     pub window_len: u16,

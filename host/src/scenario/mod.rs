@@ -80,7 +80,8 @@ pub struct Frame {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpectrogramSettings {
-    /// First singular component kept, the paper's d; 1 keeps the clutter.
+    /// First singular component kept, the paper's d; 1 keeps the clutter; 0: decided per recording, components with a static slow-time signal
+    /// are dropped.
     pub first_kept: u8,
     /// Last singular component kept (of 8).
     pub last_kept: u8,

@@ -25,7 +25,6 @@ use layers::check;
 /// A checked model: the byte string it was parsed from and the numbers of its header. Layers are views, made on demand.
 #[derive(Debug, Clone, Copy)]
 pub struct Model<'m> {
-    /// Header, names and layers.
     content: &'m [u8],
     sensing_slots: u16,
     frames: u16,
@@ -87,8 +86,7 @@ impl<'m> Envelope<'m> {
 }
 
 impl<'m> Model<'m> {
-    /// Checks a byte string; nothing is copied but the header's numbers. Everything that can be wrong with a model is found
-    /// here.
+    /// Checks a byte string; nothing is copied but the header's numbers. Everything that can be wrong with a model is found here.
     ///
     /// A signature is not looked at: see `Model::parse_signed`, feature `signature`. Cost: some ten instructions a byte.
     ///

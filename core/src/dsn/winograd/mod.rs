@@ -2,11 +2,10 @@
 //!
 //! Source: A. Lavin, S. Gray, Fast Algorithms for Convolutional Neural Networks, CVPR 2016.
 //!
-//! Convolutions take 16 products instead of 36 by F(2x2, 3x3) in exact integers, additions are tables, and the stem keeps no
-//! row before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed
-//! ahead. An operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29;
-//! convolutions of other than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such
-//! shifts or accumulators.
+//! Convolutions take 16 products instead of 36 by F(2x2, 3x3) in exact integers, additions are tables, and the stem keeps no row
+//! before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed ahead. An
+//! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29; convolutions of other
+//! than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such shifts or accumulators.
 //!
 //! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, except of plain loops.
 
@@ -101,7 +100,6 @@ pub struct WinogradF2<'b, P = NativeDualMac> {
     prepacked: usize,
     /// Of those, which run by the plain loops, by bit.
     uncovered: u64,
-    /// Whether the operator that runs does so by the plain loops.
     plain: bool,
     vectors: &'b mut [I16x8],
     /// What stays between the steps of an operator; at the end the constants of every slot.

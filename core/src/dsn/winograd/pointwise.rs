@@ -39,18 +39,12 @@ pub fn pack_batch_norm(layer: &BatchNormRelu<'_>, words: &mut [i32]) -> Option<(
 
 /// Does a step of a normalisation, `[pixels, channels]` to the same shape; true after the last.
 #[inline(never)]
-pub fn batch_norm(
-    layer: &BatchNormRelu<'_>,
-    words: &[i32],
-    input: &[i8],
-    output: &mut [i8],
-    step: usize,
-) -> bool {
+pub fn batch_norm(layer: &BatchNormRelu<'_>, words: &[i32], x: &[i8], out: &mut [i8], step: usize) -> bool {
     let channels = layer.quant.channels.max(1);
-    let (range, last) = piece(output.len(), (VALUES / channels).max(1) * channels, step);
-    let (input, output) = (established(input.get(range.clone())), established(output.get_mut(range)));
+    let (range, last) = piece(out.len(), (VALUES / channels).max(1) * channels, step);
+    let (x, out) = (established(x.get(range.clone())), established(out.get_mut(range)));
     let (words, _) = packed::<BATCH_NORM_WORDS>(words, channels).as_chunks::<4>();
-    for (from, to) in input.chunks_exact(channels).zip(output.chunks_exact_mut(channels)) {
+    for (from, to) in x.chunks_exact(channels).zip(out.chunks_exact_mut(channels)) {
         let ((from, _), (to, _)) = (from.as_chunks::<4>(), to.as_chunks_mut::<4>());
         for ((from, to), words) in from.iter().zip(to).zip(words) {
             for k in 0..4 {
@@ -61,7 +55,7 @@ pub fn batch_norm(
             }
         }
     }
-    clamp_all(output, (layer.quant.act_min, layer.quant.act_max));
+    clamp_all(out, (layer.quant.act_min, layer.quant.act_max));
     last
 }
 
@@ -101,14 +95,8 @@ pub fn add(layer: &Add, words: &[i32], x: &mut [i8], branch: &[i8], step: usize)
 
 /// `x = x + branch` out of both tables.
 #[inline(never)]
-fn add_terms(
-    left: &[i32; TABLE],
-    right: &[i32; TABLE],
-    requantizer: Requantizer,
-    x: &mut [i8],
-    branch: &[i8],
-) {
+fn add_terms(left: &[i32; TABLE], right: &[i32; TABLE], by: Requantizer, x: &mut [i8], branch: &[i8]) {
     for (x, &b) in x.iter_mut().zip(branch) {
-        *x = requantizer.apply(left[usize::from(*x as u8)].wrapping_add(right[usize::from(b as u8)]));
+        *x = by.apply(left[usize::from(*x as u8)].wrapping_add(right[usize::from(b as u8)]));
     }
 }

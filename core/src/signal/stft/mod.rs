@@ -25,15 +25,9 @@ pub trait Stft {
     fn new(length: u16, beta: f32, hop: u16) -> Self;
     /// Frames in `slots` slow-time samples: floor((N_s - N_w) / hop) + 1, or 0.
     fn frames(&self, slots: usize) -> usize;
-    /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `bins_per_row` bins. A frame beyond the
+    /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `per_row` bins. A frame beyond the
     /// end of the signal is transformed as if the signal went on with zeros.
-    fn frame(
-        &self,
-        slow_time: &[Complex<i32>],
-        k: usize,
-        bins_per_row: u8,
-        spectrum: &mut Self::Spectrum<'_>,
-    );
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut Self::Spectrum<'_>);
     /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
     fn level(spectrum: &Self::Spectrum<'_>, first: usize, count: usize) -> i16;
     /// Shows a spectrum to an observer.
@@ -90,7 +84,7 @@ impl Stft for FloatStft {
     }
 
     /// All bins. Error below 2^-20 of the sum of the windowed magnitudes. Cost: one 256-point complex FFT.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, _bins_per_row: u8, spectrum: &mut Spectrum) {
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, _per_row: u8, spectrum: &mut Spectrum) {
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         *spectrum = ZERO_SPECTRUM;
         for ((out, y), w) in spectrum.iter_mut().zip(signal).zip(self.window()) {

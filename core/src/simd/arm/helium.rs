@@ -7,9 +7,8 @@ use core::arch::global_asm;
 /// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does.
 pub const BLOCKS: [usize; 3] = [16, 7, 2];
 
-// As the DSP extension's products, with eight channels a group: two tiles' inputs in q0 and q1, two outputs' weights in q2
-// and q3. Sums live in r4, r6, r8, r10, as the instruction wants even registers. r0: inputs, r1: weights, r2: where sums
-// go, r3: their end.
+// As the DSP extension's products, with eight channels a group: two tiles' inputs in q0 and q1, two outputs' weights in q2 and q3.
+// Sums live in r4, r6, r8, r10, as the instruction wants even registers. r0: inputs, r1: weights, r2: where sums go, r3: their end.
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_wide_group first",

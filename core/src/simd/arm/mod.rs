@@ -1,5 +1,4 @@
-//! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind
-//! [`DualMac`].
+//! The DSP extension of Armv7E-M and Armv8-M, two 16-bit products an instruction, and Helium, eight: behind [`DualMac`].
 //!
 //! The module is compiled only for targets that have the extension: every `unsafe` below relies on it.
 

@@ -39,8 +39,8 @@ impl QuantizedNetwork {
             p.radar.is_valid(),
             "a configuration that the radar module takes",
         )?;
-        within("first_kept", p.first_kept, 1, 8)?;
-        within("last_kept", p.last_kept, p.first_kept, 8)?;
+        within("first_kept", p.first_kept, 0, 8)?;
+        within("last_kept", p.last_kept, p.first_kept.max(1), 8)?;
         within("window_len", p.window_len, 2, 256)?;
         within("hop", p.hop, 1, p.window_len)?;
         legal("bins_per_row", p.bins_per_row, matches!(p.bins_per_row, 1 | 2 | 4), "1, 2 or 4")?;

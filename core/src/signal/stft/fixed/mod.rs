@@ -62,7 +62,6 @@ impl FixedSpectrum {
 /// also keeps every sum within 31 bits.
 #[derive(Debug, Clone)]
 pub struct FixedStft {
-    /// In Q1.31.
     window: [i32; FFT_LEN],
     length: usize,
     hop: usize,
@@ -248,13 +247,7 @@ impl Stft for FixedStft {
     }
 
     /// Cost: 48 butterflies of radix 4 with 3 products each, 3 more products a bin.
-    fn frame(
-        &self,
-        slow_time: &[Complex<i32>],
-        k: usize,
-        bins_per_row: u8,
-        spectrum: &mut &mut FixedSpectrum,
-    ) {
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut &mut FixedSpectrum) {
         let FixedSpectrum { bins, parts } = &mut **spectrum;
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         if self.first(signal, parts).is_none() {
@@ -264,7 +257,7 @@ impl Stft for FixedStft {
             second(part);
             third(part);
         }
-        combine(parts, (ROWS * usize::from(bins_per_row)).min(FFT_LEN), bins);
+        combine(parts, (ROWS * usize::from(per_row)).min(FFT_LEN), bins);
     }
 
     fn level(spectrum: &&mut FixedSpectrum, first: usize, count: usize) -> i16 {
