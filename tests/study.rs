@@ -101,7 +101,8 @@ fn an_ablation_trains_the_default_once_a_carrier_and_goes_on() {
     let (code, first, stderr) = with(&["--threads", "1"]);
     assert_eq!(code, 0, "{stderr}");
     let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
-    let (rows, effects) = (found["rows"].as_array().expect("rows"), found["effects"].as_array().expect("effects"));
+    let (rows, effects) =
+        (found["rows"].as_array().expect("rows"), found["effects"].as_array().expect("effects"));
     assert_eq!((rows.len(), &found["tested"]), (2 * effects.len(), &20.into()));
     for row in rows {
         let number = |pointer: &str| row.pointer(pointer).and_then(Value::as_f64).expect("a number");
