@@ -41,7 +41,7 @@ pub fn link(scenario: &Scenario, gains: &[f64]) -> Link {
     Link {
         subcarriers: gains.len() as u32,
         subcarrier_bit: found.rate_bit / subcarriers,
-        full_share: full as f64 / subcarriers,
+        full_share: limits.modulation_bit.is_finite().then(|| full as f64 / subcarriers),
         power_share: found.shares.iter().sum(),
     }
 }
@@ -99,11 +99,11 @@ mod tests {
         // five symbols of 467 sub-carriers with 8 bit
         assert!((slot_bit(&full, &gains) - 18_680.0).abs() < 1e-6);
         let found = link(&full, &gains);
-        assert_eq!((found.subcarriers, found.full_share), (467, 1.0));
+        assert_eq!((found.subcarriers, found.full_share), (467, Some(1.0)));
         assert!((found.subcarrier_bit - 8.0).abs() < 1e-12 && found.power_share < 1.0, "{found:?}");
         let free = link(&limited(0.0, 0.0), &gains);
         assert!(
-            free.subcarrier_bit > 20.0 && free.full_share == 0.0 && (free.power_share - 1.0).abs() < 1e-9
+            free.subcarrier_bit > 20.0 && free.full_share.is_none() && (free.power_share - 1.0).abs() < 1e-9
         );
         // an error vector magnitude of 3.5 % alone: less than log2(1 + 1 / 0.035^2)
         let rough = link(&limited(0.0, 3.5), &gains).subcarrier_bit;

@@ -100,7 +100,7 @@ impl Job {
         let outcome = optimise(curve, points, &replicates, &self.scenario, self.rule(rule), self.seed)?;
         let p = &outcome.operating_point;
         stage.finish(&format!(
-            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user; {}",
+            "N_s = {}: accuracy {:.3}, {:.0} bit per period ({:.3} Mbit/s) to the worst user. {}",
             p.sensing_slots,
             p.accuracy,
             p.throughput_bit,

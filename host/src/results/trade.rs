@@ -71,8 +71,9 @@ pub struct Link {
     pub subcarriers: u32,
     /// Bits that a sub-carrier carries in a symbol, mean of all.
     pub subcarrier_bit: f64,
-    /// Share of the sub-carriers that carry the most bits of the largest modulation; 0 without a largest one.
-    pub full_share: f64,
+    /// Share of the sub-carriers that carry the most bits of the largest modulation; absent without a largest one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub full_share: Option<f64>,
     /// Share of the power that is spent: below 1 where all sub-carriers carry the most.
     pub power_share: f64,
 }

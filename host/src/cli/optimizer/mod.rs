@@ -170,11 +170,13 @@ fn words(found: &Optimum) -> String {
 
 /// What the users' slots are made of, in a line.
 fn links(links: &[Link]) -> String {
-    let list = |of: &dyn Fn(&Link) -> String| links.iter().map(of).collect::<Vec<_>>().join(", ");
     let subcarriers = links.first().map_or(0, |link| link.subcarriers);
-    format!(
-        "{subcarriers} sub-carriers with {} bit a symbol, {} of them at the modulation's limit",
-        list(&|link| format!("{:.2}", link.subcarrier_bit)),
-        list(&|link| format!("{:.0} %", 100.0 * link.full_share))
-    )
+    let bits: Vec<_> = links.iter().map(|link| format!("{:.2}", link.subcarrier_bit)).collect();
+    let full: Vec<_> =
+        links.iter().filter_map(|link| Some(format!("{:.0} %", 100.0 * link.full_share?))).collect();
+    let limit = match full.is_empty() {
+        true => "no largest modulation".to_owned(),
+        false => format!("{} of them at the modulation's limit", full.join(", ")),
+    };
+    format!("{subcarriers} sub-carriers with {} bit a symbol, {limit}", bits.join(", "))
 }

@@ -97,7 +97,9 @@ function fillPlan(element, point) {
     );
   const bits = prices?.slot_bit.map((bit) => grouped(Math.round(bit)));
   const symbols = prices?.links?.map((link) => digits(link.subcarrier_bit, 3));
-  const full = prices?.links?.map((link) => `${Math.round(link.full_share * link.subcarriers)} of ${link.subcarriers}`);
+  const share = ({ full_share, subcarriers }) =>
+    full_share === undefined ? "–" : `${Math.round(full_share * subcarriers)} of ${subcarriers}`;
+  const full = prices?.links?.map(share);
   const head = ["", "sensing", ...point.communication_slots.map((_, k) => useName(k))];
   const table = html(
     "table",
