@@ -120,6 +120,10 @@ impl Probe for Recorder {
     }
 }
 
+fn largest(errors: &[f64]) -> f64 {
+    errors.iter().copied().fold(0.0, f64::max)
+}
+
 /// Counts of one stage.
 struct Tally {
     stage: &'static str,
@@ -180,7 +184,12 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let scale = f64::from(1 << 28);
     let found: Vec<_> =
         core.projection.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
-    let errors = signal::backward_error(&core.gram, header.first, header.last, &found);
+    // a decision too near its threshold may be either
+    let errors = signal::first_kept(&core.beats, &core.gram, header.first, header.last)
+        .into_iter()
+        .map(|first| signal::backward_error(&core.gram, first, header.last, &found))
+        .min_by(|a, b| largest(a).total_cmp(&largest(b)))
+        .unwrap_or_default();
     for (index, error) in errors.into_iter().enumerate() {
         weights.bounded(index, error, WEIGHT_BOUND);
     }

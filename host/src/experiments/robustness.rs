@@ -56,9 +56,10 @@ pub fn conditions() -> Vec<Condition> {
         let change = move |s: &mut Scenario| s.radar.power_w *= libm::pow(10.0, -db / 10.0);
         add("transmit power (dB)", format!("{}", 0.0 - db), true, Box::new(change));
     }
-    for first in [1, 2, 3] {
+    for first in [0, 1, 2, 3] {
         let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
-        add("first component kept, d", format!("{first}"), true, Box::new(change));
+        let value = if first == 0 { "decided".into() } else { format!("{first}") };
+        add("first component kept, d", value, true, Box::new(change));
     }
     for (value, child, adult) in [
         ("children 1.2..1.4 m, adults 1.5..1.6 m", [1.2, 1.4], [1.5, 1.6]),

@@ -37,7 +37,7 @@ pub struct Preprocessing {
     pub radar: RadarConfig,
     /// Sensing slots per recording, `N_s`.
     pub sensing_slots: u16,
-    /// First singular component kept, 1 to 8.
+    /// First singular component kept, 1 to 8; 0: decided per recording.
     pub first_kept: u8,
     /// Last singular component kept, `first_kept..=8`, at least 1.
     pub last_kept: u8,
@@ -280,7 +280,7 @@ impl QuantizedNetwork {
             text,
             "keeps singular components {} to {}, window {} (Kaiser, beta {}), hop {}, image {} x {}, {} bin(s) a \
              row, {:.1} dB",
-            p.first_kept,
+            if p.first_kept == 0 { "that are not static".to_owned() } else { p.first_kept.to_string() },
             p.last_kept,
             p.window_len,
             p.kaiser_beta,

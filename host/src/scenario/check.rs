@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn fifty_decibels_are_1063_units() {
-        let paper = SpectrogramSettings { beta: 10.0, ..Default::default() };
+        let paper = SpectrogramSettings { beta: 10.0, first_kept: 2, ..Default::default() };
         assert_eq!(paper.preprocessing(), Preprocessing::default());
     }
 

@@ -89,7 +89,7 @@ impl Default for Target {
 impl Default for SpectrogramSettings {
     fn default() -> Self {
         SpectrogramSettings {
-            first_kept: 2,
+            first_kept: 0,
             last_kept: 8,
             window: 128,
             beta: 4.0,

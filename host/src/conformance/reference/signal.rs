@@ -124,6 +124,31 @@ pub fn backward_error(upper: &[Int], first: usize, last: usize, w: &[Float]) -> 
     errors
 }
 
+/// The first component kept, from 1: `stated`, or if that is 0 the first whose slow-time signal v^H b[n] is static to at most 254/256
+/// of its energy, `last` at most. Two where one share is within rounding of that.
+pub fn first_kept(beats: &[Vec<Int>], upper: &[Int], stated: usize, last: usize) -> Vec<usize> {
+    if stated > 0 {
+        return vec![stated];
+    }
+    let Some(pairs) = eigenpairs(upper) else { return vec![1] };
+    for (index, (_, v)) in pairs.iter().enumerate().take(last - 1) {
+        let signal = beats.iter().map(|beat| -> Float {
+            let float = |b: &Int| Float::new(b.0 as f64, b.1 as f64);
+            v.iter().zip(beat).map(|(v, b)| v.conj() * float(b)).sum()
+        });
+        let (sum, energy) =
+            signal.fold((Float::new(0.0, 0.0), 0.0), |(sum, energy), y| (sum + y, energy + y.norm_sqr()));
+        let share = sum.norm_sqr() / (energy * beats.len() as f64).max(f64::MIN_POSITIVE) - 254.0 / 256.0;
+        if share.abs() < 1e-4 {
+            return vec![index + 1, index + 2];
+        }
+        if share < 0.0 {
+            return vec![index + 1];
+        }
+    }
+    vec![last]
+}
+
 /// Eigenvalues, largest first, and eigenvectors of the matrix over its trace; `None` if it is zero.
 fn eigenpairs(upper: &[Int]) -> Option<Vec<(f64, Vec<Float>)>> {
     let mut a = [[Float::new(0.0, 0.0); 8]; 8];
