@@ -147,14 +147,6 @@ impl Antenna {
         matches!(self.pattern, Pattern::Constant)
     }
 
-    /// Half-power beam width in rad, of an element.
-    pub fn beam_width(&self) -> Option<f64> {
-        match self.pattern {
-            Pattern::Element { width, .. } => Some(width),
-            _ => None,
-        }
-    }
-
     /// Amplitude in a direction (not normalised), relative to boresight.
     pub fn amplitude(&self, direction: Vec3) -> f64 {
         if self.is_constant() {
@@ -296,7 +288,7 @@ mod tests {
     #[test]
     fn half_the_power_is_left_at_half_the_beam_width() {
         let antenna = Antenna::element(25.0, 30.0, [0.0, 2.0, 0.0]);
-        let width = antenna.beam_width().unwrap();
+        let Pattern::Element { width, .. } = antenna.pattern else { panic!("{antenna:?}") };
         assert!((width.to_degrees() - 10.3).abs() < 1.5, "{}", width.to_degrees());
         for (direction, db) in [
             ([0.0, 1.0, 0.0], 0.0),
