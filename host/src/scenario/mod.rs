@@ -8,6 +8,7 @@ pub mod builtin;
 mod channel;
 mod check;
 mod defaults;
+mod front_end;
 mod learning;
 mod overrides;
 mod people;
@@ -19,6 +20,7 @@ mod schema;
 
 pub use channel::{Advance, ArMode, Channel, Clusters, Model, Tgn};
 pub use check::ScenarioError;
+pub use front_end::{Effects, FrontEnd, Spectrum};
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};

@@ -11,7 +11,7 @@ use super::body::motion::{GroundTruth, Person};
 use super::channel::response::Response;
 use super::channel::target::Target;
 use super::channel::{Blocks, ChannelModel, Path, Scene, model, wavelength};
-use super::radar::Receiver;
+use super::radar::{Draws, Receiver};
 use crate::formats::slots::Slots;
 use crate::numerics::random::Random;
 use crate::scenario::{Class, Scenario};
@@ -170,7 +170,15 @@ pub fn recording(
 }
 
 fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Receiver<'_> {
-    Receiver::new(scenario, stream(seed, set, 3, class, index), stream(seed, set, 2, class, index))
+    Receiver::new(scenario, |draws| {
+        let part = match draws {
+            Draws::Noise => 2,
+            Draws::Phases => 3,
+            Draws::Module => 4,
+            Draws::Oscillator => 5,
+        };
+        stream(seed, set, part, class, index)
+    })
 }
 
 /// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
@@ -186,6 +194,12 @@ pub fn beats(
 ) -> (Vec<Beat>, GroundTruth) {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
     let mut receiver = receiver(scenario, seed, set, class, index);
+    if receiver.needs_samples() {
+        let config = scenario.radar.config();
+        let mut raw = Slots::with_capacity(config.values_per_slot(), slots as usize);
+        (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
+        return (raw.beats(config).unwrap_or_default(), simulation.truth().clone());
+    }
     let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
     (beats, simulation.truth().clone())
 }
@@ -269,10 +283,17 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
 mod tests {
     use super::*;
     use crate::scenario::builtin::named;
-    use crate::scenario::{Clusters, Model};
+    use crate::scenario::{Clusters, Format, FrontEnd, Model, Radar};
 
     fn shipped(name: &str) -> Scenario {
         named(name.as_ref()).unwrap().scenario()
+    }
+
+    /// The same with a real module's front end.
+    fn typical(name: &str) -> Scenario {
+        let mut scenario = shipped(name);
+        scenario.radar.front_end = FrontEnd::Typical;
+        scenario
     }
 
     #[test]
@@ -282,7 +303,8 @@ mod tests {
             scenario.channel.model = model;
             scenario
         });
-        for scenario in models.into_iter().chain([shipped("bgt60"), shipped("iwr")]) {
+        let real = ["conference-room", "bgt60", "iwr"].map(typical);
+        for scenario in models.into_iter().chain([shipped("bgt60"), shipped("iwr")]).chain(real) {
             let take =
                 |index, slots| recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, index, slots);
             let (long, short) = (take(3, 40), take(3, 25));
@@ -321,7 +343,8 @@ mod tests {
                 (s.channel.interferer, s.channel.clusters) = (true, Clusters::Ieee80211ay);
             }
             if k % 3 == 2 {
-                (s.radar.phase_noise_deg, s.radar.iq_gain_db, s.radar.iq_phase_deg) = (3.0, 1.0, 2.0);
+                s.radar.phase_noise_deg = 3.0;
+                (s.radar.iq_gain_db, s.radar.iq_phase_deg) = (Some(1.0), Some(2.0));
             }
             let class = Class::ALL[k % 5];
             let raw = recording(&s, 0.997, 9, Set::Test, class, 2, 20).slots;
@@ -336,6 +359,65 @@ mod tests {
         }
     }
 
+    /// Power of the difference between range samples made of raw slots and those made without, over their own, in dB.
+    fn disagreement(scenario: &Scenario) -> f64 {
+        let raw = recording(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+        let (fast, truth) = beats(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+        assert_eq!(raw.truth, truth);
+        let (mut error, mut power) = (0.0, 0.0);
+        for (raw, fast) in raw.slots.beats(scenario.radar.config()).unwrap().iter().zip(&fast) {
+            for (a, b) in raw.iter().zip(fast) {
+                let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
+                error += re * re + im * im;
+                power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
+            }
+        }
+        10.0 * libm::log10(error / power)
+    }
+
+    #[test]
+    fn raw_slots_and_beats_agree_on_every_effect_of_the_front_end() {
+        type Set = fn(&mut Radar);
+        let quadrature: Set = |r| {
+            if r.format == Format::Complex {
+                (r.iq_gain_db, r.iq_phase_deg) = (Some(0.2), Some(1.0));
+            }
+        };
+        let compression: Set = |r| {
+            (r.front_end, r.phase_noise_dbc_hz) = (FrontEnd::Typical, Some(-200.0));
+            (r.isolation_db, r.dc_offset) = (Some(200.0), Some(0.0));
+            (r.iq_gain_db, r.iq_phase_deg) = (Some(0.0), Some(0.0));
+        };
+        let phase_noise: Set = |r| {
+            compression(r);
+            (r.phase_noise_dbc_hz, r.compression_dbm) = (None, Some(100.0));
+        };
+        // phase noise is drawn for range samples: there its own power is the difference, twice
+        let effects: [(&str, Set, [f64; 3]); 6] = [
+            ("leakage", |r| r.isolation_db = Some(if r.carrier_hz > 10e9 { 65.0 } else { 40.0 }), [-75.0; 3]),
+            ("offset", |r| r.dc_offset = Some(0.01), [-75.0; 3]),
+            ("quadrature", quadrature, [-70.0; 3]),
+            ("compression", compression, [-60.0; 3]),
+            ("phase noise", phase_noise, [-85.0, -50.0, -45.0]),
+            ("typical", |r| r.front_end = FrontEnd::Typical, [-60.0, -40.0, -40.0]),
+        ];
+        for (k, name) in ["conference-room", "bgt60", "iwr"].into_iter().enumerate() {
+            for (effect, set, most_db) in effects {
+                let mut scenario = shipped(name);
+                // the 12 bits of a small converter would round more away
+                (scenario.radar.converter_bits, scenario.radar.noise_figure_db) = (16, 0.0);
+                if name != "conference-room" {
+                    scenario.radar.power_w *= 1e4;
+                }
+                set(&mut scenario.radar);
+                scenario.check("test").unwrap();
+                let db = disagreement(&scenario);
+                eprintln!("{name} {effect}: {db:.1} dB");
+                assert!(db < most_db[k], "{name} {effect}: {db:.1} dB");
+            }
+        }
+    }
+
     #[test]
     fn raw_slots_and_beats_agree_to_sixty_decibels() {
         // without a converter's noise: its full scale is brought down to the signal
@@ -343,7 +425,7 @@ mod tests {
             let mut scenario = Scenario::default();
             scenario.channel.model = model;
             scenario.radar.carrier_hz = carrier_hz;
-            (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (1.0, 2.0);
+            (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (Some(1.0), Some(2.0));
             scenario
         };
         let fine = |name: &str| {
@@ -357,8 +439,8 @@ mod tests {
         (blocks.radar.bins_per_sample, blocks.radar.first_bin) = (0, 0);
         let mut chirp = at(Model::Dahc, 5.8e9);
         (chirp.radar.bandwidth_hz, chirp.radar.sample_rate_hz) = (40e6, 40e6);
-        (chirp.radar.sweep_s, chirp.radar.samples, chirp.radar.iq_gain_db, chirp.radar.iq_phase_deg) =
-            (40e-6, 1600, 0.0, 0.0);
+        (chirp.radar.sweep_s, chirp.radar.samples) = (40e-6, 1600);
+        (chirp.radar.iq_gain_db, chirp.radar.iq_phase_deg) = (None, None);
         for mut scenario in [
             at(Model::Dahc, 3.5e9),
             at(Model::Dahc, 60e9),
@@ -372,18 +454,7 @@ mod tests {
             scenario.check("test").unwrap();
             scenario.radar.noise_figure_db = 0.0;
             scenario.radar.phase_noise_deg = 3.0;
-            let raw = recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
-            let (fast, truth) = beats(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
-            assert_eq!(raw.truth, truth);
-            let (mut error, mut power) = (0.0, 0.0);
-            for (raw, fast) in raw.slots.beats(scenario.radar.config()).unwrap().iter().zip(&fast) {
-                for (a, b) in raw.iter().zip(fast) {
-                    let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
-                    error += re * re + im * im;
-                    power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
-                }
-            }
-            let db = 10.0 * libm::log10(error / power);
+            let db = disagreement(&scenario);
             let (name, carrier_hz) = (&scenario.name, scenario.radar.carrier_hz);
             assert!(db < -60.0, "{name} at {carrier_hz:e}: {db} dB");
         }
@@ -391,7 +462,8 @@ mod tests {
 
     #[test]
     fn the_converter_is_well_driven() {
-        for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr")] {
+        let real = ["conference-room", "bgt60", "iwr"].map(typical);
+        for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr")].into_iter().chain(real) {
             let full = (1_u16 << (scenario.radar.converter_bits - 1)) - 1;
             let mut loudest = 0;
             let mut clipped = 0;
@@ -403,6 +475,47 @@ mod tests {
                 }
             }
             assert!(loudest > full / 8 && clipped == 0, "{}: {loudest}, clipped {clipped}", scenario.name);
+        }
+    }
+
+    #[test]
+    #[ignore = "timing"]
+    fn timing() {
+        for name in ["conference-room", "bgt60", "iwr"] {
+            for scenario in [shipped(name), typical(name)] {
+                for round in 0..2 {
+                    let t = std::time::Instant::now();
+                    let mut s2 = Simulation::new(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 1);
+                    let mut r = receiver(&scenario, 5, Set::Train, Class::AdultWalking, 1);
+                    let mut v = Vec::new();
+                    let n = 400;
+                    let blocks = s2.advance_blocks(n);
+                    let channel = t.elapsed();
+                    let t = std::time::Instant::now();
+                    for _ in 0..10 {
+                        for b in &blocks {
+                            std::hint::black_box(r.beat(b));
+                        }
+                    }
+                    let fast = t.elapsed() / (10 * n);
+                    let mut s3 = Simulation::new(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 1);
+                    let paths = s3.advance().to_vec();
+                    let t = std::time::Instant::now();
+                    for _ in 0..n {
+                        v.clear();
+                        r.slot(&paths, &mut v);
+                    }
+                    if round == 1 {
+                        eprintln!(
+                            "{name} {:?}: channel {:?} a slot, block path {fast:?}, raw slot {:?}, {} paths",
+                            scenario.radar.front_end,
+                            channel / n,
+                            t.elapsed() / n,
+                            paths.len()
+                        );
+                    }
+                }
+            }
         }
     }
 
