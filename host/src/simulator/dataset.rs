@@ -280,10 +280,10 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::scenario::builtin::named;
-    use crate::scenario::{Clusters, Format, FrontEnd, Model, Radar};
+    use crate::scenario::{Clusters, FrontEnd, Model};
 
     fn shipped(name: &str) -> Scenario {
         named(name.as_ref()).unwrap().scenario()
@@ -360,7 +360,7 @@ mod tests {
     }
 
     /// Power of the difference between range samples made of raw slots and those made without, over their own, in dB.
-    fn disagreement(scenario: &Scenario) -> f64 {
+    pub(crate) fn disagreement(scenario: &Scenario) -> f64 {
         let raw = recording(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
         let (fast, truth) = beats(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
         assert_eq!(raw.truth, truth);
@@ -373,49 +373,6 @@ mod tests {
             }
         }
         10.0 * libm::log10(error / power)
-    }
-
-    #[test]
-    fn raw_slots_and_beats_agree_on_every_effect_of_the_front_end() {
-        type Set = fn(&mut Radar);
-        let quadrature: Set = |r| {
-            if r.format == Format::Complex {
-                (r.iq_gain_db, r.iq_phase_deg) = (Some(0.2), Some(1.0));
-            }
-        };
-        let compression: Set = |r| {
-            (r.front_end, r.phase_noise_dbc_hz) = (FrontEnd::Typical, Some(-200.0));
-            (r.isolation_db, r.dc_offset) = (Some(200.0), Some(0.0));
-            (r.iq_gain_db, r.iq_phase_deg) = (Some(0.0), Some(0.0));
-        };
-        let phase_noise: Set = |r| {
-            compression(r);
-            (r.phase_noise_dbc_hz, r.compression_dbm) = (None, Some(100.0));
-        };
-        // phase noise is drawn for range samples: there its own power is the difference, twice
-        let effects: [(&str, Set, [f64; 3]); 6] = [
-            ("leakage", |r| r.isolation_db = Some(if r.carrier_hz > 10e9 { 65.0 } else { 40.0 }), [-75.0; 3]),
-            ("offset", |r| r.dc_offset = Some(0.01), [-75.0; 3]),
-            ("quadrature", quadrature, [-70.0; 3]),
-            ("compression", compression, [-60.0; 3]),
-            ("phase noise", phase_noise, [-85.0, -50.0, -45.0]),
-            ("typical", |r| r.front_end = FrontEnd::Typical, [-60.0, -40.0, -40.0]),
-        ];
-        for (k, name) in ["conference-room", "bgt60", "iwr"].into_iter().enumerate() {
-            for (effect, set, most_db) in effects {
-                let mut scenario = shipped(name);
-                // the 12 bits of a small converter would round more away
-                (scenario.radar.converter_bits, scenario.radar.noise_figure_db) = (16, 0.0);
-                if name != "conference-room" {
-                    scenario.radar.power_w *= 1e4;
-                }
-                set(&mut scenario.radar);
-                scenario.check("test").unwrap();
-                let db = disagreement(&scenario);
-                eprintln!("{name} {effect}: {db:.1} dB");
-                assert!(db < most_db[k], "{name} {effect}: {db:.1} dB");
-            }
-        }
     }
 
     #[test]
@@ -475,47 +432,6 @@ mod tests {
                 }
             }
             assert!(loudest > full / 8 && clipped == 0, "{}: {loudest}, clipped {clipped}", scenario.name);
-        }
-    }
-
-    #[test]
-    #[ignore = "timing"]
-    fn timing() {
-        for name in ["conference-room", "bgt60", "iwr"] {
-            for scenario in [shipped(name), typical(name)] {
-                for round in 0..2 {
-                    let t = std::time::Instant::now();
-                    let mut s2 = Simulation::new(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 1);
-                    let mut r = receiver(&scenario, 5, Set::Train, Class::AdultWalking, 1);
-                    let mut v = Vec::new();
-                    let n = 400;
-                    let blocks = s2.advance_blocks(n);
-                    let channel = t.elapsed();
-                    let t = std::time::Instant::now();
-                    for _ in 0..10 {
-                        for b in &blocks {
-                            std::hint::black_box(r.beat(b));
-                        }
-                    }
-                    let fast = t.elapsed() / (10 * n);
-                    let mut s3 = Simulation::new(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 1);
-                    let paths = s3.advance().to_vec();
-                    let t = std::time::Instant::now();
-                    for _ in 0..n {
-                        v.clear();
-                        r.slot(&paths, &mut v);
-                    }
-                    if round == 1 {
-                        eprintln!(
-                            "{name} {:?}: channel {:?} a slot, block path {fast:?}, raw slot {:?}, {} paths",
-                            scenario.radar.front_end,
-                            channel / n,
-                            t.elapsed() / n,
-                            paths.len()
-                        );
-                    }
-                }
-            }
         }
     }
 

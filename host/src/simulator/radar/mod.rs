@@ -12,6 +12,7 @@
 mod impairments;
 mod oscillator;
 mod range_samples;
+mod samples;
 
 use super::channel::response::{Response, Table};
 use super::channel::room::mean_power;
@@ -24,6 +25,7 @@ use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
 use range_samples::FrontEnd;
+use samples::Samples;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
 use std::f64::consts::PI;
@@ -159,17 +161,6 @@ pub struct Receiver<'a> {
     beat: Samples,
 }
 
-/// A slot's beat at the samples.
-struct Samples {
-    re: Vec<f64>,
-    im: Vec<f64>,
-    /// The same with every path weighted by its delay; empty without phase noise.
-    moment_re: Vec<f64>,
-    moment_im: Vec<f64>,
-    /// Derivative of the oscillator's phase in rad/s; empty without phase noise.
-    frequency: Vec<f64>,
-}
-
 impl<'a> Receiver<'a> {
     /// Of a scenario's radar; `streams` has its random numbers.
     pub fn new(scenario: &'a Scenario, streams: impl Fn(Draws) -> Random) -> Self {
@@ -182,19 +173,12 @@ impl<'a> Receiver<'a> {
         let impairments =
             Impairments::new(radar, &effects, &converter, streams(Draws::Phases), streams(Draws::Module));
         let filters = effects.spectrum.map(|spectrum| Filters::new(&spectrum, radar.sample_rate_hz));
-        let noisy = if filters.is_some() { samples } else { 0 };
         let mut receiver = Receiver {
             oscillator: filters.map(|filters| Oscillator::new(filters, streams(Draws::Oscillator))),
             front_end: FrontEnd::of(scenario, &response, &impairments, filters),
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
-            beat: Samples {
-                re: vec![0.0; samples],
-                im: vec![0.0; samples],
-                moment_re: vec![0.0; noisy],
-                moment_im: vec![0.0; noisy],
-                frequency: vec![0.0; noisy],
-            },
+            beat: Samples::new(samples, filters.is_some()),
             offset: Blocks::default(),
             converter,
             impairments,
@@ -362,48 +346,6 @@ fn time_shift(sweep: &Sweep) -> Sweep {
         let slope: Complex64 = SLOPE[k].iter().zip(sweep).map(|(w, z)| z * w).sum();
         slope / (-2.0 * PI * SWEEP_RATE)
     })
-}
-
-const LANES: usize = 8;
-
-impl Samples {
-    /// The beat of received times conjugate sent sweep at the samples, path by path, every path a phasor that turns:
-    /// `gain exp(j pi S tau^2 - 2 pi j S tau t)`; with the phase tau phi' of the oscillator where there is one.
-    fn fill(&mut self, tones: impl Iterator<Item = (Complex64, f64)>, radar: &Radar) {
-        let Samples { re, im, moment_re, moment_im, frequency } = self;
-        [&mut *re, im, moment_re, moment_im].into_iter().for_each(|sums| sums.fill(0.0));
-        let first = if radar.dechirp == Dechirp::Digital { 1.0 } else { 0.0 };
-        for (gain, delay_s) in tones {
-            // turns of a sample
-            let step = radar.bandwidth_hz * delay_s / f64::from(radar.samples);
-            let start = gain * phasor(PI * radar.sweep_rate() * delay_s * delay_s);
-            let lanes: [_; LANES] =
-                std::array::from_fn(|k| start * phasor(-2.0 * PI * step * (k as f64 + first)));
-            let turn = phasor(-2.0 * PI * step * LANES as f64);
-            turning(lanes, turn, re, im);
-            if !frequency.is_empty() {
-                turning(lanes.map(|z| z * delay_s), turn, moment_re, moment_im);
-            }
-        }
-        for ((((re, im), moment_re), moment_im), frequency) in
-            re.iter_mut().zip(im).zip(moment_re).zip(moment_im).zip(frequency)
-        {
-            *re -= *frequency * *moment_im;
-            *im += *frequency * *moment_re;
-        }
-    }
-}
-
-/// Adds a phasor that goes on by `turn` every [`LANES`] samples.
-fn turning(lanes: [Complex64; LANES], turn: Complex64, re: &mut [f64], im: &mut [f64]) {
-    let (mut a, mut b) = (lanes.map(|z| z.re), lanes.map(|z| z.im));
-    for (re, im) in re.chunks_mut(LANES).zip(im.chunks_mut(LANES)) {
-        re.iter_mut().zip(&a).for_each(|(sum, a)| *sum += a);
-        im.iter_mut().zip(&b).for_each(|(sum, b)| *sum += b);
-        for (a, b) in a.iter_mut().zip(&mut b) {
-            (*a, *b) = (*a * turn.re - *b * turn.im, *a * turn.im + *b * turn.re);
-        }
-    }
 }
 
 #[cfg(test)]

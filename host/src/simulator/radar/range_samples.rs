@@ -5,14 +5,15 @@
 //! the covariance that [`Filters`] gives them.
 //!
 //! A range gate: its cells are taken as echoes at their middles, of phase noise tau phi' each. Cell r' appears in cell r times the
-//! transform of phi' under the gate's window at (r - r') cells: normal numbers, the even and the odd part of the window independent. The
-//! limiter takes the sum of the cells' powers: a sum of tones is compressed by twice the power of the others. Left out: phase noise of
-//! what lies outside the gate, the leakage too, and products of three tones.
+//! transform of phi' under the gate's window at (r - r') cells: normal numbers, the even and the odd part of the window independent.
+//! Real samples have each echo at its negative frequency as well, with phase noise of its own at (r + r') cells and twice the first
+//! bin; it is taken as independent. The limiter takes the sum of the cells' powers: a sum of tones is compressed by twice the power of
+//! the others. Left out: phase noise of what lies outside the gate, the leakage too, and products of three tones.
 
 use super::impairments::{Impairments, Limiter};
 use super::oscillator::{Filters, Oscillator};
 use crate::numerics::differentiation;
-use crate::scenario::{Radar, SPEED_OF_LIGHT, Scenario};
+use crate::scenario::{Format, Radar, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::channel::response::Response;
 use crate::simulator::channel::{BLOCKS, Blocks, Complex64};
 use std::f64::consts::PI;
@@ -29,8 +30,9 @@ type Matrix = [[f64; BLOCKS]; BLOCKS];
 enum Form {
     /// The polynomial's slope over -2 pi S, in s, `[block][block]`; the factor of the means' covariance.
     Blocks { slope: Matrix, means: Matrix },
-    /// Delay of each cell in s; factors of the covariances of the transform's real and imaginary part, `[cells apart][drawn]`.
-    Gate { delay_s: [f64; BLOCKS], even: Matrix, odd: Matrix },
+    /// Delay of each cell in s; factors of the covariances of the transform's real and imaginary part, `[cells apart][drawn]`; with
+    /// real samples the standard deviations of both at the mirrored frequencies, `[r + r'][part]`.
+    Gate { delay_s: [f64; BLOCKS], even: Matrix, odd: Matrix, mirrored: Vec<[f64; 2]> },
 }
 
 /// What depends on sweep and oscillator alone.
@@ -150,12 +152,24 @@ impl Shape {
             None => vec![0.0; samples],
         };
         let form = if radar.bins_per_sample > 0 {
-            let odd: Vec<_> = (0..kept).map(|apart| gate_window(&radar, apart, libm::sin)).collect();
-            let even: Vec<_> = (0..kept).map(|apart| gate_window(&radar, apart, libm::cos)).collect();
+            let windows = |wave: fn(f64) -> f64| -> Vec<_> {
+                let bins = |apart: usize| f64::from(radar.bins_per_sample) * apart as f64;
+                (0..kept).map(|apart| gate_window(&radar, bins(apart), wave)).collect()
+            };
+            // a cell's middle and that of another cell's negative frequency, in bins
+            let between = |sum: usize| {
+                let (first, bins) = (f64::from(radar.first_bin), f64::from(radar.bins_per_sample));
+                2.0 * first + bins * sum as f64 + bins - 1.0
+            };
+            let deviation = |sum: usize, wave: fn(f64) -> f64| {
+                factor(&[gate_window(&radar, between(sum), wave)], &lags)[0][0]
+            };
+            let sums = if radar.format == Format::Real { 2 * kept - 1 } else { 0 };
             Form::Gate {
                 delay_s: std::array::from_fn(|range| cell_delay(&radar, range)),
-                even: factor(&even, &lags),
-                odd: factor(&odd, &lags),
+                even: factor(&windows(libm::cos), &lags),
+                odd: factor(&windows(libm::sin), &lags),
+                mirrored: (0..sums).map(|sum| [libm::cos, libm::sin].map(|f| deviation(sum, f))).collect(),
             }
         } else {
             let block = samples / kept;
@@ -186,7 +200,7 @@ impl Shape {
                     *found += shift * mean;
                 }
             }
-            Form::Gate { delay_s, even, odd } => {
+            Form::Gate { delay_s, even, odd, mirrored } => {
                 let even = drawn(even, self.kept, &mut gaussian);
                 let odd = drawn(odd, self.kept, &mut gaussian);
                 for (to, found) in found.iter_mut().enumerate().take(self.kept) {
@@ -197,13 +211,26 @@ impl Shape {
                         *found += Complex64::i() * transform * echoes[from] * delay_s[from];
                     }
                 }
+                let mut transforms = [Complex64::default(); 2 * BLOCKS];
+                for (transform, [even, odd]) in transforms.iter_mut().zip(mirrored) {
+                    *transform = Complex64::new(even * gaussian(), odd * gaussian());
+                }
+                if mirrored.is_empty() {
+                    return;
+                }
+                for (to, found) in found.iter_mut().enumerate().take(self.kept) {
+                    for from in 0..self.kept {
+                        let echo = echoes[from].conj() * delay_s[from];
+                        *found -= Complex64::i() * transforms[to + from] * echo;
+                    }
+                }
             }
         }
     }
 }
 
-/// Window of a gate's cell over the sweep, of sum 1, times a wave of as many turns as there are bins between cells `apart`.
-fn gate_window(radar: &Radar, apart: usize, wave: fn(f64) -> f64) -> Vec<f64> {
+/// Window of a gate's cell over the sweep, of sum 1, times a wave of some turns.
+fn gate_window(radar: &Radar, turns: f64, wave: fn(f64) -> f64) -> Vec<f64> {
     let (samples, bins) = (usize::from(radar.samples), f64::from(radar.bins_per_sample));
     let time = |n: usize| (2.0 * n as f64 + 1.0) / (2.0 * samples as f64) - 0.5;
     let flat = |u: f64| {
@@ -213,7 +240,7 @@ fn gate_window(radar: &Radar, apart: usize, wave: fn(f64) -> f64) -> Vec<f64> {
         sum * 0.5 * (1.0 + libm::cos(2.0 * PI * u))
     };
     let total: f64 = (0..samples).map(|n| flat(time(n))).sum();
-    let at = |n: usize| flat(time(n)) / total * wave(2.0 * PI * bins * apart as f64 * time(n));
+    let at = |n: usize| flat(time(n)) / total * wave(2.0 * PI * turns * time(n));
     (0..samples).map(at).collect()
 }
 
