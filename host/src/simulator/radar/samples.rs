@@ -45,9 +45,10 @@ impl Samples {
             let lanes: [_; LANES] =
                 std::array::from_fn(|k| start * phasor(-2.0 * PI * step * (k as f64 + first)));
             let turn = phasor(-2.0 * PI * step * LANES as f64);
-            turning(lanes, turn, re, im);
-            if !frequency.is_empty() {
-                turning(lanes.map(|z| z * delay_s), turn, moment_re, moment_im);
+            if frequency.is_empty() {
+                turning(lanes, turn, [re, im]);
+            } else {
+                turning_with_moment(lanes, turn, delay_s, [re, im, moment_re, moment_im]);
             }
         }
         for ((((re, im), moment_re), moment_im), frequency) in
@@ -60,11 +61,32 @@ impl Samples {
 }
 
 /// Adds a phasor that goes on by `turn` every [`LANES`] samples.
-fn turning(lanes: [Complex64; LANES], turn: Complex64, re: &mut [f64], im: &mut [f64]) {
+fn turning(lanes: [Complex64; LANES], turn: Complex64, [re, im]: [&mut Vec<f64>; 2]) {
     let (mut a, mut b) = (lanes.map(|z| z.re), lanes.map(|z| z.im));
     for (re, im) in re.chunks_mut(LANES).zip(im.chunks_mut(LANES)) {
         re.iter_mut().zip(&a).for_each(|(sum, a)| *sum += a);
         im.iter_mut().zip(&b).for_each(|(sum, b)| *sum += b);
+        for (a, b) in a.iter_mut().zip(&mut b) {
+            (*a, *b) = (*a * turn.re - *b * turn.im, *a * turn.im + *b * turn.re);
+        }
+    }
+}
+
+/// The same, and the phasor times a delay to two further sums.
+fn turning_with_moment(
+    lanes: [Complex64; LANES],
+    turn: Complex64,
+    delay_s: f64,
+    [re, im, moment_re, moment_im]: [&mut Vec<f64>; 4],
+) {
+    let (mut a, mut b) = (lanes.map(|z| z.re), lanes.map(|z| z.im));
+    let sums = re.chunks_mut(LANES).zip(im.chunks_mut(LANES));
+    let moments = moment_re.chunks_mut(LANES).zip(moment_im.chunks_mut(LANES));
+    for ((re, im), (moment_re, moment_im)) in sums.zip(moments) {
+        re.iter_mut().zip(&a).for_each(|(sum, a)| *sum += a);
+        im.iter_mut().zip(&b).for_each(|(sum, b)| *sum += b);
+        moment_re.iter_mut().zip(&a).for_each(|(sum, a)| *sum += delay_s * a);
+        moment_im.iter_mut().zip(&b).for_each(|(sum, b)| *sum += delay_s * b);
         for (a, b) in a.iter_mut().zip(&mut b) {
             (*a, *b) = (*a * turn.re - *b * turn.im, *a * turn.im + *b * turn.re);
         }
