@@ -24,7 +24,7 @@ use crate::numerics::random::Random;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
-use range_samples::FrontEnd;
+use range_samples::RangeFrontEnd;
 use samples::Samples;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
@@ -152,7 +152,7 @@ pub struct Receiver<'a> {
     impairments: Impairments,
     oscillator: Option<Oscillator>,
     /// The front end on range samples; none where it adds nothing.
-    front_end: Option<FrontEnd>,
+    front_end: Option<RangeFrontEnd>,
     /// The offset in range samples: of the paper's radar in LSB, of others in LSB of range samples.
     offset: Blocks,
     random: Random,
@@ -175,7 +175,7 @@ impl<'a> Receiver<'a> {
         let filters = effects.spectrum.map(|spectrum| Filters::new(&spectrum, radar.sample_rate_hz));
         let mut receiver = Receiver {
             oscillator: filters.map(|filters| Oscillator::new(filters, streams(Draws::Oscillator))),
-            front_end: FrontEnd::of(scenario, &response, &impairments, filters),
+            front_end: RangeFrontEnd::of(scenario, &response, &impairments, filters),
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
             beat: Samples::new(samples, filters.is_some()),
@@ -215,7 +215,7 @@ impl<'a> Receiver<'a> {
     /// Whether range samples have to be made from raw slots: [`Receiver::beat`] knows the front end's effects only of a range gate
     /// and of blocks in which the beat hardly turns.
     pub fn needs_samples(&self) -> bool {
-        self.front_end.as_ref().is_some_and(FrontEnd::needs_samples)
+        self.front_end.as_ref().is_some_and(RangeFrontEnd::needs_samples)
     }
 
     /// What the core makes of a slot with these range samples: its integers, the noise and that of the converter's rounding.

@@ -49,7 +49,7 @@ static SHAPES: Mutex<Vec<Arc<Shape>>> = Mutex::new(Vec::new());
 const KEPT: usize = 4;
 
 /// A front end's effects on range samples.
-pub struct FrontEnd {
+pub struct RangeFrontEnd {
     /// None: the samples are needed.
     shape: Option<Arc<Shape>>,
     leakage: Blocks,
@@ -59,7 +59,7 @@ pub struct FrontEnd {
     unit: [f64; BLOCKS],
 }
 
-impl FrontEnd {
+impl RangeFrontEnd {
     /// Of a radar; `None` without leakage, compression and phase noise.
     pub fn of(
         scenario: &Scenario,
@@ -86,7 +86,7 @@ impl FrontEnd {
             response.add(&mut blocks, Complex64::new(1.0, 0.0), delay_s);
             blocks[range].norm_sqr().sqrt()
         };
-        Some(FrontEnd {
+        Some(RangeFrontEnd {
             // leakage alone is a path like any other
             shape: (known || limiter.is_none() && filters.is_none()).then(|| shape(radar, filters)),
             leakage: leaked,
