@@ -93,7 +93,8 @@ pub fn domain(usual: &Scenario, domain: usize) -> Scenario {
             s.channel.model = Model::Dahc;
             (s.channel.clusters, s.channel.mode) = (Clusters::Ieee80211ay, ArMode::Consistent);
             s.channel.blockage = true;
-            (s.radar.phase_noise_deg, s.radar.iq_gain_db, s.radar.iq_phase_deg) = (1.0, 0.5, 2.0);
+            s.radar.phase_noise_deg = 1.0;
+            (s.radar.iq_gain_db, s.radar.iq_phase_deg) = (Some(0.5), Some(2.0));
             s.target.speed_jitter = (2.0 * s.target.speed_jitter).min(0.5);
         }
     }

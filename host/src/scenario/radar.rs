@@ -3,6 +3,7 @@
 //! Sweep and converter are free: [`Radar::config`] is what the radar module and every model file know of them.
 
 use super::Scenario;
+use super::front_end::FrontEnd;
 use super::rules::Rules;
 use schemars::JsonSchema;
 use sdp3_core::config::{self, RadarConfig, RangeGate, SampleFormat};
@@ -90,12 +91,34 @@ pub struct Radar {
     pub noise_figure_db: f64,
     /// Head room between the strongest expected echo and the converter's full scale in dB.
     pub headroom_db: f64,
-    /// Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees.
+    /// Values of the analogue front end that are not stated: none, or a real module's.
+    pub front_end: FrontEnd,
+    /// Oscillator's phase noise at 1 MHz in dBc/Hz, at this carrier; -200: none; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_noise_dbc_hz: Option<f64>,
+    /// Bandwidth in Hz of the oscillator's loop, within which its phase noise is flat; absent: the module's for the carrier.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_noise_loop_hz: Option<f64>,
+    /// Floor of the phase noise in dBc/Hz; absent: the module's for the carrier.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_noise_floor_dbc_hz: Option<f64>,
+    /// Standard deviation of a further phase from slot to slot, white and the same for every delay, in degrees.
     pub phase_noise_deg: f64,
-    /// Gain mismatch of Q against I in dB.
-    pub iq_gain_db: f64,
-    /// Deviation of I and Q from quadrature in degrees.
-    pub iq_phase_deg: f64,
+    /// Transmit power over its leakage into the receiver in dB, a high-pass filter there counted; 200: none; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub isolation_db: Option<f64>,
+    /// Input power in dBm that compresses the receiver by 1 dB; 100: never; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compression_dbm: Option<f64>,
+    /// Gain mismatch of Q against I in dB; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iq_gain_db: Option<f64>,
+    /// Deviation of I and Q from quadrature in degrees; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iq_phase_deg: Option<f64>,
+    /// Magnitude of mixer's and converter's constant offset in parts of full scale; absent: by `front_end`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dc_offset: Option<f64>,
 }
 
 impl Default for Radar {
@@ -122,9 +145,16 @@ impl Default for Radar {
             sidelobe_db: 30.0,
             noise_figure_db: 10.0,
             headroom_db: 12.0,
+            front_end: FrontEnd::Typical,
+            phase_noise_dbc_hz: None,
+            phase_noise_loop_hz: None,
+            phase_noise_floor_dbc_hz: None,
             phase_noise_deg: 0.0,
-            iq_gain_db: 0.0,
-            iq_phase_deg: 0.0,
+            isolation_db: None,
+            compression_dbm: None,
+            iq_gain_db: None,
+            iq_phase_deg: None,
+            dc_offset: None,
         }
     }
 }
@@ -218,15 +248,7 @@ impl Scenario {
         }
         c.within("radar.noise_figure_db", r.noise_figure_db, 0.0, 40.0);
         c.within("radar.headroom_db", r.headroom_db, 0.0, 60.0);
-        c.within("radar.phase_noise_deg", r.phase_noise_deg, 0.0, 90.0);
-        c.within("radar.iq_gain_db", r.iq_gain_db, -6.0, 6.0);
-        c.within("radar.iq_phase_deg", r.iq_phase_deg, -30.0, 30.0);
-        if r.format == Format::Real {
-            for (field, value) in [("radar.iq_gain_db", r.iq_gain_db), ("radar.iq_phase_deg", r.iq_phase_deg)]
-            {
-                c.legal(field, value, value == 0.0, "0 (fixed): real samples have no quadrature");
-            }
-        }
+        r.check_front_end(c);
     }
 
     /// What depends on where the sweep is dechirped and on the gate.

@@ -11,7 +11,7 @@ use super::body::{Vec3, norm, sub};
 use super::channel::antenna::far_field_m;
 use super::channel::target::Target;
 use super::channel::{Blocks, ChannelModel, Path, Scene, Sensor, antenna, model, wavelength};
-use super::radar::Receiver;
+use super::radar::{Draws, Receiver};
 use crate::error::Invalid;
 use crate::formats::slots::Slots;
 use crate::numerics::random::Random;
@@ -178,7 +178,15 @@ pub fn recording(
 }
 
 fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Receiver<'_> {
-    Receiver::new(scenario, stream(seed, set, 3, class, index), stream(seed, set, 2, class, index))
+    Receiver::new(scenario, |draws| {
+        let part = match draws {
+            Draws::Noise => 2,
+            Draws::Phases => 3,
+            Draws::Module => 4,
+            Draws::Oscillator => 5,
+        };
+        stream(seed, set, part, class, index)
+    })
 }
 
 /// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
@@ -194,6 +202,12 @@ pub fn beats(
 ) -> (Vec<Beat>, GroundTruth) {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
     let mut receiver = receiver(scenario, seed, set, class, index);
+    if receiver.needs_samples() {
+        let config = scenario.radar.config();
+        let mut raw = Slots::with_capacity(config.values_per_slot(), slots as usize);
+        (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
+        return (raw.beats(config).unwrap_or_default(), simulation.truth().clone());
+    }
     let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
     (beats, simulation.truth().clone())
 }
@@ -292,13 +306,20 @@ pub fn near_field(scenario: &Scenario) -> Option<[f64; 2]> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::scenario::builtin::named;
-    use crate::scenario::{Clusters, Model};
+    use crate::scenario::{Clusters, FrontEnd, Model};
 
     fn shipped(name: &str) -> Scenario {
         named(name.as_ref()).unwrap().scenario()
+    }
+
+    /// The same with a real module's front end.
+    fn typical(name: &str) -> Scenario {
+        let mut scenario = shipped(name);
+        scenario.radar.front_end = FrontEnd::Typical;
+        scenario
     }
 
     #[test]
@@ -308,7 +329,8 @@ mod tests {
             scenario.channel.model = model;
             scenario
         });
-        for scenario in models.into_iter().chain([shipped("bgt60"), shipped("iwr")]) {
+        let real = ["conference-room", "bgt60", "iwr"].map(typical);
+        for scenario in models.into_iter().chain([shipped("bgt60"), shipped("iwr")]).chain(real) {
             let take =
                 |index, slots| recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, index, slots);
             let (long, short) = (take(3, 40), take(3, 25));
@@ -347,7 +369,8 @@ mod tests {
                 (s.channel.interferer, s.channel.clusters) = (true, Clusters::Ieee80211ay);
             }
             if k % 3 == 2 {
-                (s.radar.phase_noise_deg, s.radar.iq_gain_db, s.radar.iq_phase_deg) = (3.0, 1.0, 2.0);
+                s.radar.phase_noise_deg = 3.0;
+                (s.radar.iq_gain_db, s.radar.iq_phase_deg) = (Some(1.0), Some(2.0));
             }
             let class = Class::ALL[k % 5];
             let raw = recording(&s, 0.997, 9, Set::Test, class, 2, 20).slots;
@@ -362,6 +385,22 @@ mod tests {
         }
     }
 
+    /// Power of the difference between range samples made of raw slots and those made without, over their own, in dB.
+    pub(crate) fn disagreement(scenario: &Scenario) -> f64 {
+        let raw = recording(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+        let (fast, truth) = beats(scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
+        assert_eq!(raw.truth, truth);
+        let (mut error, mut power) = (0.0, 0.0);
+        for (raw, fast) in raw.slots.beats(scenario.radar.config()).unwrap().iter().zip(&fast) {
+            for (a, b) in raw.iter().zip(fast) {
+                let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
+                error += re * re + im * im;
+                power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
+            }
+        }
+        10.0 * libm::log10(error / power)
+    }
+
     #[test]
     fn raw_slots_and_beats_agree_to_sixty_decibels() {
         // without a converter's noise: its full scale is brought down to the signal
@@ -369,7 +408,7 @@ mod tests {
             let mut scenario = Scenario::default();
             scenario.channel.model = model;
             scenario.radar.carrier_hz = carrier_hz;
-            (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (1.0, 2.0);
+            (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (Some(1.0), Some(2.0));
             scenario
         };
         let fine = |name: &str| {
@@ -383,8 +422,8 @@ mod tests {
         (blocks.radar.bins_per_sample, blocks.radar.first_bin) = (0, 0);
         let mut chirp = at(Model::Dahc, 5.8e9);
         (chirp.radar.bandwidth_hz, chirp.radar.sample_rate_hz) = (40e6, 40e6);
-        (chirp.radar.sweep_s, chirp.radar.samples, chirp.radar.iq_gain_db, chirp.radar.iq_phase_deg) =
-            (40e-6, 1600, 0.0, 0.0);
+        (chirp.radar.sweep_s, chirp.radar.samples) = (40e-6, 1600);
+        (chirp.radar.iq_gain_db, chirp.radar.iq_phase_deg) = (None, None);
         for mut scenario in [
             at(Model::Dahc, 3.5e9),
             at(Model::Dahc, 60e9),
@@ -398,18 +437,7 @@ mod tests {
             scenario.check("test").unwrap();
             scenario.radar.noise_figure_db = 0.0;
             scenario.radar.phase_noise_deg = 3.0;
-            let raw = recording(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
-            let (fast, truth) = beats(&scenario, 0.997, 5, Set::Train, Class::AdultWalking, 0, 60);
-            assert_eq!(raw.truth, truth);
-            let (mut error, mut power) = (0.0, 0.0);
-            for (raw, fast) in raw.slots.beats(scenario.radar.config()).unwrap().iter().zip(&fast) {
-                for (a, b) in raw.iter().zip(fast) {
-                    let (re, im) = (f64::from(a.re - b.re), f64::from(a.im - b.im));
-                    error += re * re + im * im;
-                    power += f64::from(a.re) * f64::from(a.re) + f64::from(a.im) * f64::from(a.im);
-                }
-            }
-            let db = 10.0 * libm::log10(error / power);
+            let db = disagreement(&scenario);
             let (name, carrier_hz) = (&scenario.name, scenario.radar.carrier_hz);
             assert!(db < -60.0, "{name} at {carrier_hz:e}: {db} dB");
         }
@@ -417,7 +445,8 @@ mod tests {
 
     #[test]
     fn the_converter_is_well_driven() {
-        for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr")] {
+        let real = ["conference-room", "bgt60", "iwr"].map(typical);
+        for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr")].into_iter().chain(real) {
             let full = (1_u16 << (scenario.radar.converter_bits - 1)) - 1;
             let mut loudest = 0;
             let mut clipped = 0;

@@ -1,0 +1,354 @@
+//! From the channel to raw slots: sweep, thermal noise, impairments, converter.
+//!
+//! r_j = h_j * s + n_j (eq. (rt)), as values of the converter. Digital dechirp: the received chirp at t = n / f_s, n = 1 to L. Analog
+//! dechirp: the beat at t = n / f_s, n = 0..L, of the sent sweep with the conjugate of the received, so that the range grows with
+//! the frequency; real samples are its real part. Delays are exact, never a shift by whole samples, and constant during a sweep
+//! ([`super::channel::response`]). Noise has the bandwidth of the sampling rate.
+//!
+//! A wave meets, in this order: leakage that is added, the amplifier's compression, the oscillator's phase noise, unequal I and Q,
+//! an offset, thermal noise (referred to the input by its level), the converter. Each is a field of [`Radar`]; docs/theory.md has the
+//! equations. Compression follows phase noise here: it takes magnitudes, which a phase leaves alone.
+
+mod impairments;
+mod oscillator;
+mod range_samples;
+mod samples;
+
+use super::channel::response::{Response, Table};
+use super::channel::room::expected_power;
+use super::channel::{
+    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, SWEEP_S, Sweep, accumulate, node_time, phasor, tone,
+};
+use crate::numerics::differentiation;
+use crate::numerics::random::Random;
+use crate::scenario::{Dechirp, Format, Radar, Scenario};
+use impairments::{Impairments, Limiter};
+use oscillator::{Filters, Oscillator};
+use range_samples::RangeFrontEnd;
+use samples::Samples;
+use sdp3_core::config::RadarConfig;
+use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Boltzmann's constant times 290 K in W/Hz.
+pub const KT: f64 = 1.380_649e-23 * 290.0;
+
+/// Samples, sampling rate in Hz and block of the paper's radar.
+const SAMPLES: usize = RadarConfig::PAPER.samples as usize;
+const SAMPLE_RATE: f64 = 10e6;
+const BLOCK_SAMPLES: usize = SAMPLES / BEATS;
+
+/// Delay of the leakage: 0.3 m of lines and of space between antennas, in s.
+const LEAKAGE_DELAY_S: f64 = 1e-9;
+
+/// The paper's chirp of amplitude 1, `[fast_time]`.
+static CHIRP: LazyLock<Vec<Complex64>> = LazyLock::new(|| chirp(SAMPLES));
+
+/// A chirp of a bandwidth equal to its sampling rate, at t = n / f_s, n = 1 to L.
+fn chirp(samples: usize) -> Vec<Complex64> {
+    let l = samples as u64;
+    (1..=l).map(|n| phasor(PI * ((n * n) % (2 * l)) as f64 / l as f64)).collect()
+}
+
+/// Values of the Lagrange polynomials of the nodes at the samples, `[fast_time][node]`.
+static INTERPOLATION: LazyLock<Vec<[f64; NODES]>> = LazyLock::new(|| {
+    let node = |k: usize| (PI * (k as f64 + 0.5) / NODES as f64, k);
+    (1..=SAMPLES)
+        .map(|n| {
+            let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
+            let x = libm::acos(x.clamp(-1.0, 1.0));
+            // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
+            std::array::from_fn(|k| {
+                let (angle, _) = node(k);
+                let sum: f64 =
+                    (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * angle)).sum();
+                (1.0 + 2.0 * sum) / NODES as f64
+            })
+        })
+        .collect()
+});
+
+/// Derivative of a sweep's beat at the nodes in 1/s, `[node][node]`.
+static SLOPE: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
+    let times: Vec<f64> = (0..NODES).map(node_time).collect();
+    differentiation::matrix(&times)
+});
+
+/// Analog to digital conversion: LSB per sqrt W and noise in LSB.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Converter {
+    /// Amplitude of one LSB in sqrt W.
+    pub lsb: f64,
+    /// Standard deviation of the thermal noise of each value in LSB.
+    pub noise_lsb: f64,
+    /// Largest value in LSB; the smallest is one below its negative.
+    largest: f64,
+    /// Places by which values are shifted up in their 16 bits.
+    shift: u32,
+}
+
+impl Converter {
+    /// Full scale is `headroom_db` above the loudest that is expected, with the leakage.
+    ///
+    /// Noise of power k T f_s F is that of both sidebands; I and Q, or the only real value, have half of it each.
+    pub fn of(scenario: &Scenario) -> Self {
+        let radar = &scenario.radar;
+        let front = radar.power_w.sqrt() * libm::pow(10.0, radar.antenna_gain_db / 10.0);
+        let mut received = front * expected_power(scenario).sqrt();
+        let leakage = impairments::leakage(radar, &radar.effects());
+        if leakage > 0.0 {
+            received = (received * received + leakage * leakage).sqrt();
+        }
+        let full_scale = received * libm::pow(10.0, radar.headroom_db / 20.0);
+        let bits = u32::from(radar.converter_bits);
+        let largest = f64::from((1_u32 << (bits - 1)) - 1);
+        let lsb = full_scale / largest;
+        let figure = libm::pow(10.0, scenario.radar.noise_figure_db / 10.0);
+        let noise = (KT * radar.sample_rate_hz * figure / 2.0).sqrt();
+        let shift = if radar.left_justified { 16 - bits } else { 0 };
+        Converter { lsb, noise_lsb: noise / lsb, largest, shift }
+    }
+
+    /// Nearest integer (halves to even), saturated to the converter's range and justified.
+    fn convert(&self, x: f64) -> i16 {
+        const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+        ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC - MAGIC) as i16) << self.shift
+    }
+}
+
+/// Mean over each block of conj(s)^2: what dechirping leaves of a mirrored signal.
+static IMAGE: LazyLock<Blocks> = LazyLock::new(|| {
+    let block = |b: usize| CHIRP[b * BLOCK_SAMPLES..(b + 1) * BLOCK_SAMPLES].iter();
+    std::array::from_fn::<_, BLOCKS, _>(|b| {
+        block(b).map(|s| (s * s).conj()).sum::<Complex64>() / BLOCK_SAMPLES as f64
+    })
+});
+
+/// Nearest integer, halves to even.
+fn round(x: f64) -> i32 {
+    const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+    (x + MAGIC - MAGIC) as i32
+}
+
+/// What a receiver draws random numbers for, each from a stream of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Draws {
+    /// Thermal noise.
+    Noise,
+    /// The white phase from slot to slot.
+    Phases,
+    /// What a recording has throughout: the phases of leakage and offset.
+    Module,
+    /// The oscillator's phase noise.
+    Oscillator,
+}
+
+/// The radar's receiver: front end and converter, slot after slot.
+pub struct Receiver<'a> {
+    radar: &'a Radar,
+    converter: Converter,
+    response: Response,
+    impairments: Impairments,
+    oscillator: Option<Oscillator>,
+    /// The front end on range samples; none where it adds nothing.
+    front_end: Option<RangeFrontEnd>,
+    /// The offset in range samples: of the paper's radar in LSB, of others in LSB of range samples.
+    offset: Blocks,
+    random: Random,
+    /// Of a radar with digital dechirp that is not the paper's.
+    chirp: Vec<Complex64>,
+    beat: Samples,
+}
+
+impl<'a> Receiver<'a> {
+    /// Of a scenario's radar; `streams` has its random numbers.
+    pub fn new(scenario: &'a Scenario, streams: impl Fn(Draws) -> Random) -> Self {
+        let radar = &scenario.radar;
+        let samples = usize::from(radar.samples);
+        let response = Response::of(radar);
+        let own = matches!((&response, radar.dechirp), (Response::Table(_), Dechirp::Digital));
+        let effects = radar.effects();
+        let converter = Converter::of(scenario);
+        let impairments =
+            Impairments::new(radar, &effects, &converter, streams(Draws::Phases), streams(Draws::Module));
+        let filters = effects.spectrum.map(|spectrum| Filters::new(&spectrum, radar.sample_rate_hz));
+        let mut receiver = Receiver {
+            oscillator: filters.map(|filters| Oscillator::new(filters, streams(Draws::Oscillator))),
+            front_end: RangeFrontEnd::of(scenario, &response, &impairments, filters),
+            random: streams(Draws::Noise),
+            chirp: if own { chirp(samples) } else { Vec::new() },
+            beat: Samples::new(samples, filters.is_some()),
+            offset: Blocks::default(),
+            converter,
+            impairments,
+            response,
+            radar,
+        };
+        receiver.offset = receiver.offset_of_range_samples();
+        receiver
+    }
+
+    /// What the offset leaves in range samples.
+    fn offset_of_range_samples(&self) -> Blocks {
+        let offset = self.impairments.offset;
+        let mut blocks = Blocks::default();
+        if offset == Complex64::default() {
+            return blocks;
+        }
+        match (&self.response, self.radar.dechirp) {
+            (Response::Paper, _) => {
+                let parts = CHIRP.chunks(BLOCK_SAMPLES);
+                blocks.iter_mut().zip(parts).for_each(|(sum, part)| *sum = offset * conjugate_mean(part));
+            }
+            // a range sample is conjugated; the offset is a beat of frequency 0
+            (_, Dechirp::Analog) => self.response.add(&mut blocks, offset.conj(), 0.0),
+            (_, Dechirp::Digital) => {
+                self.response.add(&mut blocks, offset, 0.0);
+                let parts = self.chirp.chunks(self.chirp.len() / usize::from(self.radar.range_samples));
+                blocks.iter_mut().zip(parts).for_each(|(sum, part)| *sum *= conjugate_mean(part));
+            }
+        }
+        blocks
+    }
+
+    /// Whether range samples have to be made from raw slots: [`Receiver::beat`] knows the front end's effects only of a range gate
+    /// and of blocks in which the beat hardly turns.
+    pub fn needs_samples(&self) -> bool {
+        self.front_end.as_ref().is_some_and(RangeFrontEnd::needs_samples)
+    }
+
+    /// What the core makes of a slot with these range samples: its integers, the noise and that of the converter's rounding.
+    ///
+    /// Left out with a sensor that dechirps: saturation, and the mirrored frequencies that unequal I and Q or a wandering phase of
+    /// real samples leave in the gate, -70 dB of the loudest echo from the sixth bin on.
+    pub fn beat(&mut self, blocks: &Blocks) -> Beat {
+        let turn = self.impairments.turn();
+        let blocks = match &self.front_end {
+            None => *blocks,
+            Some(front_end) => front_end.apply(blocks, self.oscillator.as_mut()),
+        };
+        match &self.response {
+            Response::Paper => self.block_means(&blocks, turn),
+            Response::Table(table) => {
+                let front = match self.radar.dechirp {
+                    Dechirp::Digital => turn * self.impairments.direct,
+                    Dechirp::Analog => (turn * self.impairments.direct).conj(),
+                };
+                Self::range_samples(&self.converter, table, [&blocks, &self.offset], front, &mut self.random)
+            }
+        }
+    }
+
+    fn block_means(&mut self, blocks: &Blocks, turn: Complex64) -> Beat {
+        let Converter { lsb, noise_lsb, .. } = self.converter;
+        let scale = BLOCK_SAMPLES as f64 * 32767.0 / f64::from(1_u32 << RadarConfig::PAPER.shift());
+        let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
+        let mut beat = ZERO_BEAT;
+        for (((out, z), image), offset) in beat.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset) {
+            let z = z * turn / lsb;
+            let z = self.impairments.direct * z + self.impairments.image * (z.conj() * image) + offset;
+            out.re = round((z.re + noise * self.random.gaussian()) * scale);
+            out.im = round((z.im + noise * self.random.gaussian()) * scale);
+        }
+        beat
+    }
+
+    fn range_samples(
+        converter: &Converter,
+        table: &Table,
+        [blocks, offset]: [&Blocks; 2],
+        front: Complex64,
+        random: &mut Random,
+    ) -> Beat {
+        let noise = (converter.noise_lsb * converter.noise_lsb + 1.0 / 12.0).sqrt();
+        let drawn = table.noise(|| random.gaussian());
+        let mut beat = ZERO_BEAT;
+        for (((out, z), offset), drawn) in beat.iter_mut().zip(blocks).zip(offset).zip(drawn) {
+            let z = z * front / converter.lsb + offset + drawn * noise;
+            (out.re, out.im) = (round(z.re), round(z.im));
+        }
+        beat
+    }
+
+    /// Appends one raw slot: the values that the sensor delivers of these paths, amplitudes in sqrt W.
+    pub fn slot(&mut self, paths: &[Path], values: &mut Vec<i16>) {
+        let turn = self.impairments.turn();
+        if let Some(oscillator) = &mut self.oscillator {
+            oscillator.draw(&mut self.beat.frequency);
+        }
+        let Impairments { direct, image, offset, limiter, leakage, .. } = self.impairments;
+        let Receiver { radar, converter, random, .. } = self;
+        let noise_lsb = converter.noise_lsb;
+        // in LSB from here on
+        let limiter = limiter.map(|one| Limiter { steepness: one.steepness * converter.lsb * converter.lsb });
+        let compressed = |z: Complex64| limiter.map_or(z, |one| z * one.gain(z.norm_sqr()));
+        let mut complex = |z: Complex64| {
+            let z = direct * z + image * z.conj() + offset;
+            values.push(converter.convert(z.re + noise_lsb * random.gaussian()));
+            values.push(converter.convert(z.im + noise_lsb * random.gaussian()));
+        };
+        let tones = paths.iter().map(|path| (path.gain, path.delay_s));
+        let tones = tones.chain(leakage.map(|one| (one.gain, one.delay_s)));
+        if matches!(self.response, Response::Paper) {
+            let mut sweep = Sweep::default();
+            tones.for_each(|(gain, delay_s)| accumulate(&mut sweep, &tone(gain, delay_s)));
+            let scaled: Sweep = sweep.map(|z| z * turn / converter.lsb);
+            let at = |row: &[f64; NODES], nodes: &Sweep| {
+                let (mut re, mut im) = (0.0, 0.0);
+                for (w, z) in row.iter().zip(nodes) {
+                    re += w * z.re;
+                    im += w * z.im;
+                }
+                Complex64::new(re, im)
+            };
+            if self.beat.frequency.is_empty() {
+                for (row, chirp) in INTERPOLATION.iter().zip(CHIRP.iter()) {
+                    complex(compressed(at(row, &scaled)) * chirp);
+                }
+                return;
+            }
+            let shifted = time_shift(&scaled);
+            for ((row, chirp), frequency) in INTERPOLATION.iter().zip(CHIRP.iter()).zip(&self.beat.frequency)
+            {
+                let z = at(row, &scaled) + at(row, &shifted) * frequency;
+                complex(compressed(z) * chirp);
+            }
+            return;
+        }
+        self.beat.fill(tones, radar);
+        let Samples { re, im, .. } = &self.beat;
+        let beat = re.iter().zip(im.iter()).map(|(&re, &im)| Complex64::new(re, im));
+        match (radar.dechirp, radar.format) {
+            (Dechirp::Digital, _) => {
+                beat.zip(&self.chirp).for_each(|(z, s)| complex(compressed(z * turn / converter.lsb) * s));
+            }
+            (Dechirp::Analog, Format::Complex) => {
+                beat.for_each(|z| complex(compressed(z.conj() * turn / converter.lsb)));
+            }
+            (Dechirp::Analog, Format::Real) => beat.for_each(|z| {
+                let x = compressed(z.conj() * turn / converter.lsb).re + offset.re;
+                values.push(converter.convert(x + noise_lsb * random.gaussian()));
+            }),
+        }
+    }
+}
+
+/// Mean of conj(s): what digital dechirping leaves of a constant.
+fn conjugate_mean(chirp: &[Complex64]) -> Complex64 {
+    chirp.iter().map(|s| s.conj()).sum::<Complex64>() / chirp.len() as f64
+}
+
+/// What a phase phi' tau of every path adds to the beat at the nodes, per phi': j sum a tau exp(-2 pi j S tau t) is minus the
+/// derivative of the beat over 2 pi S.
+fn time_shift(sweep: &Sweep) -> Sweep {
+    std::array::from_fn(|k| {
+        let slope: Complex64 = SLOPE[k].iter().zip(sweep).map(|(w, z)| z * w).sum();
+        slope / (-2.0 * PI * SWEEP_RATE)
+    })
+}
+
+#[cfg(test)]
+mod agreement;
+#[cfg(test)]
+mod tests;
