@@ -162,6 +162,8 @@ mod tests {
     fn networks_answer_what_the_cores_pipeline_answers() {
         let mut scenario = Scenario::default();
         scenario.frame.sensing_slots = vec![200, 1000];
+        // as the models have it
+        scenario.spectrogram.first_kept = 2;
         let (rho, seed, part, per_class) = (0.997, 4, Part::Test, 2);
         let recordings = Recordings { scenario: &scenario, rho, seed, part, per_class };
         let files = [DSN_200.to_vec(), DSN_1000.to_vec()];

@@ -303,7 +303,8 @@ mod tests {
     fn outcome(rule: Rule) -> Result<Outcome, OptimizerError> {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
-        let scenario = Scenario::default();
+        // without a largest modulation, which both placements reach
+        let scenario = crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario();
         optimise(&curve, &[], &[], &scenario, rule, 1)
     }
 

@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn without_limits_a_slot_has_the_bits_it_always_had() {
-        let scenario = Scenario::default();
+        let scenario = crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario();
         let gains: Vec<f64> = (0..64).map(|m| 1e-5 / (1.0 + 0.1 * f64::from(m))).collect();
         let noise = KT * 10e6 / 64.0 * libm::pow(10.0, 1.0);
         let gamma: Vec<f64> = gains.iter().map(|g| g * 1.0 / noise).collect();

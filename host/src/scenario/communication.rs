@@ -195,8 +195,8 @@ mod tests {
     #[test]
     fn a_sentence_says_whether_people_are_in_the_channels() {
         let channels = |fields: &[&str]| set(fields).unwrap().communication.channels();
-        assert!(channels(&[]).contains("empty of people"));
-        assert!(!channels(&["communication.people=true"]).contains("empty"));
+        assert!(channels(&["communication.people=false"]).contains("empty of people"));
+        assert!(!channels(&[]).contains("empty"));
         assert!(channels(&["communication.slot_bit=[[1,2,3],[1,2,3]]"]).contains("stated"));
     }
 }

@@ -408,12 +408,14 @@ pub(crate) mod tests {
             let mut scenario = Scenario::default();
             scenario.channel.model = model;
             scenario.radar.carrier_hz = carrier_hz;
+            scenario.radar.front_end = FrontEnd::Ideal;
             (scenario.radar.iq_gain_db, scenario.radar.iq_phase_deg) = (Some(1.0), Some(2.0));
             scenario
         };
         let fine = |name: &str| {
             // the 12 bits of a small converter would round more than that away
             let mut scenario = shipped(name);
+            scenario.radar.front_end = FrontEnd::Ideal;
             scenario.radar.converter_bits = 16;
             scenario.radar.power_w *= 1e4;
             scenario

@@ -275,7 +275,8 @@ mod tests {
     }
 
     fn campaign(settings: &Settings, seed: u64) -> (Campaign, String) {
-        let mut scenario = Scenario::default();
+        // without a largest modulation, at which rates do not change
+        let mut scenario = crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario();
         scenario.communication.draws = 20;
         let environment = Environment::new(&scenario, settings, seed);
         let scheduler = scheduler(&scenario, settings, &environment).unwrap();

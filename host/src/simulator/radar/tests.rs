@@ -2,12 +2,14 @@
 
 use super::*;
 use crate::formats::slots::Slots;
-use crate::scenario::SPEED_OF_LIGHT;
 use crate::scenario::builtin::named;
+use crate::scenario::{FrontEnd, SPEED_OF_LIGHT};
 use crate::simulator::channel::{carrier_phase, wavelength};
 
 fn shipped(name: &str) -> Scenario {
-    named(name.as_ref()).unwrap().scenario()
+    let mut scenario = named(name.as_ref()).unwrap().scenario();
+    scenario.radar.front_end = FrontEnd::Ideal;
+    scenario
 }
 
 /// A receiver of this scenario with an LSB of 0.1 mW^0.5 and no noise.
@@ -50,11 +52,11 @@ fn interpolation_holds_delays_to_160_db() {
 #[test]
 fn a_slot_is_the_delayed_chirp_itself() {
     // two echoes far above the noise, summed sample by sample at t - tau; the paper's sweep and one of 40 MHz
-    let mut wide = Scenario::default();
+    let mut wide = shipped("conference-room");
     let r = &mut wide.radar;
     (r.bandwidth_hz, r.sample_rate_hz, r.sweep_s, r.samples) = (40e6, 40e6, 40e-6, 1600);
     wide.check("test").unwrap();
-    for scenario in [Scenario::default(), wide] {
+    for scenario in [shipped("conference-room"), wide] {
         let rate = scenario.radar.sweep_rate();
         let echoes = [(0.9, 21.37e-9), (1.3, 6.671e-9)];
         let paths = echoes.map(|(a, tau)| path(Complex64::new(a, 0.0), tau));
@@ -139,7 +141,7 @@ fn who_comes_nearer_turns_forwards_at_the_doppler_frequency() {
     // 1 m/s towards the radar: every kind of radar; the shift belongs to its centre frequency
     let mut blocks = shipped("iwr");
     (blocks.radar.bins_per_sample, blocks.radar.first_bin) = (0, 0);
-    for scenario in [Scenario::default(), shipped("bgt60"), shipped("iwr"), blocks] {
+    for scenario in [shipped("conference-room"), shipped("bgt60"), shipped("iwr"), blocks] {
         scenario.check("test").unwrap();
         let interval = scenario.interval_s();
         let slots: Vec<_> =
@@ -191,7 +193,7 @@ fn echoes_fade_by_the_radar_equation_and_real_samples_have_half_the_amplitude() 
 
 #[test]
 fn thermal_noise_is_minus_94_dbm_at_10_db_noise_figure() {
-    let scenario = Scenario::default();
+    let scenario = shipped("conference-room");
     let converter = Converter::of(&scenario);
     let power = 2.0 * (converter.noise_lsb * converter.lsb) * (converter.noise_lsb * converter.lsb);
     // k T B F = -174 dBm/Hz + 70 dB + 10 dB
@@ -207,7 +209,7 @@ fn thermal_noise_is_minus_94_dbm_at_10_db_noise_figure() {
 #[test]
 fn the_converter_rounds_saturates_and_justifies() {
     let converted = |bits, left_justified| {
-        let mut scenario = Scenario::default();
+        let mut scenario = shipped("conference-room");
         (scenario.radar.converter_bits, scenario.radar.left_justified) = (bits, left_justified);
         let converter = Converter::of(&scenario);
         [0.4, 0.6, -0.6, 1e9, -1e9].map(|x| converter.convert(x))
