@@ -19,6 +19,7 @@
 pub(crate) mod antenna;
 pub(crate) mod autoregressive;
 pub(crate) mod dahc;
+pub(crate) mod echo;
 pub(crate) mod field;
 pub(crate) mod ieee80211ax;
 pub(crate) mod ieee80211ay;
