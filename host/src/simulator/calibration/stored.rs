@@ -49,7 +49,7 @@ pub fn table() -> Table {
     toml::from_str(include_str!("rho_table.toml")).expect("the table is part of the program")
 }
 
-/// The stored rho of the nearest carrier (5 % count as equal) with the same number of people: rows that rest on experiments
+/// The stored rho of the nearest carrier (5 % count as equal) with one person, whoever else is simulated: rows that rest on experiments
 /// before computed ones, then the nearest slot interval, then rows for any motion. And where it comes from.
 pub fn stored_rho(scenario: &Scenario) -> (f64, String) {
     nearest(scenario).map_or((0.997, String::new()), |s| {
@@ -96,7 +96,8 @@ fn nearest(scenario: &Scenario) -> Option<Stored> {
         let interval = apart(s.interval_s, scenario.interval_s());
         (carrier, s.source.starts_with(COMPUTED), interval, s.motion != "any")
     };
-    let matching = table.entry.iter().filter(|s| s.interferer == scenario.channel.interferer);
+    // a second person is simulated: a rho that was fitted to absorb one would count it twice
+    let matching = table.entry.iter().filter(|s| !s.interferer);
     let nearest = matching.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
     nearest.or(table.entry.first()).cloned()
 }
@@ -170,7 +171,7 @@ mod tests {
         assert_eq!(stored_rho(&scenario).0, 0.997);
         scenario.radar.carrier_hz = 60e9;
         scenario.channel.interferer = true;
-        assert_eq!(stored_rho(&scenario).0, 0.996);
+        assert_eq!(stored_rho(&scenario).0, 0.997);
     }
 
     #[test]
