@@ -12,7 +12,7 @@ Help: the tool and every command, with examples.
     channels     Run every channel model through the property tests of the paper's Table I
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters
-    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines
+    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation
     sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster
     merge        Join the cells of a sweep
     quantize     Convert trained networks into int8 model files
@@ -358,7 +358,7 @@ Help: the tool and every command, with examples.
     sdp3 train --data data --set learning.epochs=40 --out trained
 
   $ sdp3 study --help
-  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines.
+  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation.
   
   After an interruption the same command resumes.
   
@@ -373,10 +373,11 @@ Help: the tool and every command, with examples.
             - robustness:     Accuracy under other headings, rho, power, d, people and carriers
             - fidelity:       Divergence and recognition against ray tracing, a richer model and measured recordings
             - baselines:      Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots
+            - ablation:       Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards
   
   Options:
         --seeds <SEEDS>
-            Seeds, from --seed upwards
+            Seeds, from --seed upwards; of `ablation` from 101 where --seed is absent
             
             [default: 5]
   
@@ -423,6 +424,7 @@ Help: the tool and every command, with examples.
   Examples:
     sdp3 study learning-curve --out curve
     sdp3 study robustness --seeds 3 --out robustness
+    sdp3 study ablation --seeds 5 --out ablation
     sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
 
   $ sdp3 sweep --help

@@ -13,7 +13,7 @@ Scenarios: listed, shown, written, checked, set field by field.
 
   $ sdp3 scenario list
   conference-room  The paper's conference room: one person, 3.5 GHz, three users in two placements.
-  as-printed       The conference room with the paper's own settings where the defaults learn better: Kaiser beta 10, Adam with a batch of 500, one window a recording, no mask.
+  as-printed       The paper as printed: a room that fades while it is recorded and is seen at the antenna's maximum in every direction, an ideal front end, d = 2, 64 sub-carriers without a largest modulation; Kaiser beta 10, Adam with a batch of 500, one window a recording, no mask.
   second-person    The paper's scenario 2: a second person walks in the conference room and disturbs its channel.
   small-radar      A battery's budget: 200 sensing slots in a quarter of a second, one small network that fits a microcontroller.
   child-safe-room  Is it a child that moves? A playroom in which people walk in any direction, an adult walks behind them, and accuracy counts more than throughput.
@@ -30,9 +30,48 @@ Scenarios: listed, shown, written, checked, set field by field.
   # The room's walls.
   [room]
   # Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the
-  # throughput, depend on it only where the channel model reflects at walls: not in the default one (`dahc` with
-  # the clusters `80211ax`). Legal: x: 1 to 100; y: 1 to 100; z: 1 to 100.
+  # throughput, depend on it only where the channel model reflects at walls. Legal: x: 1 to 100; y: 1 to 100; z:
+  # 1 to 100.
   size_m = [3.0, 4.5, 3.0]
+  
+  # What the four walls are made of (the hybrid channel with `mode = "rician"`).
+  [room.walls]
+  # Its material. Legal: one of concrete, brick, plasterboard, wood, glass, ceiling-board, chipboard, plywood,
+  # marble, metal.
+  material = "concrete"
+  # Its thickness in m. Legal: 0.001 to 10.
+  thickness_m = 0.2
+  
+  # What the floor is made of.
+  [room.floor]
+  # Its material. Legal: one of concrete, brick, plasterboard, wood, glass, ceiling-board, chipboard, plywood,
+  # marble, metal.
+  material = "concrete"
+  # Its thickness in m. Legal: 0.001 to 10.
+  thickness_m = 0.2
+  
+  # What the ceiling is made of.
+  [room.ceiling]
+  # Its material. Legal: one of concrete, brick, plasterboard, wood, glass, ceiling-board, chipboard, plywood,
+  # marble, metal.
+  material = "plasterboard"
+  # Its thickness in m. Legal: 0.001 to 10.
+  thickness_m = 0.0125
+  
+  # What stands in the room.
+  [[room.furniture]]
+  centre_m = [0.6, 3.2, 0.7]
+  cross_section_dbsm = -5.0
+  
+  # What stands in the room.
+  [[room.furniture]]
+  centre_m = [0.5, 1.8, 0.5]
+  cross_section_dbsm = -10.0
+  
+  # What stands in the room.
+  [[room.furniture]]
+  centre_m = [2.6, 2.2, 0.5]
+  cross_section_dbsm = -10.0
   
   # The monostatic radar.
   [radar]
@@ -70,20 +109,21 @@ Scenarios: listed, shown, written, checked, set field by field.
   power_w = 0.1
   # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10 to 60.
   antenna_gain_db = 25.0
-  # Level of the side lobes below the main lobe in dB, each way: how others than the person sensed are seen.
-  # Legal: 0 to 60.
-  sidelobe_db = 10.0
+  # How the gain depends on the direction. Legal: one of constant, element, table.
+  antenna_pattern = "element"
+  # Level of the side lobes below the main lobe in dB, each way: the lowest gain of `element`; with `constant`,
+  # how others than the person sensed are seen. Legal: 0 to 60.
+  sidelobe_db = 30.0
   # Receiver noise figure in dB (290 K), both sidebands of the mixer counted. Legal: 0 to 40.
   noise_figure_db = 10.0
   # Head room between the strongest expected echo and the converter's full scale in dB. Legal: 0 to 60.
   headroom_db = 12.0
-  # Standard deviation of the oscillator's phase from slot to slot, after dechirping, in degrees. Legal: 0 to
-  # 90.
+  # Values of the analogue front end that are not stated: none, or a real module's. Legal: one of ideal,
+  # typical.
+  front_end = "typical"
+  # Standard deviation of a further phase from slot to slot, white and the same for every delay, in degrees.
+  # Legal: 0 to 90.
   phase_noise_deg = 0.0
-  # Gain mismatch of Q against I in dB. Legal: -6 to 6.
-  iq_gain_db = 0.0
-  # Deviation of I and Q from quadrature in degrees. Legal: -30 to 30.
-  iq_phase_deg = 0.0
   
   # The time frame shared by sensing and communication.
   [frame]
@@ -103,10 +143,13 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Which model. Legal: one of dahc, primitive, ray-tracing, statistical, 80211ay, 80211ax, 38901, quadriga,
   # metis.
   model = "dahc"
-  # The recursion. Legal: one of paper, variance-preserving, consistent.
-  mode = "paper"
-  # Where the room's responses come from. Legal: one of 80211ay, 80211ax.
-  clusters = "80211ax"
+  # The recursion. Legal: one of paper, variance-preserving, consistent, rician.
+  mode = "rician"
+  # Power of the room's mean over that of its fluctuation in dB, as received (`mode = "rician"`). Legal: -20 to
+  # 80.
+  k_factor_db = 15.0
+  # Where the room's responses come from. Legal: one of 80211ay, 80211ax, by-carrier.
+  clusters = "by-carrier"
   # When the recursion advances. Legal: one of sensing-slot, slot.
   advance = "sensing-slot"
   # Whether the room's response starts with the power it settles at instead of Upsilon's.
@@ -115,6 +158,11 @@ Scenarios: listed, shown, written, checked, set field by field.
   tgn = "B"
   # Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
   blockage = false
+  # Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel
+  # with `mode = "rician"`).
+  shadowing = true
+  # Whether a torso hides the limbs behind it (the hybrid channel).
+  occlusion = true
   # Line of sight (`38901`, `quadriga`).
   line_of_sight = true
   # Whether a second person walks in the room (the paper's scenario 2).
@@ -142,9 +190,10 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # From slow time to the network's image.
   [spectrogram]
-  # First singular component kept, the paper's d; 1 keeps the clutter. Legal: 1 to 8.
-  first_kept = 2
-  # Last singular component kept (of 8). Legal: 2 to 8, at least the first.
+  # First singular component kept, the paper's d; 1 keeps the clutter; 0: decided per recording, components with
+  # a static slow-time signal are dropped. Legal: 0 to 8.
+  first_kept = 0
+  # Last singular component kept (of 8). Legal: 1 to 8, at least the first.
   last_kept = 8
   # Kaiser window length N_w in sensing slots. Legal: 2 to 256.
   window = 128
@@ -205,12 +254,21 @@ Scenarios: listed, shown, written, checked, set field by field.
   
   # The communication side.
   [communication]
-  # OFDM sub-carriers M. Legal: 1 to 65536.
-  subcarriers = 64
+  # OFDM sub-carriers M; 0: as many as fit, floor(bandwidth_hz x (symbol_s - prefix_s)). Legal: 0 to 65536; at
+  # most the 467 that fit bandwidth_hz x (symbol_s - prefix_s), or 0 where 1 to 65536 fit.
+  subcarriers = 0
   # Bandwidth that they share in Hz. Legal: 10000 to 10000000000.
   bandwidth_hz = 10000000.0
   # Duration of an OFDM symbol with its prefix T_o in s. Legal: 0.0000001 to 0.00025, at most a slot.
   symbol_s = 0.00005
+  # Cyclic prefix of an OFDM symbol in s, a part of symbol_s. Legal: at least 0, below communication.symbol_s.
+  prefix_s = 0.0000033
+  # Most bits that a sub-carrier carries in a symbol: 8 for 256-QAM; 0: no limit. Legal: 0 to 12; 0 (no limit)
+  # or at least 1.
+  modulation_bit = 8.0
+  # Error vector magnitude of the transmitter in percent: signal over noise and error is at most -20 log10(EVM /
+  # 100) dB; 0: an ideal transmitter. 3GPP TS 38.104 table 6.5.2.2-1 allows 3.5 for 256-QAM. Legal: 0 to 50.
+  evm_percent = 3.5
   # Transmit power in W, shared by the sub-carriers. Legal: 0.000000001 to 1000.
   power_w = 1.0
   # Noise figure of the users' receivers in dB. Legal: 0 to 40.
@@ -220,6 +278,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   cases = [[[1.5, 3.0, 1.0], [2.5, 1.0, 1.0], [0.5, 1.0, 1.0]], [[1.5, 2.8, 1.0], [2.3, 1.0, 1.0], [0.7, 1.0, 1.0]]]
   # Channel draws averaged for the expected gain of a sub-carrier. Legal: 1 to 1000000.
   draws = 200
+  # Whether the person sensed and everybody else of the scenario are in the users' channels, in every draw at
+  # another moment of a motion of a random class; false: these channels are empty of people.
+  people = true
   
   # The operating point of the two.
   [trade]
@@ -254,7 +315,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -270,7 +331,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   {
     "file": "bad.toml",
     "errors": [
-      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`",
+      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`",
       "bad.toml: TOML parse error at line 4, column 11\n    |\n  4 | power_w = \"much\"\n    |           ^^^^^^\n  invalid type: string \"much\", expected f64",
       "bad.toml: radar.carrier_hz is 1, must be 500000000 to 100000000000",
       "bad.toml: channel.rho is 1.5, must be 0 to 1",
@@ -282,7 +343,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -307,7 +368,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set radar.carier_hz=1e9
-  sdp3: command line: --set: radar.carier_hz is no field, must be one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `phase_noise_deg`, `iq_gain_db`, `iq_phase_deg`
+  sdp3: command line: --set: radar.carier_hz is no field, must be one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   [2]
 
   $ sdp3 scenario show --set channel.rho

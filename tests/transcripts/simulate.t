@@ -10,10 +10,12 @@ Datasets: made, complete, refused.
   > END
 
   $ sdp3 simulate --scenario short.toml --per-class 2
+    simulate  the antenna's far field begins at 5.5 m (2 D^2 / lambda) and people come as near as 3.4 m, where its pattern and the radar equation are approximations
     simulate  recordings
     simulate  1 parts made, 0 kept; 10 recordings in out, complete
 
   $ sdp3 simulate --scenario short.toml --per-class 2 --json
+    simulate  the antenna's far field begins at 5.5 m (2 D^2 / lambda) and people come as near as 3.4 m, where its pattern and the radar equation are approximations
     simulate  recordings
     simulate  0 parts made, 1 kept; 10 recordings in out, complete
   {
@@ -65,6 +67,7 @@ Datasets: made, complete, refused.
 
   $ sdp3 simulate --scenario short.toml --set radar.carrier_hz=5.8e9 --set frame.slot_s=0.001 --per-class 1 --out other
     simulate  warning: limbs at 4.7 m/s alias above 3.2 m/s at this carrier and spacing; frame.spacing_slots = 1 would not
+    simulate  the antenna's far field begins at 3.3 m (2 D^2 / lambda) and people come as near as 3.2 m, where its pattern and the radar equation are approximations
    calibrate  warning: rho = 0.997 is the stored one of 3.500 GHz and 1 ms between sensing slots, but the scenario has 5.800 GHz and 4 ms between sensing slots, where rho may be another: `sdp3 calibrate --measured FILE` finds it on a recording, channel.rho states it
     simulate  recordings
     simulate  1 parts made, 0 kept; 5 recordings in other, complete

@@ -43,7 +43,7 @@ A sweep of four cells: where it stands, merged with and without all of them. Nee
   [2]
 
   $ sdp3 merge small --partial | tail -2
-  by guessing: 0.200
+  The people of the scenario are in the users' channels.
   2 of 4 cells are missing: 1, 3
 
   $ sdp3 sweep -q plan.toml --out small
@@ -62,11 +62,12 @@ A sweep of four cells: where it stands, merged with and without all of them. Nee
 
   $ sdp3 merge small
   scenario                       GHz      rho    N_s  int8             float             tested  case 1, Mbit/s  case 2, Mbit/s
-  small                        3.500     0.99     64  0.200            0.200                 10          11.173          11.578
-  small                        3.500     0.99     80  0.200            0.200                 10          11.129          11.533
-  small                        3.500        1     64  0.200            0.200                 10          11.173          11.578
-  small                        3.500        1     80  0.200            0.200                 10          11.129          11.533
+  small                        3.500     0.99     64  0.200            0.200                 10          24.508          24.508
+  small                        3.500     0.99     80  0.200            0.200                 10          24.396          24.396
+  small                        3.500        1     64  0.200            0.200                 10          24.508          24.508
+  small                        3.500        1     80  0.200            0.200                 10          24.396          24.396
   by guessing: 0.200
+  The people of the scenario are in the users' channels.
 
   $ head -1 small/merged.csv
   cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,chance,throughput_bit_1,throughput_bit_2

@@ -31,20 +31,23 @@ Learning curves, regions and schedules from a table of accuracies.
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.9
   most throughput with accuracy at least 0.9 by pow3, rmse 0.0066
-  case 1: N_s = 318, N_c = [1294, 1194, 1194], accuracy 0.9004 (0.884 to 0.921), 10573046 bit per period (10.573 Mbit/s), adversarial
+  case 1: N_s = 318, N_c = [1228, 1227, 1227], accuracy 0.9004 (0.884 to 0.921), 22920360 bit per period (22.920 Mbit/s), adversarial
+    467 sub-carriers with 8.00, 8.00, 8.00 bit a symbol, 100 %, 100 %, 100 % of them at the modulation's limit
     adversarial from N_s = 204
     sensing-saturation from N_s = 521
-  case 2: N_s = 318, N_c = [1295, 1194, 1193], accuracy 0.9004 (0.884 to 0.921), 10762309 bit per period (10.762 Mbit/s), adversarial
+  case 2: N_s = 318, N_c = [1228, 1227, 1227], accuracy 0.9004 (0.884 to 0.921), 22920360 bit per period (22.920 Mbit/s), adversarial
+    467 sub-carriers with 8.00, 8.00, 8.00 bit a symbol, 100 %, 100 %, 100 % of them at the modulation's limit
     adversarial from N_s = 204
     sensing-saturation from N_s = 521
   zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
+  The people of the scenario are in the users' channels.
 
   $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep receivers=1,2
   carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
-  3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t26129536.611727543\t26.129536611727545 (esc)
-  3500000000\t0.1\t1\t1\t2\t326\t0.9034692688492608\t26649111.917649396\t26.649111917649396 (esc)
-  3500000000\t0.1\t2\t1\t1\t322\t0.9019547911315136\t13675188.465890884\t13.675188465890884 (esc)
-  3500000000\t0.1\t2\t1\t2\t330\t0.9049211952410439\t13926590.876942527\t13.926590876942527 (esc)
+  3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
+  3500000000\t0.1\t1\t1\t2\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
+  3500000000\t0.1\t2\t1\t1\t326\t0.9034692688492608\t34315160\t34.31516 (esc)
+  3500000000\t0.1\t2\t1\t2\t326\t0.9034692688492608\t34315160\t34.31516 (esc)
 
   $ sdp3 optimize --points points.csv --accuracy 1.5
   sdp3: command line: --accuracy is 1.5, must be 0 to 1
@@ -58,17 +61,18 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
-  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.6347 to 0.9498 and at most 11051224 bit
+  sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.6347 to 0.9498 and at most 23947760 bit
   [2]
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 300
   5 periods, 20000 decisions: 1500 sensing, 0 idle
-  5 new plans: 1 joined, 0 left, 2 rates, 0 targets, 7 slots lost and 2 of sensing, 0 given back
+  5 new plans: 1 joined, 0 left, 0 rates, 0 targets, 7 slots lost and 2 of sensing, 0 given back
   user       periods        slots  bit a period    Mbit/s       offered      wait   bound
-  1                5         5821       9320458     9.320       9320458         7      22
-  2                5         4929       9323838     9.324       9323838         9      27
-  3                5         5597       9323322     9.323       9323322         9      22
-  6                2         2153       7511454     7.511       7511454         6      20
+  1                5         5551      20734800    20.735      20734800         5      21
+  2                5         5551      20727328    20.727      20727328         5      21
+  3                5         5550      20719856    20.720      20719856         5      21
+  6                2         1848      17260320    17.260      17260320         5      23
+  The people of the scenario are in the users' channels.
   every property held
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 5000
@@ -84,8 +88,8 @@ Learning curves, regions and schedules from a table of accuracies.
   [2]
 
   $ sdp3 optimize --points points.csv --set room.size_m=[4,5,3] 2>&1 | head -2
-    optimize  room.size_m = [4.0, 5.0, 3.0] does not change the throughput: links of channel.model = dahc have no walls here; those of ray-tracing have, and those of dahc with channel.clusters = 80211ay
     optimize  accuracy against throughput
+    optimize  N_s = 325: accuracy 0.903, 22883000 bit per period (22.883 Mbit/s) to the worst user. The people of the scenario are in the users' channels.
 
   $ head -5 out/optimize.json
   {
