@@ -162,16 +162,21 @@ pub fn channels(table: &ChannelTable) -> String {
         for name in crate::simulator::channel::properties::PROPERTIES {
             let Some(p) = model.properties.get(name) else { continue };
             let word = |yes: bool| if yes { "yes" } else { "no" };
+            let (Some(verdict), Some(statistic)) = (p.verdict, p.statistic) else {
+                let paper = p.paper.map_or(String::new(), |paper| format!("; paper: {}", word(paper)));
+                let _ = writeln!(text, "  {name:<24} {}{paper}", p.reason);
+                continue;
+            };
             let paper = match p.paper {
-                Some(paper) if paper == p.verdict => String::new(),
+                Some(paper) if paper == verdict => String::new(),
                 Some(paper) => format!("  paper: {}; {}", word(paper), p.reason),
                 None => format!("  {}", p.reason),
             };
             let _ = writeln!(
                 text,
                 "  {name:<24} {:<4} {:>10.3e} {} {:<8}{paper}",
-                word(p.verdict),
-                p.statistic,
+                word(verdict),
+                statistic,
                 p.relation,
                 p.threshold
             );

@@ -373,10 +373,10 @@ pub struct WeightedPoint {
 /// One property of a channel model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Property {
-    /// Whether the model has it.
-    pub verdict: bool,
-    /// What was measured.
-    pub statistic: f64,
+    /// Whether the model has it; absent where its standard defines no echo of a person that could have it.
+    pub verdict: Option<bool>,
+    /// What was measured, where there is a verdict.
+    pub statistic: Option<f64>,
     /// The threshold.
     pub threshold: f64,
     /// `>=` or `<=`: the side of the threshold on which the verdict is true.
