@@ -1,7 +1,8 @@
-//! Numerical methods that several modules use: random numbers, interpolation, a special function.
+//! Numerical methods that several modules use: random numbers, interpolation, special functions.
 
 pub(crate) mod bessel;
 pub(crate) mod differentiation;
 pub(crate) mod filter;
+pub(crate) mod fresnel;
 pub(crate) mod pchip;
 pub mod random;

@@ -125,6 +125,16 @@ impl Clusters {
     }
 }
 
+/// What the models that trace rays know of the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interior {
+    /// Six half spaces with the permittivities of the NIST Q-D software at 60 GHz.
+    Bare,
+    /// Slabs of the room's materials (ITU-R P.2040-3), and what stands in it.
+    Furnished,
+}
+
 /// The channel model and its settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -148,10 +158,20 @@ pub struct Channel {
     pub tgn: Tgn,
     /// Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
     pub blockage: bool,
-    /// Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel with `mode = "rician"`).
+    /// Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel with `mode = "rician"`,
+    /// `ray-tracing`, `metis`).
     pub shadowing: bool,
-    /// Whether a torso hides the limbs behind it (the hybrid channel).
+    /// Whether a torso hides the limbs behind it (the hybrid channel, `ray-tracing`).
     pub occlusion: bool,
+    /// What `ray-tracing` and `metis` know of the room.
+    pub interior: Interior,
+    /// Scattering coefficient S of surfaces, 0 to 1: the share S^2 of what a surface reflects is diffuse (`ray-tracing`, `metis`).
+    pub scattering: f64,
+    /// Whether waves bend around people and furniture (`ray-tracing`): Kirchhoff's integral over a screen; otherwise a screen hides what is
+    /// behind it.
+    pub diffraction: bool,
+    /// Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`).
+    pub double_bounce: bool,
     /// Line of sight (`38901`, `quadriga`).
     pub line_of_sight: bool,
     /// Whether a second person walks in the room (the paper's scenario 2).

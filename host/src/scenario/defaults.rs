@@ -1,7 +1,7 @@
 //! What a scenario says where its file says nothing: the paper's section VI where it gives a value.
 
 use super::{
-    Advance, ArMode, Channel, Clusters, Communication, Frame, Furniture, Learning, Material, Model,
+    Advance, ArMode, Channel, Clusters, Communication, Frame, Furniture, Interior, Learning, Material, Model,
     Optimizer, Radar, Room, Scenario, Schedule, SpectrogramSettings, Surface, Target, Tgn, Trade,
 };
 
@@ -31,9 +31,9 @@ impl Default for Room {
             floor: surface(Material::Concrete, 0.2),
             ceiling: surface(Material::Plasterboard, 0.0125),
             furniture: vec![
-                Furniture { centre_m: [0.6, 3.2, 0.7], cross_section_dbsm: -5.0 },
-                Furniture { centre_m: [0.5, 1.8, 0.5], cross_section_dbsm: -10.0 },
-                Furniture { centre_m: [2.6, 2.2, 0.5], cross_section_dbsm: -10.0 },
+                Furniture { centre_m: [0.6, 3.2, 0.7], cross_section_dbsm: -5.0, size_m: None },
+                Furniture { centre_m: [0.5, 1.8, 0.5], cross_section_dbsm: -10.0, size_m: None },
+                Furniture { centre_m: [2.6, 2.2, 0.5], cross_section_dbsm: -10.0, size_m: None },
             ],
         }
     }
@@ -64,6 +64,10 @@ impl Default for Channel {
             blockage: false,
             shadowing: true,
             occlusion: true,
+            interior: Interior::Furnished,
+            scattering: 0.2,
+            diffraction: true,
+            double_bounce: true,
             line_of_sight: true,
             interferer: false,
         }

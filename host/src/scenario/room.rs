@@ -49,6 +49,9 @@ pub struct Furniture {
     pub centre_m: [f64; 3],
     /// Its radar cross section in dBsm.
     pub cross_section_dbsm: f64,
+    /// Width and height in m of what stands in the way of waves (`ray-tracing`, `metis`); absent: nothing does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_m: Option<[f64; 2]>,
 }
 
 /// Room: a box with one corner at the origin.
@@ -58,7 +61,7 @@ pub struct Room {
     /// Length (x), width (y), height (z) in m. Positions and walks stay inside. Links, and with them the throughput, depend on it
     /// only where the channel model reflects at walls.
     pub size_m: [f64; 3],
-    /// What the four walls are made of (the hybrid channel with `mode = "rician"`).
+    /// What the four walls are made of (the hybrid channel with `mode = "rician"`, `ray-tracing`, `metis`).
     pub walls: Surface,
     /// What the floor is made of.
     pub floor: Surface,
@@ -85,6 +88,9 @@ impl Scenario {
                 -60.0,
                 30.0,
             );
+            for (side, size) in ["width", "height"].iter().zip(piece.size_m.into_iter().flatten()) {
+                c.within(&format!("room.furniture[{k}].size_m ({side})"), size, 0.01, 10.0);
+            }
         }
     }
 }

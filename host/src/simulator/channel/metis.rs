@@ -1,82 +1,215 @@
-//! `metis`: map-based hybrid model after METIS.
+//! `metis`: the hybrid of a map and of stochastic clusters, after METIS deliverable D1.4.
 //!
-//! A simplified map (the room's six planes, traced with Fresnel's coefficients), random objects that scatter once, and a
-//! stochastic diffuse rest around each traced way. The map knows furniture, not motion: a person is one of the objects, where
-//! it first stood.
+//! Map-based part (its clause 6): the room's surfaces traced up to second order, tiles of rough surfaces as point sources
+//! ([`super::roughness`]), random objects that scatter as spheres, and screens that block, which are the objects, the furniture and the
+//! people. A screen's loss is the knife-edge formula of four edges that 3GPP took over as blockage model B ([`super::shadowing`]).
+//!
+//! Stochastic part: fifteen clusters of twenty rays with the laws of ITU-R M.2135's indoor hotspot in line of sight. Their delay spread is
+//! that of the traced ways, their directions lie around traced ways, and their power lies the mean K factor of 7 dB below them.
+//!
+//! The map knows no motion of scatterers: a person echoes where it first stood. An empty box has no edges: the recursive diffraction at corners of
+//! D1.4 has nothing to do here.
 
-use super::ieee80211ay::{Offset, draw_rays, turned};
-use super::ray_tracing::walls;
-use super::room::{free_space, traced};
+use super::ieee80211ay::turned;
+use super::room::StaticPath;
+use super::roughness::Traced;
+use super::shadowing::{Screen, transmission};
 use super::target::{direct, scattered};
 use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
-use crate::scenario::Scenario;
-use crate::simulator::body::Vec3;
-use std::f64::consts::TAU;
+use crate::scenario::{SPEED_OF_LIGHT, Scenario};
+use crate::simulator::body::{Vec3, dot, norm, sub};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Random objects in a room.
+/// Random objects in a room, and the range of their cross sections in m^2: a sphere's is pi r^2.
 const OBJECTS: usize = 6;
-/// Range of their cross sections in m^2.
 const CROSS_SECTION_M2: [f64; 2] = [0.02, 0.5];
+/// Nearest an object stands to an end in m.
+const AWAY_M: f64 = 0.5;
+/// ITU-R M.2135-1 Table A1-7, indoor hotspot, line of sight: clusters, rays, ratio of the delays' spread to the delay spread, shadowing of a cluster
+/// in dB, spread of a cluster's rays in degrees, mean K factor in dB.
+const CLUSTERS: usize = 15;
+const RAYS: usize = 20;
+const DELAY_RATIO: f64 = 3.6;
+const CLUSTER_SHADOWING_DB: f64 = 6.0;
+const RAY_SPREAD_DEG: f64 = 8.0;
+const K_DB: f64 = 7.0;
+
+/// An object: place, root of its cross section in m, phase.
+type Object = (Vec3, f64, f64);
 
 #[derive(Debug)]
 pub struct MapBased {
     lambda: f64,
-    size: Vec3,
+    traced: Traced,
     ends: (Vec3, Vec3),
-    /// Place, root of the cross section in m, phase.
-    objects: Vec<(Vec3, f64, f64)>,
-    /// Rays (with phases) around each first-order way.
-    diffuse: Vec<Vec<(Offset, f64)>>,
+    objects: Vec<Object>,
+    /// The furniture's and the objects' screens.
+    screens: Vec<Screen>,
+    shadowing: bool,
+    /// The stochastic rays between the first ends.
+    rays: Vec<Path>,
     person: f64,
 }
 
-impl MapBased {
-    /// Draws objects and diffuse rays.
-    pub fn new(scenario: &Scenario, ends: (Vec3, Vec3), mut random: Random) -> Self {
-        let size = scenario.room.size_m;
-        let [low, high] = CROSS_SECTION_M2;
-        let objects = (0..OBJECTS)
-            .map(|_| {
-                let place = size.map(|s| s * random.uniform());
-                let sigma = low * libm::pow(high / low, random.uniform());
-                (place, sigma.sqrt(), TAU * random.uniform())
-            })
-            .collect();
-        let diffuse = (0..6)
-            .map(|_| {
-                let rays = draw_rays(&mut random);
-                rays.into_iter().filter(|ray| !ray.central).map(|ray| (ray, TAU * random.uniform())).collect()
-            })
-            .collect();
-        let person = TAU * random.uniform();
-        MapBased { lambda: wavelength(scenario.radar.carrier_hz), size, ends, objects, diffuse, person }
+/// Power and rms delay spread in s of ways.
+fn spread<'a>(ways: impl Iterator<Item = &'a Path> + Clone) -> (f64, f64) {
+    let moment = |n: i32| ways.clone().map(|p| p.gain.norm_sqr() * p.delay_s.powi(n)).sum::<f64>();
+    let (power, mean) = (moment(0), moment(1) / moment(0));
+    (power, (moment(2) / power - mean * mean).max(0.0).sqrt())
+}
+
+/// Laplacian with a standard deviation.
+fn laplacian(deviation: f64, random: &mut Random) -> f64 {
+    let u = 2.0 * random.uniform() - 1.0;
+    -deviation * FRAC_1_SQRT_2 * libm::log(1.0 - u.abs()) * u.signum()
+}
+
+/// The stochastic rays of a room with these traced ways, the first arriving at `first` s.
+fn stochastic(ways: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path> {
+    let (traced, delay_spread) = spread(ways.iter().map(|way| &way.path));
+    let mut delays: Vec<f64> =
+        (0..CLUSTERS).map(|_| -DELAY_RATIO * delay_spread * libm::log(1.0 - random.uniform())).collect();
+    let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
+    delays.iter_mut().for_each(|delay| *delay -= least);
+    let slope = (DELAY_RATIO - 1.0) / (DELAY_RATIO * delay_spread.max(f64::MIN_POSITIVE));
+    let power = |delay: &f64| {
+        libm::exp(-delay * slope) * libm::pow(10.0, -CLUSTER_SHADOWING_DB * random.gaussian() / 10.0)
+    };
+    let powers: Vec<f64> = delays.iter().map(power).collect();
+    let scale = traced * libm::pow(10.0, -K_DB / 10.0) / (powers.iter().sum::<f64>() * RAYS as f64);
+    let mut rays = Vec::with_capacity(CLUSTERS * RAYS);
+    for (delay, power) in delays.iter().zip(&powers) {
+        let mut rest = traced * random.uniform();
+        let around = ways.iter().find(|way| {
+            rest -= way.path.gain.norm_sqr();
+            rest <= 0.0
+        });
+        let Some(StaticPath { path: around, .. }) = around.or(ways.last()) else { continue };
+        for _ in 0..RAYS {
+            let mut turn = |direction: Vec3| {
+                let angle = [0; 2].map(|_| laplacian(RAY_SPREAD_DEG * PI / 180.0, random));
+                turned(direction, angle)
+            };
+            let (departure, arrival) = (turn(around.departure), turn(around.arrival));
+            let gain = phasor(TAU * random.uniform()) * (power * scale).sqrt();
+            rays.push(Path { gain, delay_s: first + delay, departure, arrival });
+        }
     }
+    rays
+}
+
+impl MapBased {
+    /// Draws objects and clusters.
+    pub fn new(scenario: &Scenario, ends: (Vec3, Vec3), mut random: Random) -> Self {
+        let mut traced = Traced::new(scenario);
+        let [low, high] = CROSS_SECTION_M2;
+        let object = |_| {
+            let place = loop {
+                let place = traced.map.size.map(|s| s * random.uniform());
+                if [ends.0, ends.1].iter().all(|&end| norm(sub(place, end)) > AWAY_M) {
+                    break place;
+                }
+            };
+            let sigma = low * libm::pow(high / low, random.uniform());
+            (place, sigma.sqrt(), TAU * random.uniform())
+        };
+        let objects: Vec<Object> = (0..OBJECTS).map(object).collect();
+        let mut screens: Vec<Screen> = traced.map.furniture.iter().filter_map(Screen::furniture).collect();
+        screens.extend(objects.iter().map(screen));
+        let ways = traced.ways(ends);
+        let distance = norm(sub(ends.1, ends.0)) / SPEED_OF_LIGHT;
+        let shortest = ways.iter().map(|way| way.path.delay_s).fold(f64::INFINITY, f64::min);
+        let first = if ends.0 == ends.1 { shortest } else { distance };
+        MapBased {
+            lambda: wavelength(scenario.radar.carrier_hz),
+            rays: stochastic(ways, first, &mut random),
+            traced,
+            ends,
+            objects,
+            screens,
+            shadowing: scenario.channel.shadowing,
+            person: TAU * random.uniform(),
+        }
+    }
+}
+
+/// A sphere's screen: as wide and as high as the sphere.
+fn screen(&([x, y, z], root, _): &Object) -> Screen {
+    let radius = root / PI.sqrt();
+    Screen { place: [x, y], heights: [z - radius, z + radius], width: 2.0 * radius }
 }
 
 impl ChannelModel for MapBased {
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>) {
-        let lambda = self.lambda;
-        paths.extend(direct(scene, lambda));
-        walls(self.size, lambda, scene, paths);
-        for (way, rays) in traced(self.size, scene.from, scene.to, 1).iter().zip(&self.diffuse) {
-            let gain = carrier_phase(way.length_m, lambda) * way.fresnel * free_space(way.length_m, lambda);
-            for (offset, phase) in rays {
-                let delay_s = way.delay_s() + offset.delay_s;
-                if delay_s >= 0.0 {
-                    let arrival = turned(way.arrival, offset.angle);
-                    let departure = turned(way.departure, offset.angle);
-                    let gain = gain * phasor(*phase) * offset.amplitude;
-                    paths.push(Path { gain, delay_s, departure, arrival });
-                }
-            }
+        let (lambda, ends) = (self.lambda, (scene.from, scene.to));
+        let mut screens = self.screens.clone();
+        let people = scene.people.iter().filter(|_| self.shadowing);
+        screens.extend(people.map(|person| Screen::of(person, scene.time_s)));
+        let kept = |legs: &[_]| transmission(&screens, legs, lambda);
+        if let Some(path) = direct(scene, lambda) {
+            paths.push(Path { gain: path.gain * kept(&[ends]), ..path });
+        }
+        for StaticPath { path, legs } in self.traced.ways(ends) {
+            paths.push(Path { gain: path.gain * kept(legs), ..*path });
         }
         for &(place, root, phase) in &self.objects {
-            paths.push(scattered(scene, place, root, lambda, phase));
+            let path = scattered(scene, place, root, lambda, phase);
+            paths.push(Path { gain: path.gain * kept(&[(scene.from, place), (place, scene.to)]), ..path });
         }
-        let ends = Scene { from: self.ends.0, to: self.ends.1, ..*scene };
+        // plane waves: a step towards one shortens it
+        let (from, to) = (sub(scene.from, self.ends.0), sub(scene.to, self.ends.1));
+        for ray in &self.rays {
+            let longer = -dot(ray.departure, from) - dot(ray.arrival, to);
+            let delay_s = ray.delay_s + longer / SPEED_OF_LIGHT;
+            paths.push(Path { gain: ray.gain * carrier_phase(longer, lambda), delay_s, ..*ray });
+        }
+        let first = Scene { from: self.ends.0, to: self.ends.1, ..*scene };
         for person in scene.people {
-            paths.push(person.mean_echo(&ends, 0.0, lambda, self.person));
+            paths.push(person.mean_echo(&first, 0.0, lambda, self.person));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ENDS: (Vec3, Vec3) = ([1.5, 1.0, 1.0], [1.5, 3.5, 1.0]);
+
+    #[test]
+    fn clusters_have_the_delay_spread_and_the_k_factor_of_the_map() {
+        let mut traced = Traced::new(&Scenario::default());
+        let ways = traced.ways(ENDS);
+        let (power, delay_spread) = spread(ways.iter().map(|way| &way.path));
+        let (mut sum, mut found) = (0.0, 0.0);
+        let n = 4000;
+        for index in 0..n {
+            let rays = stochastic(ways, 0.0, &mut Random::new(1, 0, 0, index));
+            let (power, delay_spread) = spread(rays.iter());
+            sum += power / n as f64;
+            found += delay_spread / n as f64;
+        }
+        let k = 10.0 * libm::log10(power / sum);
+        println!(
+            "number: METIS K {k:.2} dB (7 dB), delay spread of the clusters {:.2} ns (map {:.2} ns)",
+            found * 1e9,
+            delay_spread * 1e9
+        );
+        assert!((k - K_DB).abs() < 1e-9, "{k}");
+        assert!((found / delay_spread - 1.0).abs() < 0.15, "{found:e} {delay_spread:e}");
+    }
+
+    #[test]
+    fn an_object_blocks_like_four_knife_edges() {
+        // by hand at 60 GHz: a sphere of 0.3 m in the middle of 6 m: D1 + D2 - r = 2 sqrt(9 + 0.09) - 6 = 29.85 mm, F = atan(pi / 2
+        // sqrt(pi / 4.997 mm * 29.85 mm)) / pi = 0.4536, amplitude 1 - (4 * 0.4536^2) = 0.177
+        let object = ([3.0, 0.0, 1.0], 0.3 * PI.sqrt(), 0.0);
+        let leg = ([0.0, 0.0, 1.0], [6.0, 0.0, 1.0]);
+        let db = 20.0 * libm::log10(transmission(&[screen(&object)], &[leg], wavelength(60e9)));
+        println!(
+            "number: METIS screen of 0.6 m in the middle of 6 m at 60 GHz {db:.2} dB, by hand -15.03 dB"
+        );
+        assert!((db + 15.03).abs() < 0.05, "{db}");
     }
 }

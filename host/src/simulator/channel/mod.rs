@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | `dahc` | [`dahc`] | the paper's: sixteen primitives and a room with memory, eqs. (DAHC), (uit), (vit) |
 //! | `primitive` | [`primitive`] | the same with a perfect memory (rho = 1): no uncertainty |
-//! | `ray-tracing` | [`ray_tracing`] | images up to second order, Fresnel materials, a body that moves: the paper's baseline |
+//! | `ray-tracing` | [`ray_tracing`] | images up to second order off slabs, rough surfaces, diffraction, a body that moves |
 //! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, redrawn wherever something moves |
 //! | `80211ay` | [`ieee80211ay`] | quasi-deterministic conference room |
 //! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax taps with their bell spectrum |
@@ -19,6 +19,7 @@
 pub(crate) mod antenna;
 pub(crate) mod autoregressive;
 pub(crate) mod dahc;
+pub(crate) mod diffraction;
 pub(crate) mod echo;
 pub(crate) mod field;
 pub(crate) mod ieee80211ax;
@@ -33,6 +34,7 @@ pub(crate) mod quadriga;
 pub(crate) mod ray_tracing;
 pub(crate) mod response;
 pub(crate) mod room;
+pub(crate) mod roughness;
 pub(crate) mod shadowing;
 pub(crate) mod statistical;
 pub(crate) mod target;

@@ -1,19 +1,19 @@
 //! The room as a box: reflections by the image method, and how materials reflect.
 //!
 //! A reflected way is the straight way from the transmitter's image. Fresnel's coefficients take the angle at which that
-//! straight line meets each wall. Ray tracing as the paper's baseline has the permittivities of the NIST Q-D software at 60 GHz; the
-//! mean of the default room has those of ITU-R P.2040 at the carrier ([`super::material`]).
+//! straight line meets each wall. A bare room has the permittivities of the NIST Q-D software at 60 GHz, as the paper's baseline; a
+//! furnished one slabs of ITU-R P.2040's materials at the carrier ([`super::material`]).
 
 use super::antenna::Antenna;
 use super::material::slab;
 use super::shadowing::{self, Leg};
 use super::target::{mean_cross_section, scattered};
 use super::{Complex64, Path, Scene, carrier_phase};
-use crate::scenario::{ArMode, SPEED_OF_LIGHT, Scenario};
+use crate::scenario::{ArMode, Furniture, Interior, SPEED_OF_LIGHT, Scenario, Surface};
 use crate::simulator::body::{Vec3, norm, scale, sub};
 
 /// A wall: the axis it is normal to and its coordinate.
-type Plane = (usize, f64);
+pub type Plane = (usize, f64);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
@@ -27,8 +27,6 @@ pub struct Reflection {
     pub departure: Vec3,
     /// Unit vector from the receiver towards the transmitter's last image.
     pub arrival: Vec3,
-    /// Product of the Fresnel coefficients, vertical polarisation.
-    pub fresnel: Complex64,
 }
 
 impl Reflection {
@@ -50,7 +48,7 @@ pub fn fresnel(permittivity: Complex64, cosine: f64, wall: bool) -> Complex64 {
     if wall { (c - root) / (c + root) } else { (permittivity * c - root) / (permittivity * c + root) }
 }
 
-fn image(p: Vec3, (axis, plane): Plane) -> Vec3 {
+pub fn image(p: Vec3, (axis, plane): Plane) -> Vec3 {
     let mut image = p;
     image[axis] = 2.0 * plane - p[axis];
     image
@@ -62,17 +60,12 @@ fn reflection(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Reflection 
     let way = sub(source, to);
     let length_m = norm(way).max(1e-6);
     let arrival = scale(way, 1.0 / length_m);
-    let coefficient = |&(axis, plane): &Plane| {
-        let ceiling = axis == 2 && plane == size[2];
-        fresnel(if ceiling { PLASTERBOARD } else { CONCRETE }, arrival[axis].abs(), axis != 2)
-    };
     Reflection {
         length_m,
         order: planes.len() as u8,
         ceiling: planes.contains(&(2, size[2])),
         departure: scale(sub(sink, from), 1.0 / length_m),
         arrival,
-        fresnel: planes.iter().map(coefficient).product(),
     }
 }
 
@@ -98,7 +91,7 @@ pub fn conference_room(size: Vec3, from: Vec3, to: Vec3) -> Vec<Reflection> {
 }
 
 /// The planes of every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
-fn orders(size: Vec3, order: u8) -> Vec<Vec<Plane>> {
+pub fn orders(size: Vec3, order: u8) -> Vec<Vec<Plane>> {
     let planes: [Plane; 6] = std::array::from_fn(|k| (k / 2, if k % 2 == 0 { 0.0 } else { size[k / 2] }));
     let mut found: Vec<Vec<Plane>> = planes.iter().map(|&p| vec![p]).collect();
     if order >= 2 {
@@ -114,11 +107,6 @@ fn orders(size: Vec3, order: u8) -> Vec<Vec<Plane>> {
     found
 }
 
-/// Every reflection up to `order` (1 or 2) off walls, floor and ceiling: 6, or 24 in all.
-pub fn traced(size: Vec3, from: Vec3, to: Vec3, order: u8) -> Vec<Reflection> {
-    orders(size, order).iter().map(|planes| reflection(size, planes, from, to)).collect()
-}
-
 /// A way through the room that never changes.
 #[derive(Debug, Clone)]
 pub struct StaticPath {
@@ -128,46 +116,92 @@ pub struct StaticPath {
     pub legs: Vec<Leg>,
 }
 
-/// The mean of the room between two points: reflections up to second order off slabs of the room's materials, vertical polarisation,
-/// and the echoes of what stands in it (pieces outside the room do not count).
-pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath> {
-    let room = &scenario.room;
-    let carrier_hz = scenario.radar.carrier_hz;
-    let lambda = super::wavelength(carrier_hz);
-    let surface = |(axis, plane): Plane| match axis {
-        2 if plane == 0.0 => &room.floor,
-        2 => &room.ceiling,
-        _ => &room.walls,
-    };
-    let mut found: Vec<StaticPath> = Vec::new();
-    for planes in orders(room.size_m, 2) {
-        let r = reflection(room.size_m, &planes, from, to);
-        let bounce =
-            |&plane: &Plane| slab(surface(plane), carrier_hz, r.arrival[plane.0].abs(), plane.0 == 2);
-        let coefficient: Complex64 = planes.iter().map(bounce).product();
-        let path = Path {
-            gain: carrier_phase(r.length_m, lambda) * coefficient * free_space(r.length_m, lambda),
-            delay_s: r.delay_s(),
-            departure: r.departure,
-            arrival: r.arrival,
-        };
-        found.push(StaticPath { path, legs: legs(room.size_m, &planes, from, to) });
+/// What waves meet in a room: six surfaces, and what stands between them.
+#[derive(Debug, Clone)]
+pub struct Map {
+    pub size: Vec3,
+    carrier_hz: f64,
+    /// Walls, floor and ceiling as slabs; else half spaces with the permittivities of the NIST Q-D software.
+    slabs: Option<[Surface; 3]>,
+    pub furniture: Vec<Furniture>,
+    /// Amplitude that each surface leaves to the specular reflection.
+    pub kept: f64,
+}
+
+impl Map {
+    /// The room's own materials and furniture, smooth surfaces. Pieces outside the room do not count.
+    pub fn furnished(scenario: &Scenario) -> Self {
+        let room = &scenario.room;
+        let inside =
+            |piece: &&Furniture| piece.centre_m.iter().zip(&room.size_m).all(|(x, s)| (0.0..=*s).contains(x));
+        Map {
+            size: room.size_m,
+            carrier_hz: scenario.radar.carrier_hz,
+            slabs: Some([room.walls, room.floor, room.ceiling]),
+            furniture: room.furniture.iter().filter(inside).copied().collect(),
+            kept: 1.0,
+        }
     }
-    let scene = Scene { slot: 0, time_s: 0.0, from, to, people: &[] };
-    for piece in &room.furniture {
-        let inside = piece.centre_m.iter().zip(&room.size_m).all(|(x, size)| (0.0..=*size).contains(x));
-        if inside {
+
+    /// As `channel.interior` and `channel.scattering` have it: a rough surface reflects 1 - S^2 of the power.
+    pub fn of(scenario: &Scenario) -> Self {
+        let channel = &scenario.channel;
+        let mut map = Map::furnished(scenario);
+        map.kept = (1.0 - channel.scattering * channel.scattering).sqrt();
+        if channel.interior == Interior::Bare {
+            (map.slabs, map.furniture) = (None, Vec::new());
+        }
+        map
+    }
+
+    /// What a smooth plane reflects of a vertically polarised wave at a cosine of the angle of incidence.
+    pub fn smooth(&self, (axis, plane): Plane, cosine: f64) -> Complex64 {
+        let part = if axis != 2 { 0 } else { 1 + usize::from(plane != 0.0) };
+        match &self.slabs {
+            Some(slabs) => slab(&slabs[part], self.carrier_hz, cosine, axis == 2),
+            None => fresnel(if part == 2 { PLASTERBOARD } else { CONCRETE }, cosine, axis != 2),
+        }
+    }
+
+    /// What planes reflect of a wave that comes along `direction`, one after the other.
+    pub fn reflected(&self, planes: &[Plane], direction: Vec3) -> Complex64 {
+        let bounce = |&plane: &Plane| self.smooth(plane, direction[plane.0].abs()) * self.kept;
+        planes.iter().map(bounce).product()
+    }
+
+    /// Every way between two points by reflections up to second order and by the furniture.
+    pub fn ways(&self, from: Vec3, to: Vec3) -> Vec<StaticPath> {
+        let lambda = super::wavelength(self.carrier_hz);
+        let mut found: Vec<StaticPath> = Vec::new();
+        for planes in orders(self.size, 2) {
+            let r = reflection(self.size, &planes, from, to);
+            let coefficient = self.reflected(&planes, r.arrival);
+            let path = Path {
+                gain: carrier_phase(r.length_m, lambda) * coefficient * free_space(r.length_m, lambda),
+                delay_s: r.delay_s(),
+                departure: r.departure,
+                arrival: r.arrival,
+            };
+            found.push(StaticPath { path, legs: legs(self.size, &planes, from, to) });
+        }
+        let scene = Scene { slot: 0, time_s: 0.0, from, to, people: &[] };
+        for piece in &self.furniture {
             let root = libm::pow(10.0, piece.cross_section_dbsm / 20.0);
             let path = scattered(&scene, piece.centre_m, root, lambda, 0.0);
             found.push(StaticPath { path, legs: vec![(from, piece.centre_m), (piece.centre_m, to)] });
         }
+        found
     }
-    found
+}
+
+/// The mean of the hybrid channel's room between two points.
+pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath> {
+    Map::furnished(scenario).ways(from, to)
 }
 
 /// The straight legs of a reflected way. Two planes of different axes have the same image in either order, but only one order has its
 /// points on the walls.
-fn legs(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Vec<Leg> {
+pub fn legs(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Vec<Leg> {
     let trace = |planes: &[Plane]| {
         // images of the transmitter, the last one first
         let images: Vec<Vec3> = (0..=planes.len())
@@ -193,14 +227,6 @@ fn legs(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Vec<Leg> {
         points = trace(&reversed);
     }
     points.windows(2).map(|pair| (pair[0], pair[1])).collect()
-}
-
-/// Images of a point in the six planes, with each plane's coefficient seen from `to`.
-pub fn images(size: Vec3, point: Vec3, to: Vec3) -> [(Vec3, Complex64); 6] {
-    std::array::from_fn(|k| {
-        let plane = (k / 2, if k % 2 == 0 { 0.0 } else { size[k / 2] });
-        (image(point, plane), reflection(size, &[plane], point, to).fresnel)
-    })
 }
 
 /// Mean reflection loss in dB of an order before truncation at -2 dB, and its standard deviation (11-09/0334r8).
@@ -280,12 +306,13 @@ mod tests {
     }
 
     #[test]
-    fn traced_ways_are_the_conference_rooms_and_those_of_the_floor() {
-        let to = [2.1, 3.3, 1.4];
-        let traced: Vec<f64> = traced(SIZE, RADAR, to, 2).iter().map(|r| r.length_m).collect();
-        assert_eq!(traced.len(), 24);
+    fn ways_are_the_conference_rooms_and_those_of_the_floor() {
+        let (to, mut scenario) = ([2.1, 3.3, 1.4], Scenario::default());
+        scenario.room.furniture.clear();
+        let ways = static_paths(&scenario, RADAR, to);
+        assert_eq!(ways.len(), 24);
         for r in conference_room(SIZE, RADAR, to) {
-            assert!(traced.iter().any(|length| (length - r.length_m).abs() < 1e-12), "{r:?}");
+            assert!(ways.iter().any(|way| (way.path.delay_s - r.delay_s()).abs() < 1e-20), "{r:?}");
         }
     }
 

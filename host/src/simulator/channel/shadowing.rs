@@ -7,8 +7,9 @@
 
 use super::Scene;
 use super::target::Target;
+use crate::scenario::Furniture;
 use crate::simulator::body::gait::joint;
-use crate::simulator::body::primitives::PRIMITIVES;
+use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
 use crate::simulator::body::{Vec3, add, scale, sub};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -25,6 +26,21 @@ pub struct Screen {
 
 /// A way's straight leg between two points.
 pub type Leg = (Vec3, Vec3);
+
+/// Where a leg passes a screen, in m.
+#[derive(Debug, Clone, Copy)]
+pub struct Crossing {
+    /// Length of the leg seen from above.
+    pub way: f64,
+    /// How far along it the screen stands.
+    pub at: f64,
+    /// The edges of its width, across the leg.
+    pub across: [f64; 2],
+    /// Cosine of the leg's elevation.
+    pub tilt: f64,
+    /// Its lower and upper edge over the leg, at right angles to it.
+    pub heights: [f64; 2],
+}
 
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
@@ -46,6 +62,12 @@ fn edges(way: f64, at: f64, low: f64, high: f64, lambda: f64) -> f64 {
 }
 
 impl Screen {
+    /// A piece of furniture's; `None` for a piece without a size.
+    pub fn furniture(piece: &Furniture) -> Option<Self> {
+        let ([x, y, z], [width, height]) = (piece.centre_m, piece.size_m?);
+        Some(Screen { place: [x, y], heights: [z - height / 2.0, z + height / 2.0], width })
+    }
+
     /// A person's at `t` seconds.
     pub fn of(person: &Target, t: f64) -> Self {
         let height = person.person.truth.height_m;
@@ -53,28 +75,39 @@ impl Screen {
         Screen { place: [x, y], heights: [0.0, height], width: 0.3 / 1.7 * height }
     }
 
-    /// Amplitude that a leg keeps, and how far behind the screen it ends in m; 1 where the screen does not stand beside it.
-    fn passed(&self, (a, b): Leg, lambda: f64) -> (f64, f64) {
+    /// Where a leg passes the screen; `None` where the screen does not stand beside it, or one of the leg's ends is the screen's place.
+    pub fn crossing(&self, (a, b): Leg) -> Option<Crossing> {
         let [dx, dy, dz] = sub(b, a);
         let way = length([dx, dy]);
         if way < 1e-3 {
-            return (1.0, 0.0);
+            return None;
         }
         let (ex, ey) = (dx / way, dy / way);
         let (px, py) = (self.place[0] - a[0], self.place[1] - a[1]);
         let at = px * ex + py * ey;
-        if !(0.0..=way).contains(&at) {
-            return (1.0, 0.0);
+        if !(1e-6..=way - 1e-6).contains(&at) {
+            return None;
         }
         let across = py * ex - px * ey;
-        let wide = edges(way, at, across - self.width / 2.0, across + self.width / 2.0, lambda);
         // from the side: heights over the leg where it passes, at right angles to it
         let slope = dz / way;
         let tilt = 1.0 / (1.0 + slope * slope).sqrt();
         let passing = a[2] + slope * at;
-        let [low, high] = self.heights.map(|z| (z - passing) * tilt);
-        let high = edges(way / tilt, at / tilt, low, high, lambda);
-        ((1.0 - wide * high).clamp(0.0, 1.0), way - at)
+        Some(Crossing {
+            way,
+            at,
+            across: [across - self.width / 2.0, across + self.width / 2.0],
+            tilt,
+            heights: self.heights.map(|z| (z - passing) * tilt),
+        })
+    }
+
+    /// Amplitude that a leg keeps, and how far behind the screen it ends in m; 1 where the screen does not stand beside it.
+    fn passed(&self, leg: Leg, lambda: f64) -> (f64, f64) {
+        let Some(c) = self.crossing(leg) else { return (1.0, 0.0) };
+        let wide = edges(c.way, c.at, c.across[0], c.across[1], lambda);
+        let high = edges(c.way / c.tilt, c.at / c.tilt, c.heights[0], c.heights[1], lambda);
+        ((1.0 - wide * high).clamp(0.0, 1.0), c.way - c.at)
     }
 
     /// Amplitude that a leg keeps.
@@ -90,24 +123,26 @@ pub fn transmission(screens: &[Screen], legs: &[Leg], lambda: f64) -> f64 {
 }
 
 /// Amplitudes of a person's primitives behind its own torso, there and back.
-///
-/// The torso is a screen of its own girth. A primitive within the torso's radius behind its axis goes over from seen to hidden.
 pub fn own_torso(scene: &Scene, person: &Target, t: f64, lambda: f64) -> [f64; PRIMITIVES] {
     let primitives = person.primitives(t);
+    let there = behind_torso(scene.from, &primitives, lambda);
+    let back = if scene.monostatic() { there } else { behind_torso(scene.to, &primitives, lambda) };
+    std::array::from_fn(|k| there[k] * back[k])
+}
+
+/// Amplitudes of a person's primitives behind its own torso, one way, seen from `end`.
+///
+/// The torso is a screen of its own girth. A primitive within the torso's radius behind its axis goes over from seen to hidden.
+pub fn behind_torso(end: Vec3, primitives: &[Primitive; PRIMITIVES], lambda: f64) -> [f64; PRIMITIVES] {
     let torso = &primitives[1];
     let [radius, half] = torso.semi;
     let [x, y, z] = torso.centre;
     let screen = Screen { place: [x, y], heights: [z - half, z + half], width: 2.0 * radius };
-    let one_way = |end: Vec3, centre: Vec3| {
-        let (kept, behind) = screen.passed((end, centre), lambda);
-        let s = (behind / radius).clamp(0.0, 1.0);
-        1.0 - (1.0 - kept) * s * s * (3.0 - 2.0 * s)
-    };
     let mut amplitudes = [1.0; PRIMITIVES];
-    for (amplitude, primitive) in amplitudes.iter_mut().zip(&primitives).skip(2) {
-        let there = one_way(scene.from, primitive.centre);
-        *amplitude =
-            if scene.monostatic() { there * there } else { there * one_way(scene.to, primitive.centre) };
+    for (amplitude, primitive) in amplitudes.iter_mut().zip(primitives).skip(2) {
+        let (kept, behind) = screen.passed((end, primitive.centre), lambda);
+        let s = (behind / radius).clamp(0.0, 1.0);
+        *amplitude = 1.0 - (1.0 - kept) * s * s * (3.0 - 2.0 * s);
     }
     amplitudes
 }
