@@ -4,6 +4,7 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::LazyLock;
 
 /// A seeded stream.
@@ -59,6 +60,13 @@ impl Random {
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.bits.next_u64()
+    }
+
+    /// Laplacian with mean 0 and variance 1.
+    pub fn laplacian(&mut self) -> f64 {
+        let u = 2.0 * self.uniform() - 1.0;
+        let size = -FRAC_1_SQRT_2 * libm::log(1.0 - u.abs());
+        if u < 0.0 { -size } else { size }
     }
 
     /// Normal with mean 0 and variance 1.

@@ -13,14 +13,14 @@ fn caption(model: &str) -> &'static str {
         }
         "primitive" => "The same without uncertainty: a clean body on black.",
         "ray-tracing" => {
-            "The body and its images in the walls: ghosts at other radial speeds, no uncertainty."
+            "The body and its images in one surface and in two: ghosts at other radial speeds, no uncertainty."
         }
-        "statistical" => "A fresh draw at every place: noise at all Dopplers, no person to be recognised.",
+        "statistical" => "Rays that fade: a bell around zero; it does not know the person's speed.",
         "80211ay" => "Static clusters: what clutter removal leaves is noise.",
         "80211ax" => "Slow fading of the taps and a bell around zero; it does not know the person's speed.",
         "38901" => "One moving scatterer: the torso's line without limbs.",
         "quadriga" => "Scatterers at rest within a segment: a line at zero and steps between segments.",
-        "metis" => "A traced map with resting objects: no motion.",
+        "metis" => "A traced map with resting objects: people move as shadows on its ways alone.",
         _ => "",
     }
 }

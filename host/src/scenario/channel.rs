@@ -78,12 +78,18 @@ impl Model {
 /// The TGn model that suits the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Tgn {
+    /// One tap: a flat channel.
+    A,
     /// Residential, rms delay spread 15 ns.
     B,
     /// Small office, 30 ns.
     C,
     /// Typical office, 50 ns.
     D,
+    /// Large office, 100 ns.
+    E,
+    /// Large open space, 150 ns.
+    F,
 }
 
 /// When the room's recursion advances.
@@ -125,6 +131,57 @@ impl Clusters {
     }
 }
 
+/// Environments of IEEE 802.11ad/ay: the rays around a cluster's central one. Reflection losses are the conference room's in all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Environment {
+    /// Conference room.
+    ConferenceRoom,
+    /// Living room.
+    LivingRoom,
+    /// Office with cubicles.
+    Cubicle,
+    /// Hotel lobby.
+    HotelLobby,
+    /// Open area outdoors.
+    OpenArea,
+}
+
+impl Environment {
+    /// All environments.
+    pub const ALL: [Environment; 5] = [
+        Environment::ConferenceRoom,
+        Environment::LivingRoom,
+        Environment::Cubicle,
+        Environment::HotelLobby,
+        Environment::OpenArea,
+    ];
+}
+
+/// Polarisation of the antennas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Polarisation {
+    /// Both vertical.
+    Vertical,
+    /// Both horizontal.
+    Horizontal,
+    /// A vertical transmitter and a horizontal receiver.
+    Crossed,
+}
+
+/// How the taps of the statistical model change in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doppler {
+    /// No law: a fresh draw wherever an antenna or a person has moved.
+    Redrawn,
+    /// TGn's bell spectrum 1 / (1 + 9 (f / f_d)^2), f_d that of 1.2 km/h: autocorrelation exp(-2 pi f_d t / 3).
+    Bell,
+    /// Clarke's spectrum at the same f_d: autocorrelation J0(2 pi f_d t).
+    Clarke,
+}
+
 /// What the models that trace rays know of the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -163,6 +220,12 @@ pub struct Channel {
     pub shadowing: bool,
     /// Whether a torso hides the limbs behind it (the hybrid channel, `ray-tracing`).
     pub occlusion: bool,
+    /// Rays within a cluster (`80211ay` and the hybrid channel with those statistics).
+    pub environment: Environment,
+    /// Polarisation of transmitter and receiver (`80211ay`).
+    pub polarisation: Polarisation,
+    /// How taps change in time (`statistical`).
+    pub doppler: Doppler,
     /// What `ray-tracing` and `metis` know of the room.
     pub interior: Interior,
     /// Scattering coefficient S of surfaces, 0 to 1: the share S^2 of what a surface reflects is diffuse (`ray-tracing`, `metis`).

@@ -1,8 +1,9 @@
 //! What a scenario says where its file says nothing: the paper's section VI where it gives a value.
 
 use super::{
-    Advance, ArMode, Channel, Clusters, Communication, Frame, Furniture, Interior, Learning, Material, Model,
-    Optimizer, Radar, Room, Scenario, Schedule, SpectrogramSettings, Surface, Target, Tgn, Trade,
+    Advance, ArMode, Channel, Clusters, Communication, Doppler, Environment, Frame, Furniture, Interior,
+    Learning, Material, Model, Optimizer, Polarisation, Radar, Room, Scenario, Schedule, SpectrogramSettings,
+    Surface, Target, Tgn, Trade,
 };
 
 impl Default for Scenario {
@@ -64,6 +65,9 @@ impl Default for Channel {
             blockage: false,
             shadowing: true,
             occlusion: true,
+            environment: Environment::ConferenceRoom,
+            polarisation: Polarisation::Vertical,
+            doppler: Doppler::Bell,
             interior: Interior::Furnished,
             scattering: 0.2,
             diffraction: true,

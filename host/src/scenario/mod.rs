@@ -20,7 +20,9 @@ mod room;
 mod rules;
 mod schema;
 
-pub use channel::{Advance, ArMode, Channel, Clusters, Interior, Model, Tgn};
+pub use channel::{
+    Advance, ArMode, Channel, Clusters, Doppler, Environment, Interior, Model, Polarisation, Tgn,
+};
 pub use check::ScenarioError;
 pub use communication::Communication;
 pub use front_end::{Effects, FrontEnd, Spectrum};

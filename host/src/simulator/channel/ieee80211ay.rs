@@ -1,13 +1,14 @@
-//! `80211ay`: the quasi-deterministic conference room of IEEE 802.11ad/ay.
+//! `80211ay`: the quasi-deterministic rooms of IEEE 802.11ad/ay.
 //!
 //! 11-09/0334r8, 11-15/1150: image-method clusters with lognormal losses and blockage, each a bundle of rays before and after
-//! its central one. The room's phases are drawn once; a person is one more cluster of fixed phase.
+//! its central one ([`bundle`]), and a polarisation matrix per cluster. The room's phases are drawn once; a person is one more cluster of
+//! fixed phase. Losses, blockage and polarisation are those of the conference room between two stations in every environment.
 
 use super::room::{LOSS_DB, Reflection, conference_room, free_space};
 use super::target::direct;
 use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
-use crate::scenario::Scenario;
+use crate::scenario::{Environment, Polarisation, Scenario};
 use crate::simulator::body::{Vec3, norm, scale};
 use std::f64::consts::PI;
 
@@ -54,27 +55,55 @@ pub struct Offset {
     pub central: bool,
 }
 
-/// (rays, K factor in dB, decay in ns, arrival rate in 1/ns, sign of the delay) before and after the central ray.
-pub const BUNDLES: [(usize, f64, f64, f64, f64); 2] = [(6, 10.0, 3.7, 0.37, -1.0), (8, 14.2, 4.5, 0.31, 1.0)];
+/// The rays of a cluster besides the central one: (rays, K factor in dB, decay in ns, arrival rate in 1/ns, sign of the delay) before and
+/// after it, and the standard deviation of their angles in degrees.
+type Bundle = ([(usize, f64, f64, f64, f64); 2], f64);
 
-/// Rays of one cluster of the conference room: six before and eight after the central one, Poisson arrivals, Rayleigh
-/// amplitudes, exponential decay, angles within 5 degrees.
-pub fn draw_rays(random: &mut Random) -> Vec<Offset> {
+/// An environment's bundle: the conference room's is 11-09/0334r8's, the others are those of 11-15/1150 as the NIST Q-D software lists them.
+pub fn bundle(environment: Environment) -> Bundle {
+    let none = (0, 0.0, 1.0, 1.0, -1.0);
+    match environment {
+        Environment::ConferenceRoom => ([(6, 10.0, 3.7, 0.37, -1.0), (8, 14.2, 4.5, 0.31, 1.0)], 5.0),
+        Environment::LivingRoom => ([(6, 11.5, 1.25, 0.29, -1.0), (8, 10.9, 8.7, 1.0, 1.0)], 10.0),
+        Environment::Cubicle => ([(6, 5.0, 3.7, 0.37, -1.0), (8, 10.0, 4.5, 0.31, 1.0)], 5.0),
+        Environment::HotelLobby => ([none, (6, 10.0, 4.5, 0.31, 1.0)], 5.0),
+        Environment::OpenArea => ([none, (4, 4.0, 4.5, 0.31, 1.0)], 5.0),
+    }
+}
+
+/// Rays of one cluster: Poisson arrivals, Rayleigh amplitudes, exponential decay, normal angles.
+pub fn draw_rays((sides, angle_deg): Bundle, random: &mut Random) -> Vec<Offset> {
     let mut rays = vec![Offset { amplitude: 1.0, delay_s: 0.0, angle: [0.0; 2], central: true }];
-    for (count, k_db, decay, arrival, sign) in BUNDLES {
+    for (count, k_db, decay, arrival, sign) in sides {
         let mut delay = 0.0;
         for _ in 0..count {
             delay -= libm::log(1.0 - random.uniform()) / arrival;
             let mean_power = libm::exp(-delay / decay) * libm::pow(10.0, -k_db / 10.0);
             let (x, y) = (random.gaussian(), random.gaussian());
             let amplitude = (mean_power * (x * x + y * y) / 2.0).sqrt();
-            let angle = [5.0 * PI / 180.0 * random.gaussian(), 5.0 * PI / 180.0 * random.gaussian()];
+            let angle =
+                [angle_deg * PI / 180.0 * random.gaussian(), angle_deg * PI / 180.0 * random.gaussian()];
             rays.push(Offset { amplitude, delay_s: sign * delay * 1e-9, angle, central: false });
         }
     }
     let energy: f64 = rays.iter().map(|r| r.amplitude * r.amplitude).sum();
     rays.iter_mut().for_each(|r| r.amplitude /= energy.sqrt());
     rays
+}
+
+/// What the polarisation matrix of 11-09/0334r8 makes of a reflection with the amplitude `loss`: R11 from vertical to vertical, R22 from
+/// horizontal to horizontal, or the cross term from vertical to horizontal, which does not depend on the loss.
+fn polarised(polarisation: Polarisation, r: &Reflection, loss: f64, random: &mut Random) -> f64 {
+    let positive = match (polarisation, r.order, r.ceiling) {
+        (Polarisation::Crossed, 1, _) => return if random.uniform() < 0.5 { 0.1 } else { -0.1 },
+        (Polarisation::Crossed, ..) => return 0.2 * random.uniform() - 0.1,
+        (Polarisation::Vertical, 1, ceiling) => ceiling,
+        (Polarisation::Horizontal, 1, ceiling) => !ceiling,
+        (_, _, true) => false,
+        (Polarisation::Vertical, ..) => true,
+        (Polarisation::Horizontal, ..) => random.uniform() < 0.87,
+    };
+    if positive { loss } else { -loss }
 }
 
 /// A direction turned by an azimuth and an elevation.
@@ -124,11 +153,12 @@ pub fn rays(scenario: &Scenario, (from, to): (Vec3, Vec3), random: &mut Random) 
     let lambda = wavelength(scenario.radar.carrier_hz);
     let room = conference_room(scenario.room.size_m, from, to);
     let blockage = if scenario.channel.blockage { blockage_db(&room, random) } else { vec![0.0; room.len()] };
+    let bundle = bundle(scenario.channel.environment);
     let mut rays = Vec::new();
     for (reflection, blocked) in room.iter().zip(blockage) {
         let loss = draw_loss_db(reflection.order, random) + blocked;
         let amplitude = libm::pow(10.0, loss / 20.0) * free_space(reflection.length_m, lambda);
-        for offset in draw_rays(random) {
+        for offset in draw_rays(bundle, random) {
             let delay_s = reflection.delay_s() + offset.delay_s;
             if delay_s < 0.0 {
                 continue;
@@ -145,15 +175,20 @@ pub fn rays(scenario: &Scenario, (from, to): (Vec3, Vec3), random: &mut Random) 
     rays
 }
 
+/// Mean cross-polar ratio of a person in dB, of 3GPP TR 38.901's sensing additions: IEEE has none.
+const PERSON_XPR_DB: f64 = 19.81;
+
 /// The model: rays of a room that keeps them.
 #[derive(Debug)]
 pub struct ConferenceRoom {
     lambda: f64,
     size: Vec3,
     ends: (Vec3, Vec3),
-    /// Loss amplitude and bundle (with phases) of each reflection.
+    /// Signed amplitude and bundle (with phases) of each reflection.
     clusters: Vec<(f64, Vec<(Offset, Complex64)>)>,
     person: f64,
+    /// Whether the receiver has the other polarisation: it gets nothing directly.
+    crossed: bool,
 }
 
 impl ConferenceRoom {
@@ -162,28 +197,35 @@ impl ConferenceRoom {
         let room = conference_room(scenario.room.size_m, from, to);
         let blockage =
             if scenario.channel.blockage { blockage_db(&room, random) } else { vec![0.0; room.len()] };
+        let bundle = bundle(scenario.channel.environment);
         let cluster = |(reflection, blocked): (&Reflection, &f64)| {
-            let loss = libm::pow(10.0, (draw_loss_db(reflection.order, random) + blocked) / 20.0);
-            let bundle = draw_rays(random);
-            let phased = bundle.into_iter().map(|offset| {
+            let loss_db = draw_loss_db(reflection.order, random);
+            let phased = draw_rays(bundle, random).into_iter().map(|offset| {
                 let phase = if offset.central { 0.0 } else { 2.0 * PI * random.uniform() };
                 (offset, phasor(phase))
             });
-            (loss, phased.collect())
+            ([loss_db, *blocked].map(|db| libm::pow(10.0, db / 20.0)), phased.collect())
+        };
+        let drawn: Vec<([f64; 2], Vec<_>)> = room.iter().zip(&blockage).map(cluster).collect();
+        let person = 2.0 * PI * random.uniform();
+        let polarisation = scenario.channel.polarisation;
+        let signed = |(reflection, ([loss, blocked], bundle)): (&Reflection, ([f64; 2], Vec<_>))| {
+            (polarised(polarisation, reflection, loss, random) * blocked, bundle)
         };
         ConferenceRoom {
             lambda: wavelength(scenario.radar.carrier_hz),
             size: scenario.room.size_m,
             ends: (from, to),
-            clusters: room.iter().zip(&blockage).map(cluster).collect(),
-            person: 2.0 * PI * random.uniform(),
+            clusters: room.iter().zip(drawn).map(signed).collect(),
+            person,
+            crossed: polarisation == Polarisation::Crossed,
         }
     }
 }
 
 impl ChannelModel for ConferenceRoom {
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>) {
-        paths.extend(direct(scene, self.lambda));
+        paths.extend(direct(scene, self.lambda).filter(|_| !self.crossed));
         for (reflection, (loss, bundle)) in
             conference_room(self.size, scene.from, scene.to).iter().zip(&self.clusters)
         {
@@ -202,7 +244,11 @@ impl ChannelModel for ConferenceRoom {
         // a person is a cluster where it first stood
         let ends = Scene { from: self.ends.0, to: self.ends.1, ..*scene };
         for person in scene.people {
-            paths.push(person.mean_echo(&ends, 0.0, self.lambda, self.person));
+            let mut path = person.mean_echo(&ends, 0.0, self.lambda, self.person);
+            if self.crossed {
+                path.gain *= libm::pow(10.0, -PERSON_XPR_DB / 20.0);
+            }
+            paths.push(path);
         }
     }
 }
@@ -222,18 +268,26 @@ mod tests {
             let sum: f64 = (0..40_000).map(|_| draw_loss_db(order, &mut random)).sum();
             assert!((sum / 40_000.0 - mean).abs() < 0.1, "order {order}: {}", sum / 40_000.0);
         }
-        for _ in 0..100 {
-            let energy: f64 = draw_rays(&mut random).iter().map(|r| r.amplitude * r.amplitude).sum();
+        for environment in Environment::ALL.into_iter().cycle().take(100) {
+            let energy: f64 =
+                draw_rays(bundle(environment), &mut random).iter().map(|r| r.amplitude * r.amplitude).sum();
             assert!((energy - 1.0).abs() < 1e-12);
         }
     }
 
     #[test]
     fn arrivals_and_decays_are_the_standards() {
+        for environment in Environment::ALL {
+            arrivals_and_decays(environment);
+        }
+    }
+
+    fn arrivals_and_decays(environment: Environment) {
         let mut random = Random::new(4, 0, 0, 0);
-        let draws: Vec<_> = (0..40_000).map(|_| draw_rays(&mut random)).collect();
+        let draws: Vec<_> = (0..40_000).map(|_| draw_rays(bundle(environment), &mut random)).collect();
         let mut first = 1;
-        for (count, k_db, decay, arrival, sign) in BUNDLES {
+        let (sides, angle_deg) = bundle(environment);
+        for (count, k_db, decay, arrival, sign) in sides.into_iter().filter(|side| side.0 > 0) {
             // mean gap between rays: 1 / arrival
             let last: f64 = draws.iter().map(|rays| sign * rays[first + count - 1].delay_s * 1e9).sum();
             let gap = last / (draws.len() * count) as f64;
@@ -264,6 +318,17 @@ mod tests {
             assert!((-1.0 / slope / decay - 1.0).abs() < 0.02, "decay {}", -1.0 / slope);
             let k = -10.0 * libm::log10(libm::exp(start));
             assert!((k - k_db).abs() < 0.15, "K {k}");
+            let square = |ray: &Offset| ray.angle.iter().map(|x| x * x).sum::<f64>() / 2.0;
+            let squares: f64 = draws.iter().flat_map(|rays| &rays[first..first + count]).map(square).sum();
+            let angle = (squares / (draws.len() * count) as f64).sqrt() * 180.0 / PI;
+            assert!((angle / angle_deg - 1.0).abs() < 0.02, "angles {angle}");
+            println!(
+                "number: {environment:?}, {} the central ray: K {k:.2} dB ({k_db}), decay {:.3} ns ({decay}), rate {:.4} /ns ({arrival}), angles \
+                 {angle:.2} degrees ({angle_deg})",
+                if sign < 0.0 { "before" } else { "after" },
+                -1.0 / slope,
+                1.0 / gap
+            );
             first += count;
         }
     }
@@ -286,5 +351,49 @@ mod tests {
         assert!((share(1..5) - 0.24).abs() < 0.01, "{}", share(1..5));
         assert!((share(5..9) - 0.037).abs() < 0.005, "{}", share(5..9));
         assert!((share(9..17) / 8.0 - 0.175).abs() < 0.01, "{}", share(9..17) / 8.0);
+    }
+
+    #[test]
+    fn polarisation_has_the_signs_and_cross_terms_of_the_matrix() {
+        let mut scenario = Scenario::default();
+        let ends = ([1.5, 1.0, 1.0], [1.5, 3.0, 1.0]);
+        let mut draw = |polarisation, index| {
+            scenario.channel.polarisation = polarisation;
+            let model = ConferenceRoom::new(&scenario, ends, &mut Random::new(1, 0, 0, index));
+            model.clusters.into_iter().map(|(amplitude, _)| amplitude).collect::<Vec<f64>>()
+        };
+        let n = 4000;
+        let (mut cross, mut plus) = ([0.0; 2], 0.0);
+        for index in 0..n {
+            let (vertical, horizontal) =
+                (draw(Polarisation::Vertical, index), draw(Polarisation::Horizontal, index));
+            // ceiling, walls, walls with the ceiling, two walls: R11 + - - +, R22 - + - +-
+            for (k, (v, h)) in vertical.iter().zip(&horizontal).enumerate() {
+                assert_eq!(*v > 0.0, k == 0 || k >= 9, "{k}");
+                assert!(v.abs() == h.abs() && (k >= 9 || (*h > 0.0) == (1..5).contains(&k)), "{k}");
+            }
+            plus += horizontal[9..].iter().filter(|h| **h > 0.0).count() as f64 / (8 * n) as f64;
+            for (k, amplitude) in draw(Polarisation::Crossed, index).iter().enumerate() {
+                let (order, of) = if k < 5 { (0, 5) } else { (1, 12) };
+                cross[order] += amplitude * amplitude / (of * n) as f64;
+            }
+        }
+        let db = cross.map(|power| 10.0 * libm::log10(power));
+        println!(
+            "number: cross-polar power of first order {:.2} dB (-20), of second {:.2} dB (0.1^2 / 3: -24.77); R22 of two walls is \
+            positive with {plus:.3} (0.87)",
+            db[0], db[1]
+        );
+        assert!((db[0] + 20.0).abs() < 1e-6 && (db[1] + 24.77).abs() < 0.1, "{db:?}");
+        assert!((plus - 0.87).abs() < 0.01, "{plus}");
+        // nothing comes directly
+        let mut count = |polarisation| {
+            scenario.channel.polarisation = polarisation;
+            let mut paths = Vec::new();
+            let scene = Scene { slot: 0, time_s: 0.0, from: ends.0, to: ends.1, people: &[] };
+            ConferenceRoom::new(&scenario, ends, &mut Random::new(1, 0, 0, 0)).paths(&scene, &mut paths);
+            paths.len()
+        };
+        assert_eq!(count(Polarisation::Crossed) + 1, count(Polarisation::Vertical));
     }
 }

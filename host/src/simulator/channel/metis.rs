@@ -19,7 +19,7 @@ use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, dot, norm, sub};
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 /// Random objects in a room, and the range of their cross sections in m^2: a sphere's is pi r^2.
 const OBJECTS: usize = 6;
@@ -59,12 +59,6 @@ fn spread<'a>(ways: impl Iterator<Item = &'a Path> + Clone) -> (f64, f64) {
     (power, (moment(2) / power - mean * mean).max(0.0).sqrt())
 }
 
-/// Laplacian with a standard deviation.
-fn laplacian(deviation: f64, random: &mut Random) -> f64 {
-    let u = 2.0 * random.uniform() - 1.0;
-    -deviation * FRAC_1_SQRT_2 * libm::log(1.0 - u.abs()) * u.signum()
-}
-
 /// The stochastic rays of a room with these traced ways, the first arriving at `first` s.
 fn stochastic(ways: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path> {
     let (traced, delay_spread) = spread(ways.iter().map(|way| &way.path));
@@ -88,7 +82,7 @@ fn stochastic(ways: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path>
         let Some(StaticPath { path: around, .. }) = around.or(ways.last()) else { continue };
         for _ in 0..RAYS {
             let mut turn = |direction: Vec3| {
-                let angle = [0; 2].map(|_| laplacian(RAY_SPREAD_DEG * PI / 180.0, random));
+                let angle = [0; 2].map(|_| RAY_SPREAD_DEG * PI / 180.0 * random.laplacian());
                 turned(direction, angle)
             };
             let (departure, arrival) = (turn(around.departure), turn(around.arrival));

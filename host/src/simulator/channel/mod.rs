@@ -9,12 +9,12 @@
 //! | `dahc` | [`dahc`] | the paper's: sixteen primitives and a room with memory, eqs. (DAHC), (uit), (vit) |
 //! | `primitive` | [`primitive`] | the same with a perfect memory (rho = 1): no uncertainty |
 //! | `ray-tracing` | [`ray_tracing`] | images up to second order off slabs, rough surfaces, diffraction, a body that moves |
-//! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, redrawn wherever something moves |
-//! | `80211ay` | [`ieee80211ay`] | quasi-deterministic conference room |
-//! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax taps with their bell spectrum |
+//! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, fading by a Doppler spectrum |
+//! | `80211ay` | [`ieee80211ay`] | quasi-deterministic rooms, polarised |
+//! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax models A to F, plane waves with their bell spectrum |
 //! | `38901` | [`tr38901`] | 3GPP indoor office, spatially consistent, with the sensing additions' human |
 //! | `quadriga` | [`quadriga`] | the same clusters as scatterers in space, drifting within segments |
-//! | `metis` | [`metis`] | map-based hybrid: traced walls, random objects, a diffuse rest |
+//! | `metis` | [`metis`] | map-based hybrid: traced rough walls, screens, random objects, stochastic clusters |
 
 pub(crate) mod antenna;
 pub(crate) mod autoregressive;
@@ -38,6 +38,7 @@ pub(crate) mod roughness;
 pub(crate) mod shadowing;
 pub(crate) mod statistical;
 pub(crate) mod target;
+pub(crate) mod tgn;
 pub(crate) mod tr38901;
 
 use super::body::Vec3;

@@ -70,6 +70,10 @@ fn reason(model: Model, property: &str) -> &'static str {
             "the paper cites the release before sensing; the sensing additions (clause 7.9) give the person a scatterer \
              that moves with it"
         }
+        (Model::Statistical, "small_scale_consistency" | "sensing_uncertainty") => {
+            "Saleh and Valenzuela state no law in time, as the paper says; here their rays fade by TGn's Doppler spectrum \
+             (channel.doppler)"
+        }
         (Model::Ieee80211ax, _) => "the paper's table has no row for it",
         _ => "",
     }
