@@ -13,7 +13,7 @@ fn caption(model: &str) -> &'static str {
         }
         "primitive" => "The same without uncertainty: a clean body on black.",
         "ray-tracing" => {
-            "The body and its images in one surface and in two: ghosts at other radial speeds, no uncertainty."
+            "The body and its images in the walls: ghosts at other radial speeds, no uncertainty."
         }
         "statistical" => "Rays that fade: a bell around zero; it does not know the person's speed.",
         "80211ay" => "Static clusters: what clutter removal leaves is noise.",

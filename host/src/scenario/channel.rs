@@ -13,7 +13,7 @@ pub enum ArMode {
     VariancePreserving,
     /// Rays given by geometry keep their phase; only the diffuse rays are redrawn.
     Consistent,
-    /// A constant mean from geometry, v_j = m + w_j, and a stationary fluctuation w_j = rho w_{j-1} + sqrt(1 - rho^2) Upsilon_j whose power is
+    /// A constant mean from geometry, v_j = m + w_j, and a stationary fluctuation w_j = rho w_{j-1} + sqrt(1 - rho^2) Upsilon_j. Its power is
     /// the mean's over the K factor.
     Rician,
 }
@@ -233,7 +233,7 @@ pub struct Channel {
     /// Whether waves bend around people and furniture (`ray-tracing`): Kirchhoff's integral over a screen; otherwise a screen hides what is
     /// behind it.
     pub diffraction: bool,
-    /// Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`).
+    /// Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`; it takes five times as long).
     pub double_bounce: bool,
     /// Line of sight (`38901`, `quadriga`).
     pub line_of_sight: bool,

@@ -71,7 +71,7 @@ impl Default for Channel {
             interior: Interior::Furnished,
             scattering: 0.2,
             diffraction: true,
-            double_bounce: true,
+            double_bounce: false,
             line_of_sight: true,
             interferer: false,
         }

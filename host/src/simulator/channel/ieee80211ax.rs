@@ -223,7 +223,7 @@ mod tests {
                     }
                 }
             }
-            let mut worst = [1.0, 1.0];
+            let mut worst = [1.0_f64, 1.0];
             for (cluster, sums) in clusters.iter().zip(&sums) {
                 for ([mean, spread], [x, y]) in [cluster.arrival, cluster.departure].into_iter().zip(sums) {
                     // a Laplacian's characteristic function is 1 / (1 + sigma^2 / 2), whole turns or not

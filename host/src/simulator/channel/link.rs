@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::scenario::{Clusters, Model};
 
-    /// The paper's room, whose links are clusters alone.
+    /// The paper's room: its links are clusters alone.
     fn printed() -> Scenario {
         crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario()
     }

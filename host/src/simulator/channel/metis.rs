@@ -111,12 +111,13 @@ impl MapBased {
         let objects: Vec<Object> = (0..OBJECTS).map(object).collect();
         let mut screens: Vec<Screen> = traced.map.furniture.iter().filter_map(Screen::furniture).collect();
         screens.extend(objects.iter().map(screen));
-        let ways = traced.ways(ends);
+        let lambda = wavelength(scenario.radar.carrier_hz);
+        let ways = traced.ways(ends, |legs| transmission(&screens, legs, lambda).into());
         let distance = norm(sub(ends.1, ends.0)) / SPEED_OF_LIGHT;
         let shortest = ways.iter().map(|way| way.path.delay_s).fold(f64::INFINITY, f64::min);
         let first = if ends.0 == ends.1 { shortest } else { distance };
         MapBased {
-            lambda: wavelength(scenario.radar.carrier_hz),
+            lambda,
             rays: stochastic(ways, first, &mut random),
             traced,
             ends,
@@ -137,15 +138,15 @@ fn screen(&([x, y, z], root, _): &Object) -> Screen {
 impl ChannelModel for MapBased {
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>) {
         let (lambda, ends) = (self.lambda, (scene.from, scene.to));
-        let mut screens = self.screens.clone();
         let people = scene.people.iter().filter(|_| self.shadowing);
-        screens.extend(people.map(|person| Screen::of(person, scene.time_s)));
-        let kept = |legs: &[_]| transmission(&screens, legs, lambda);
+        let people: Vec<Screen> = people.map(|person| Screen::of(person, scene.time_s)).collect();
+        let by = |screens, legs: &[_]| transmission(screens, legs, lambda);
+        let kept = |legs: &[_]| by(&self.screens, legs) * by(&people, legs);
         if let Some(path) = direct(scene, lambda) {
             paths.push(Path { gain: path.gain * kept(&[ends]), ..path });
         }
-        for StaticPath { path, legs } in self.traced.ways(ends) {
-            paths.push(Path { gain: path.gain * kept(legs), ..*path });
+        for StaticPath { path, legs } in self.traced.ways(ends, |legs| by(&self.screens, legs).into()) {
+            paths.push(Path { gain: path.gain * by(&people, legs), ..*path });
         }
         for &(place, root, phase) in &self.objects {
             let path = scattered(scene, place, root, lambda, phase);
@@ -174,7 +175,7 @@ mod tests {
     #[test]
     fn clusters_have_the_delay_spread_and_the_k_factor_of_the_map() {
         let mut traced = Traced::new(&Scenario::default());
-        let ways = traced.ways(ENDS);
+        let ways = traced.ways(ENDS, |_| 1.0.into());
         let (power, delay_spread) = spread(ways.iter().map(|way| &way.path));
         let (mut sum, mut found) = (0.0, 0.0);
         let n = 4000;

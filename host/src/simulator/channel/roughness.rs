@@ -9,7 +9,8 @@
 //! Each tile of a surface is one such element with a phase of its own. The phases are the same in every recording.
 
 use super::room::{Map, Plane, StaticPath};
-use super::{Path, carrier_phase, phasor, wavelength};
+use super::shadowing::Leg;
+use super::{Complex64, Path, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, dot, norm, scale, sub};
@@ -105,11 +106,12 @@ impl Traced {
         Traced { lambda: wavelength(scenario.radar.carrier_hz), roughness, map, known: None }
     }
 
-    /// Between two ends.
-    pub fn ways(&mut self, ends: (Vec3, Vec3)) -> &[StaticPath] {
+    /// Between two ends; `kept` is what resting screens leave of a way.
+    pub fn ways(&mut self, ends: (Vec3, Vec3), kept: impl Fn(&[Leg]) -> Complex64) -> &[StaticPath] {
         if self.known.as_ref().is_none_or(|(known, _)| *known != ends) {
             let mut ways = self.map.ways(ends.0, ends.1);
             ways.extend(self.roughness.ways(&self.map, ends.0, ends.1, self.lambda));
+            ways.iter_mut().for_each(|way| way.path.gain *= kept(&way.legs));
             self.known = Some((ends, ways));
         }
         self.known.as_ref().map_or(&[], |(_, ways)| ways)

@@ -71,7 +71,8 @@ impl Screen {
     /// A person's at `t` seconds.
     pub fn of(person: &Target, t: f64) -> Self {
         let height = person.person.truth.height_m;
-        let [x, y, _] = person.person.joints(t)[joint::BASE];
+        let base = |t: f64| person.person.joints(t)[joint::BASE];
+        let [x, y, _] = person.rigid.map_or_else(|| base(t), |velocity| add(base(0.0), scale(velocity, t)));
         Screen { place: [x, y], heights: [0.0, height], width: 0.3 / 1.7 * height }
     }
 
