@@ -34,7 +34,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   # 1 to 100.
   size_m = [3.0, 4.5, 3.0]
   
-  # What the four walls are made of (the hybrid channel with `mode = "rician"`).
+  # What the four walls are made of (the hybrid channel with `mode = "rician"`, `ray-tracing`, `metis`).
   [room.walls]
   # Its material. Legal: one of concrete, brick, plasterboard, wood, glass, ceiling-board, chipboard, plywood,
   # marble, metal.
@@ -154,15 +154,33 @@ Scenarios: listed, shown, written, checked, set field by field.
   advance = "sensing-slot"
   # Whether the room's response starts with the power it settles at instead of Upsilon's.
   stationary_start = false
-  # Taps of `80211ax` and of the hybrid channel with those statistics. Legal: one of B, C, D.
+  # Taps of `80211ax` and of the hybrid channel with those statistics. Legal: one of A, B, C, D, E, F.
   tgn = "B"
   # Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
   blockage = false
   # Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel
-  # with `mode = "rician"`).
+  # with `mode = "rician"`, `ray-tracing`, `metis`).
   shadowing = true
-  # Whether a torso hides the limbs behind it (the hybrid channel).
+  # Whether a torso hides the limbs behind it (the hybrid channel, `ray-tracing`).
   occlusion = true
+  # Rays within a cluster (`80211ay` and the hybrid channel with those statistics). Legal: one of
+  # conference-room, living-room, cubicle, hotel-lobby, open-area.
+  environment = "conference-room"
+  # Polarisation of transmitter and receiver (`80211ay`). Legal: one of vertical, horizontal, crossed.
+  polarisation = "vertical"
+  # How taps change in time (`statistical`). Legal: one of redrawn, bell, clarke.
+  doppler = "bell"
+  # What `ray-tracing` and `metis` know of the room. Legal: one of bare, furnished.
+  interior = "furnished"
+  # Scattering coefficient S of surfaces, 0 to 1: the share S^2 of what a surface reflects is diffuse
+  # (`ray-tracing`, `metis`). Legal: 0 to 1.
+  scattering = 0.2
+  # Whether waves bend around people and furniture (`ray-tracing`): Kirchhoff's integral over a screen;
+  # otherwise a screen hides what is behind it.
+  diffraction = true
+  # Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`; it takes
+  # five times as long).
+  double_bounce = false
   # Line of sight (`38901`, `quadriga`).
   line_of_sight = true
   # Whether a second person walks in the room (the paper's scenario 2).
