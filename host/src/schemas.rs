@@ -92,6 +92,7 @@ enum Studied {
     Fidelity(Box<crate::experiments::fidelity::Fidelity>),
     Baselines(crate::experiments::baselines::Baselines),
     Ablation(Box<crate::experiments::ablation::Ablation>),
+    Clutter(crate::experiments::clutter::Clutter),
 }
 
 /// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.

@@ -2,7 +2,7 @@
 //!
 //! Eq. (Y) and y = 1^T Y of the paper. Since U U^H projects, y = w^H X~ with w = (I - U U^H) 1: only the 8 x 8 Gram
 //! matrix X~ X~^H and its leading eigenvectors are needed, and y is one inner product per slot. Which components are dropped is
-//! fixed, or decided per recording: those whose slow-time signal is static ([`DECIDED`]).
+//! fixed, or decided per recording: those with a static slow-time signal ([`DECIDED`]).
 
 use crate::dims::{BEATS, Beat, Complex};
 use crate::math::{roundf, sqrtf};
@@ -86,7 +86,7 @@ pub struct SvdRange {
 
 /// As the first component kept: the leading components are dropped as long as they are static, at most seven.
 ///
-/// Of the energy lambda of a component's slow-time signal u^H b[n], |sum u^H b[n]|^2 / N is that of its mean over N slots. It is
+/// Of the energy lambda of a component's slow-time signal `u^H b[n]`, `|sum u^H b[n]|^2 / N` is that of its mean over N slots. It is
 /// clutter if that is more than [`STATIC_SHARE`] of it. Compared in integers.
 pub const DECIDED: u8 = 0;
 

@@ -167,7 +167,7 @@ fn what_is_static_is_dropped_and_who_moves_is_kept_however_strong() {
 
 #[test]
 fn the_static_share_is_held_against_its_threshold() {
-    // a component of one range sample whose phase jumps: m of 256 slots are turned round, so that its mean is 1 - m / 128
+    // a component of one range sample, its phase jumps: m of 256 slots are turned round, so that its mean is 1 - m / 128
     for (turned, dropped) in [(0, true), (1, false), (2, false), (128, false)] {
         let mut beats = vec![ZERO_BEAT; 256];
         for (n, beat) in beats.iter_mut().enumerate() {

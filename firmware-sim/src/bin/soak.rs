@@ -1,7 +1,7 @@
 //! The radar module through many slots: memory that stays flat, sensing that never drifts.
 //!
 //! Argument: `slots=N`. Recordings are seeded noise; periods have 4000 slots, every fourth of which may sense. Prints the digest of
-//! all uses and logits, and the deepest stack after a hundredth of the slots and at the end. Exit code 0 if no sensing slot lay
+//! all uses and logits, and the deepest stack after a hundredth of the slots, two periods at least, and at the end. Exit code 0 if no sensing slot lay
 //! elsewhere, no fault was reported, and the stack did not grow; 1 if not.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -70,7 +70,7 @@ mod firmware {
                     Progress::Busy | Progress::Event(Event::Period(_)) => {}
                 }
             }
-            if n == slots / 100 {
+            if n == (slots / 100).max(2 * period) {
                 early = stack_used();
             }
         }

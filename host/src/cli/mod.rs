@@ -88,7 +88,7 @@ pub enum Command {
   sdp3 train --preset paper --recipe paper-adam --resume
   sdp3 train --data data --set learning.epochs=40 --out trained")]
     Train(training::TrainArgs),
-    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation.
+    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter.
     ///
     /// After an interruption the same command resumes.
     #[command(after_help = "Examples:

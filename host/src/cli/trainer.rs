@@ -61,7 +61,7 @@ pub fn study(context: &Context, args: &StudyArgs) -> Result<bool, Failure> {
     let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, ..Stated::default() };
     let measured = args.measured.as_deref().map(|folder| (folder, &stated));
     let job = match args.name {
-        Study::Ablation => {
+        Study::Ablation | Study::Clutter => {
             let seed = context.common.seed.unwrap_or(DEVELOPMENT_SEED);
             if seed < DEVELOPMENT_SEED {
                 let legal = format!("at least {DEVELOPMENT_SEED}: smaller seeds are those of tests");

@@ -134,7 +134,7 @@ fn levels(request: &Request, context: RunContext) -> Levels {
         dahc: curve[best].kl,
         without_uncertainty: curve.last().map_or(f64::NAN, |p| p.kl),
         ray_tracing: divergence(&target, &rays, 0),
-        pmf: [shares(&simulated), shares(&rays), shares(&target)],
+        pmf: [shares(&simulated[best]), shares(&rays), shares(&target)],
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
 //! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise),
-//! [`ablation`] (one effect at a time).
+//! [`ablation`] (one effect at a time), [`clutter`] (decided or fixed clutter removal over clutter to target).
 
 pub mod ablation;
 #[cfg(feature = "train")]
@@ -11,11 +11,14 @@ pub(crate) mod baselines;
 #[cfg(feature = "train")]
 pub(crate) mod cells;
 #[cfg(feature = "train")]
+pub(crate) mod clutter;
+#[cfg(feature = "train")]
 pub(crate) mod fidelity;
 #[cfg(feature = "train")]
 pub(crate) mod labelled;
 #[cfg(feature = "train")]
 pub(crate) mod learning_curve;
+pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod robustness;
 #[cfg(feature = "train")]
@@ -45,6 +48,8 @@ pub enum Study {
     Baselines,
     /// Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards.
     Ablation,
+    /// Accuracy with decided and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards.
+    Clutter,
 }
 
 impl Study {

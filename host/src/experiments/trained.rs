@@ -10,12 +10,39 @@ use crate::network::training::{self, train_all};
 use crate::network::tuning::quantize_tuned;
 use crate::results::Accuracy;
 use crate::scenario::{Class, Scenario};
+use crate::simulator::calibration::rho_of;
 
 /// Networks for every N_s of a scenario.
 pub struct Trained {
     pub parameters: Vec<Parameters>,
     /// Their int8 model files.
     pub models: Vec<Vec<u8>>,
+}
+
+/// For every N_s a character a test recording: 1 if its class was recognised.
+pub type Marked = Vec<String>;
+
+/// Which test recordings the int8 networks of a scenario recognise, `[sensing_slots][recording]`.
+///
+/// # Errors
+///
+/// Whatever a training says.
+pub fn marked(scenario: &Scenario, seed: u64, context: RunContext) -> Result<Marked, Failure> {
+    let rho = rho_of(scenario);
+    let trained = train(scenario, seed, &images(scenario, rho, seed, Part::Train, context), context)?;
+    let shown = images(scenario, rho, seed, Part::Test, context);
+    let tested = test(&trained.parameters, &trained.models, &scenario.frame.sensing_slots, &shown.images)?;
+    let each = tested.iter().zip(&shown.images);
+    let marks = each.map(|(tested, images)| {
+        let pairs = tested.int8.iter().zip(&images.labels);
+        pairs.map(|(answer, label)| if answer == label { '1' } else { '0' }).collect()
+    });
+    Ok(marks.collect())
+}
+
+/// The marks of several seeds at the n-th N_s, `[seed][recording]`.
+pub fn marks(seeds: &[Marked], n: usize) -> Vec<Vec<bool>> {
+    seeds.iter().map(|kept| kept[n].chars().map(|mark| mark == '1').collect()).collect()
 }
 
 /// Images of the recordings learned from or tested with, with a line of progress.

@@ -5,6 +5,7 @@ use crate::error::Failure;
 use crate::experiments::ablation::{self, Ablation};
 use crate::experiments::baselines::{self, Baselines};
 use crate::experiments::cells::Cells;
+use crate::experiments::clutter::{self, Clutter};
 use crate::experiments::fidelity::{self, Fidelity};
 use crate::experiments::learning_curve::{self, LearningCurve};
 use crate::experiments::robustness::{self, Robustness};
@@ -23,6 +24,7 @@ pub enum Found {
     Fidelity(Box<Fidelity>),
     Baselines(Baselines),
     Ablation(Box<Ablation>),
+    Clutter(Clutter),
 }
 
 impl Found {
@@ -34,6 +36,7 @@ impl Found {
             Found::Fidelity(found) => fidelity::table(request, found),
             Found::Baselines(found) => baselines::table(request, found),
             Found::Ablation(found) => ablation::table(request, found),
+            Found::Clutter(found) => clutter::table(request, found),
         }
     }
 
@@ -47,7 +50,7 @@ impl Found {
             Found::Fidelity(found) => report::fidelity::pictures(found),
             Found::Baselines(found) => vec![("baselines".into(), report::studies::baselines(found))],
             // a table of differences with their intervals says it without a picture
-            Found::Ablation(_) => Vec::new(),
+            Found::Ablation(_) | Found::Clutter(_) => Vec::new(),
         }
     }
 }
@@ -83,6 +86,7 @@ impl Job {
             }
             Study::Baselines => Found::Baselines(baselines::study(&request, &cells, context)?),
             Study::Ablation => Found::Ablation(Box::new(ablation::study::study(&request, &cells, context)?)),
+            Study::Clutter => Found::Clutter(clutter::study(&request, &cells, context)?),
         };
         for (name, svg) in found.figures() {
             self.draw(&name, &svg)?;

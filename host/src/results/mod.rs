@@ -263,6 +263,51 @@ pub struct KlPoint {
     pub kl_without_black: f64,
 }
 
+/// An interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// A model of what the room adds to a person's echo, on the measured windows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RoomModel {
+    /// `AR room`, `white noise` (rho = 1 and fitted white noise, the null model), or `static room` (rho = 1).
+    pub model: String,
+    /// Divergence of the measured from the simulated intensities in nats, at the model's best parameter.
+    pub kl: f64,
+    /// 95 % interval of what its divergence is above the AR room's, over redrawn windows.
+    pub kl_behind: Option<Interval>,
+    /// Itakura-Saito divergence of the measured from the model's mean spectrum.
+    pub spectral: f64,
+    /// 95 % interval of what it is above the AR room's, on windows left out of the fit.
+    pub spectral_behind: Option<Interval>,
+    /// Power of the white noise that fits the spectrum, over the echo's, in dB.
+    pub noise_db: Option<f64>,
+}
+
+/// The room by three models on the same windows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RoomFit {
+    /// Windows behind it.
+    pub windows: u32,
+    /// AR(1) coefficient rho that fits the spectrum.
+    pub rho: f64,
+    /// Its 95 % interval, over redrawn windows.
+    pub rho_interval: Option<Interval>,
+    /// Power of the room's mean over that of its fluctuation in dB that fits the spectrum, with the simulated room's mean.
+    pub k_factor_db: f64,
+    /// Its 95 % interval.
+    pub k_factor_interval: Option<Interval>,
+    /// The models, the AR room first.
+    pub models: Vec<RoomModel>,
+    /// Which model the windows speak for, in words.
+    pub verdict: String,
+}
+
 /// Outcome of the calibration: what `sdp3 calibrate --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Calibration {
@@ -278,6 +323,8 @@ pub struct Calibration {
     pub kl_without_uncertainty: Option<f64>,
     /// The curve, rho ascending.
     pub curve: Vec<KlPoint>,
+    /// rho and the fluctuation's power, and the models compared, where a signal was measured and the room has a mean.
+    pub room: Option<RoomFit>,
     /// What the curve compares, in words.
     pub curve_of: String,
     /// Intensities of the measured signal: share of each level.

@@ -205,6 +205,8 @@ pub struct Channel {
     pub mode: ArMode,
     /// Power of the room's mean over that of its fluctuation in dB, as received (`mode = "rician"`).
     pub k_factor_db: f64,
+    /// Power of the room's echoes over what its geometry and materials give in dB (`mode = "rician"`): more or less clutter.
+    pub clutter_gain_db: f64,
     /// Where the room's responses come from.
     pub clusters: Clusters,
     /// When the recursion advances.

@@ -82,6 +82,7 @@ impl Scenario {
         self.check_radar(c);
         c.within("channel.rho", self.channel.rho.unwrap_or(1.0), 0.0, 1.0);
         c.within("channel.k_factor_db", self.channel.k_factor_db, -20.0, 80.0);
+        c.within("channel.clutter_gain_db", self.channel.clutter_gain_db, -60.0, 60.0);
         c.within("channel.scattering", self.channel.scattering, 0.0, 1.0);
         self.check_frame(c);
         self.check_target(c);

@@ -58,6 +58,7 @@ impl Default for Channel {
             rho: None,
             mode: ArMode::Rician,
             k_factor_db: 15.0,
+            clutter_gain_db: 0.0,
             clusters: Clusters::ByCarrier,
             advance: Advance::SensingSlot,
             stationary_start: false,

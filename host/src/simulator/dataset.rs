@@ -104,7 +104,7 @@ impl<'a> Simulation<'a> {
         &self.paths
     }
 
-    /// The range samples of the next `count` sensing slots by the radar's [`Response`], without noise.
+    /// The range samples of the next `count` sensing slots by the radar's response, without noise.
     pub fn advance_blocks(&mut self, count: u32) -> Vec<Blocks> {
         let mut beats = vec![Blocks::default(); count as usize];
         let radar = self.scenario.radar.position_m;

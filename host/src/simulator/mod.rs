@@ -9,6 +9,7 @@
 pub mod body;
 pub mod calibration;
 pub(crate) mod channel;
+pub(crate) mod clutter_to_target;
 pub mod dataset;
 #[cfg(test)]
 mod physics;

@@ -8,6 +8,7 @@ use super::channel::{BLOCKS, Blocks, ChannelModel, Scene, Sensor, model, wavelen
 use crate::numerics::random::Random;
 use crate::scenario::{ArMode, Class, Model, Scenario, builtin};
 use crate::simulator::body::motion::Person;
+use crate::simulator::clutter_to_target::clutter_to_target_db;
 use crate::simulator::body::{norm, sub};
 use crate::simulator::dataset::{Set, Simulation};
 use std::f64::consts::PI;
@@ -72,38 +73,14 @@ fn the_power_of_the_room_is_constant_over_a_default_recording() {
 #[test]
 fn clutter_to_target_is_what_the_radar_equation_and_the_rooms_paths_say() {
     for scenario in rooms() {
-        let (radar, lambda) = (scenario.radar.position_m, wavelength(scenario.radar.carrier_hz));
         let slots = scenario.largest_sensing_slots() as usize;
-        let sensor = Sensor::of(&scenario);
-        // clutter: the sum of the constant paths, which interfere, and the fluctuation K below their powers
-        let mean = static_paths(&scenario, radar, radar);
-        let mut sum = Blocks::default();
-        mean.iter().for_each(|one| sensor.add(&mut sum, &one.path));
-        let k = libm::pow(10.0, -scenario.channel.k_factor_db / 10.0);
-        let clutter = power(&[sum]) + k * mean_power(&mean, &sensor.antenna);
-        // target: lambda^2 / (4 pi)^3 times the sum over primitives of the cross section through the antenna over the distance^4
-        let (mut target, mut simulated) = (0.0, [0.0; 2]);
-        let people = 60;
+        let (mut simulated, people) = ([0.0; 2], 60);
         for index in 0..people {
-            let mut random = Random::new(101, 0, 0, index);
-            let size = scenario.room.size_m;
-            let person = Person::draw(Class::AdultWalking, &scenario.target, size, radar, &mut random);
-            let times = 50;
-            for n in 0..times {
-                let t = f64::from(n) / f64::from(times) * slots as f64 * scenario.interval_s();
-                for primitive in person.primitives(t) {
-                    let way = sub(primitive.centre, radar);
-                    let gain = sensor.antenna.amplitude(way).powi(4);
-                    let sigma = primitive.cross_section(radar) * gain;
-                    target += lambda * lambda * sigma
-                        / (libm::pow(4.0 * PI, 3.0) * norm(way).powi(4) * f64::from(times) * people as f64);
-                }
-            }
             let [room, echo] = apart(&scenario, index, slots);
             simulated[0] += power(&room) / people as f64;
             simulated[1] += power(&echo) / people as f64;
         }
-        let derived = decibels(clutter / target);
+        let derived = clutter_to_target_db(&scenario);
         let found = decibels(simulated[0] / simulated[1]);
         println!(
             "{}: clutter to target derived {derived:.1} dB, simulated {found:.1} dB (limit 1 apart)",

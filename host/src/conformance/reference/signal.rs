@@ -124,7 +124,7 @@ pub fn backward_error(upper: &[Int], first: usize, last: usize, w: &[Float]) -> 
     errors
 }
 
-/// The first component kept, from 1: `stated`, or if that is 0 the first whose slow-time signal v^H b[n] is static to at most 254/256
+/// The first component kept, from 1: `stated`, or if that is 0 the first with a slow-time signal `v^H b[n]` that is static to at most 254/256
 /// of its energy, `last` at most. Two where one share is within rounding of that.
 pub fn first_kept(beats: &[Vec<Int>], upper: &[Int], stated: usize, last: usize) -> Vec<usize> {
     if stated > 0 {

@@ -1,18 +1,17 @@
 //! What each effect of the simulation and of the processing does to the accuracy: one at a time, at both carriers.
 //!
 //! For every effect ([`effects`]) networks are trained and tested with it and without it, all else and all seeds equal. Both answer to
-//! recordings of the same coordinates, so differences are paired ([`paired`]).
+//! recordings of the same coordinates, so differences are paired ([`super::paired`]).
 
 pub mod effects;
-pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod study;
 
 use super::Request;
+use super::paired::{COVERAGE, DRAWS, Difference};
 use crate::formats::table;
 use crate::results::Spread;
 use effects::EFFECTS;
-use paired::{COVERAGE, DRAWS, Difference};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

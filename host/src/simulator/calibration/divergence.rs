@@ -38,8 +38,8 @@ pub fn divergence(measured: &Counts, simulated: &Counts, skip: usize) -> f64 {
         .sum()
 }
 
-/// The curve over rho, ascending, the counts simulated at its minimum, and the minimum's place.
-pub fn search(measured: &Counts, mut simulate: impl FnMut(f64) -> Counts) -> (Vec<KlPoint>, Counts, usize) {
+/// The curve over rho, ascending, the counts simulated at each of its points, and the place of its minimum.
+pub fn search(measured: &Counts, mut simulate: impl FnMut(f64) -> Counts) -> (Vec<KlPoint>, Vec<Counts>, usize) {
     let mut found: Vec<(KlPoint, Counts)> = Vec::new();
     let mut evaluate = |away: f64, found: &mut Vec<(KlPoint, Counts)>| -> f64 {
         // to the fifth digit, so that tables and pages show what was used
@@ -75,8 +75,8 @@ pub fn search(measured: &Counts, mut simulate: impl FnMut(f64) -> Counts) -> (Ve
     }
     found.sort_by(|x, y| x.0.rho.total_cmp(&y.0.rho));
     let best = (0..found.len()).min_by(|&x, &y| found[x].0.kl.total_cmp(&found[y].0.kl)).unwrap_or(0);
-    let counts = found[best].1;
-    (found.into_iter().map(|(point, _)| point).collect(), counts, best)
+    let (curve, counts) = found.into_iter().unzip();
+    (curve, counts, best)
 }
 
 #[cfg(test)]

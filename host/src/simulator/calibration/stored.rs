@@ -4,7 +4,9 @@
 //! writes it again: the paper's experiments and the measured recordings as they were found, and what the hybrid channel of one
 //! person needs to stand for a room with a second one.
 
-use super::{Bench, PEOPLE, STAND_INS, search};
+use super::bench::Bench;
+use super::divergence::search;
+use super::{PEOPLE, STAND_INS};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 use schemars::JsonSchema;

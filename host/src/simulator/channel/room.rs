@@ -196,7 +196,12 @@ impl Map {
 
 /// The mean of the hybrid channel's room between two points.
 pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath> {
-    Map::furnished(scenario).ways(from, to)
+    let mut paths = Map::furnished(scenario).ways(from, to);
+    if scenario.channel.clutter_gain_db != 0.0 {
+        let gain = libm::pow(10.0, scenario.channel.clutter_gain_db / 20.0);
+        paths.iter_mut().for_each(|one| one.path.gain *= gain);
+    }
+    paths
 }
 
 /// The straight legs of a reflected way. Two planes of different axes have the same image in either order, but only one order has its

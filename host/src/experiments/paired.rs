@@ -5,6 +5,7 @@
 //! give; with few seeds it is narrow.
 
 use crate::numerics::random::Random;
+use crate::results::Spread;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,14 @@ impl Seed {
         }
         f64::from(sum) / n
     }
+}
+
+/// The accuracy over the seeds.
+pub fn spread(marks: &Marks) -> Spread {
+    let share = |marks: &Vec<bool>| {
+        marks.iter().filter(|mark| **mark).count() as f64 / marks.len().max(1) as f64
+    };
+    Spread::of(&marks.iter().map(share).collect::<Vec<_>>())
 }
 
 /// The accuracy of `first` less that of `second`, on the same recordings of the same seeds.
