@@ -84,8 +84,10 @@ pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure
         return Ok(true);
     }
     let (found, path) = context.job()?.calibration(measurement(args.measured).as_ref())?;
-    context
-        .print(&found, || format!("rho = {} ({}); curve in {}", found.rho, found.source, path.display()))?;
+    context.print(&found, || {
+        let room = found.room.as_ref().map(tables::room).unwrap_or_default();
+        format!("rho = {} ({}); curve in {}{room}", found.rho, found.source, path.display())
+    })?;
     Ok(true)
 }
 

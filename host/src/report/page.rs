@@ -181,8 +181,9 @@ fn calibration(page: &mut String, figures: &Figures) {
             escape(&c.curve_of)
         ),
         &format!(
-            "<div class=\"row\">{curve}{}</div><div class=\"row\">{both}</div>",
-            figure("grey-levels", pictures::pmf(c), "Share of each intensity")
+            "<div class=\"row\">{curve}{}</div>{}<div class=\"row\">{both}</div>",
+            figure("grey-levels", pictures::pmf(c), "Share of each intensity"),
+            c.room.as_ref().map(tables::room_on_page).unwrap_or_default()
         ),
     );
 }

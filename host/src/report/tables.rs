@@ -3,7 +3,7 @@
 use super::plot::{escape, grouped, number};
 use crate::formats::table;
 use crate::predictor::{Model, paper};
-use crate::results::{ChannelTable, Figures, Prediction, SweepRow, Verify};
+use crate::results::{ChannelTable, Figures, Interval, Prediction, RoomFit, SweepRow, Verify};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -151,6 +151,60 @@ pub fn instructions(verify: &Verify) -> String {
     format!(
         "<div class=\"scroll\"><table id=\"instructions\"><caption>Instructions of one recognition, first sample to class\
          </caption><tr><th scope=\"col\">N_s</th>{heads}</tr>{rows}</table></div>"
+    )
+}
+
+/// A value with its interval.
+fn within(value: f64, interval: Option<Interval>, digits: usize) -> String {
+    let ends = interval.map(|i| format!(" [{:.digits$}, {:.digits$}]", i.low, i.high)).unwrap_or_default();
+    format!("{value:.digits$}{ends}")
+}
+
+/// The fitted rho and power of the room's fluctuation in words.
+fn fluctuation(room: &RoomFit) -> String {
+    format!(
+        "by the spectrum rho = {}, fluctuation {} dB below the room's mean, {} windows",
+        within(room.rho, room.rho_interval, 4),
+        within(room.k_factor_db, room.k_factor_interval, 1),
+        room.windows
+    )
+}
+
+/// Cells of a room's models: name, divergences of intensities and spectra, and how far behind the AR room each is.
+fn room_rows(room: &RoomFit) -> impl Iterator<Item = [String; 5]> {
+    let behind = |i: Option<Interval>| i.map_or_else(|| "-".into(), |i| format!("{:+.3} to {:+.3}", i.low, i.high));
+    room.models.iter().map(move |m| {
+        let [kl, spectral] = [m.kl, m.spectral].map(|x| format!("{x:.3}"));
+        [m.model.clone(), kl, behind(m.kl_behind), spectral, behind(m.spectral_behind)]
+    })
+}
+
+/// Heads of a room's models.
+const ROOM: [&str; 5] = ["room", "KL of intensities", "above the AR room", "of spectra", "above the AR room"];
+
+/// The room's models in plain text, after a line.
+pub fn room(room: &RoomFit) -> String {
+    let mut text = format!("\n{}\n", fluctuation(room));
+    for [model, kl, kl_behind, spectral, spectral_behind] in
+        std::iter::once(ROOM.map(String::from)).chain(room_rows(room))
+    {
+        let _ = writeln!(text, "  {model:<12} {kl:>17}  {kl_behind:<18} {spectral:>10}  {spectral_behind}");
+    }
+    text + &room.verdict
+}
+
+/// The room's models on a page.
+pub fn room_on_page(room: &RoomFit) -> String {
+    let row = |cells: [String; 5], tag: &str| {
+        let cells = cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(&cell)));
+        format!("<tr>{}</tr>", cells.concat())
+    };
+    let rows: String = room_rows(room).map(|cells| row(cells, "td")).collect();
+    format!(
+        "<p>{}: {}. Intervals: 95 %.</p><table>{}{rows}</table>",
+        escape(&fluctuation(room)),
+        escape(&room.verdict),
+        row(ROOM.map(String::from), "th")
     )
 }
 

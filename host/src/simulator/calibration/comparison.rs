@@ -181,7 +181,7 @@ impl Comparison {
             rho_interval: fitted.rho_interval,
             k_factor_db: fitted.k_factor_db,
             k_factor_interval: fitted.k_factor_interval,
-            verdict: verdict(&models[1]),
+            verdict: verdict(&models[1], fitted.inside),
             models,
         })
     }
@@ -247,15 +247,19 @@ fn white_noise(bench: &Bench, measured: &Counts, still: Counts) -> Vec<Counts> {
 }
 
 /// Whether the AR room is nearer than white noise, by both measures.
-fn verdict(white: &RoomModel) -> String {
+fn verdict(white: &RoomModel, inside: bool) -> String {
     let words = |behind: Option<Interval>| match behind {
         None => "has too few windows to be told from white noise",
         Some(behind) if behind.low > 0.0 => "is nearer than white noise",
         Some(behind) if behind.high < 0.0 => "is farther than white noise",
         Some(_) => "cannot be told from white noise",
     };
+    let known = match inside {
+        true => "",
+        false => "; rho and the power of the fluctuation cannot be told apart in windows of this length, only power times 1 - rho",
+    };
     format!(
-        "the AR room {} by the intensities, and {} by the spectrum",
+        "the AR room {} by the intensities, and {} by the spectrum{known}",
         words(white.kl_behind),
         words(white.spectral_behind)
     )

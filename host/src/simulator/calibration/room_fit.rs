@@ -21,6 +21,8 @@ const STEPS: usize = 49;
 /// Updates of a, b and c, at most, and the share by which the divergence has to fall for a further one.
 const UPDATES: usize = 3000;
 const SETTLED: f64 = 1e-9;
+/// Where the noise begins, over the other parts, in dB.
+const NOISE_DB: [f64; 3] = [0.0, -25.0, -50.0];
 /// Drawn sets of windows, the share of them within an interval, the fewest windows for one, and the stream of the draws.
 pub const DRAWS: u64 = 200;
 const COVERAGE: f64 = 0.95;
@@ -60,6 +62,8 @@ pub struct RoomFit {
     pub rho_interval: Option<Interval>,
     pub k_factor_db: f64,
     pub k_factor_interval: Option<Interval>,
+    /// Whether rho lies inside the search; at an end of it only the product of the power and 1 - rho is known.
+    pub inside: bool,
     /// AR room, white noise, static room.
     pub models: [SpectralFit; 3],
 }
@@ -91,12 +95,23 @@ impl Parts<'_> {
         (0..bases[0].len()).map(at).collect()
     }
 
-    /// The powers of `bases` that bring their sum nearest to `measured`.
+    /// The powers of `bases` that bring their sum nearest to `measured`, the last of them white noise: the best of several beginnings, since
+    /// there may be more than one minimum.
     fn mixture(&self, measured: &[f64], bases: &[&Bands]) -> Mixture {
+        let from = |noise_db: &f64| self.updated(measured, bases, libm::pow(10.0, noise_db / 10.0));
+        let beginnings = if bases.len() > 1 { &NOISE_DB[..] } else { &NOISE_DB[..1] };
+        let found = beginnings.iter().map(from).min_by(|a, b| a.divergence.total_cmp(&b.divergence));
+        found.expect("there is a beginning")
+    }
+
+    /// The updates from equal powers of all parts but the noise, which begins `noise` times as strong.
+    fn updated(&self, measured: &[f64], bases: &[&Bands], noise: f64) -> Mixture {
         let sum = |x: &[f64]| x.iter().zip(&self.spectrum.bins).map(|(x, bins)| x * bins).sum::<f64>();
-        // every part begins with the same power
         let mut parts: Vec<f64> =
             bases.iter().map(|basis| sum(measured) / (sum(basis) * bases.len() as f64)).collect();
+        if let [.., _, last] = &mut parts[..] {
+            *last *= noise;
+        }
         let mut divergence = f64::INFINITY;
         for update in 0..UPDATES {
             let model = Self::model(bases, &parts);
@@ -217,6 +232,7 @@ pub fn fit(spectrum: &Spectrum, windows: &[Bands], people: &[Bands], mean_power:
         rho_interval: interval(0),
         k_factor_db: k_factor_db(&room, mean_power),
         k_factor_interval: interval(1),
+        inside: (1..STEPS - 1).contains(&room.place),
         models: [
             fitted(Some(whole.noise_db(&room.mixture)), room.mixture.divergence, None),
             fitted(Some(whole.noise_db(&white)), white.divergence, interval(2)),
