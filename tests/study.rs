@@ -126,3 +126,32 @@ fn an_ablation_trains_the_default_once_a_carrier_and_goes_on() {
     assert_eq!((code, &second), (0, &first), "{stderr}");
     assert_eq!(std::fs::read(&lost).expect("a cell"), before);
 }
+
+#[test]
+fn clutter_is_removed_by_decision_and_by_every_fixed_d() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = ["--seeds", "1", "--set", "frame.sensing_slots=[200]", "--set", "learning.epochs=1"];
+    let with = |more: &[&str]| study(folder.path(), "clutter", &[&options[..], more].concat());
+    let (code, _, stderr) = with(&["--set", "channel.mode=paper"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("channel.model is dahc") && stderr.contains("channel.mode = rician"), "{stderr}");
+    std::fs::remove_dir_all(folder.path().join("out")).expect("removed");
+    let (code, found, stderr) = with(&[]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&found).expect("JSON alone on stdout");
+    let rows = found["rows"].as_array().expect("rows");
+    let ratios: Vec<_> = rows.iter().filter_map(|row| row["clutter_to_target_db"].as_f64()).collect();
+    assert_eq!(ratios, [-20.0, -10.0, 0.0, 10.0, 20.0, 30.0, 40.0]);
+    for row in rows {
+        let fixed: Vec<_> =
+            row["fixed"].as_array().expect("fixed").iter().filter_map(|d| d["mean"].as_f64()).collect();
+        assert_eq!(fixed.len(), 3);
+        let best = fixed.iter().copied().fold(0.0, f64::max);
+        assert_eq!(fixed[row["best_d"].as_u64().expect("d") as usize - 1], best);
+        let difference = row["decided"]["mean"].as_f64().expect("decided") - best;
+        assert!((row["difference"]["mean"].as_f64().expect("a mean") - difference).abs() < 1e-12, "{row}");
+    }
+    for name in ["clutter.json", "clutter.csv", "clutter.md"] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
+    }
+}

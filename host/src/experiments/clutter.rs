@@ -1,17 +1,16 @@
 //! Clutter removal that is decided per recording against every fixed d, over the ratio of clutter to target.
 //!
-//! For every ratio and carrier networks are trained and tested with `spectrogram.first_kept` = 0 (decided) and = 1, 2, 3, all else and
-//! all seeds equal. The room's gain makes the ratio ([`clutter_to_target_db`]); the person stays as it is.
+//! For every ratio networks are trained and tested with `spectrogram.first_kept` = 0 (decided) and = 1, 2, 3, all else and all seeds
+//! equal. The room's gain makes the ratio ([`clutter_to_target_db`]); the person stays as it is.
 
-use super::ablation::effects::{CARRIERS, at};
 use super::cells::Cells;
 use super::paired::{Difference, difference, spread};
 use super::trained::{Marked, marked, marks};
 use super::{Request, RunContext};
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::formats::table;
 use crate::results::Spread;
-use crate::scenario::Scenario;
+use crate::scenario::{ArMode, Model, Scenario};
 use crate::simulator::clutter_to_target::clutter_to_target_db;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,13 +21,11 @@ const RATIOS_DB: [f64; 7] = [-20.0, -10.0, 0.0, 10.0, 20.0, 30.0, 40.0];
 /// `spectrogram.first_kept`: decided, and the fixed ones.
 const FIRST_KEPT: [u8; 4] = [0, 1, 2, 3];
 
-/// A ratio at a carrier and N_s.
+/// A ratio and N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// Clutter to target in dB.
     pub clutter_to_target_db: f64,
-    /// Carrier in Hz.
-    pub carrier_hz: f64,
     /// N_s.
     pub sensing_slots: u32,
     /// int8 accuracy where the core decides.
@@ -46,7 +43,7 @@ pub struct Row {
 pub struct Clutter {
     /// Test recordings of a seed.
     pub tested: u32,
-    /// Carrier by carrier, ratio by ratio, by N_s.
+    /// Ratio by ratio, by N_s.
     pub rows: Vec<Row>,
 }
 
@@ -65,35 +62,40 @@ fn with_ratio(scenario: &Scenario, ratio_db: f64) -> Scenario {
 ///
 /// Whatever a training or the folder says.
 pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Clutter, Failure> {
+    let channel = &request.scenario.channel;
+    if channel.model != Model::Dahc || channel.mode != ArMode::Rician {
+        let legal = "dahc with channel.mode = rician: this study sets the power of a room that has a mean";
+        return Err(Invalid::new("channel.model", channel.model.name(), legal).into());
+    }
     let mut conditions = Vec::new();
-    for carrier_hz in CARRIERS {
-        for ratio_db in RATIOS_DB {
-            let scenario = with_ratio(&at(&request.scenario, carrier_hz), ratio_db);
-            scenario.check(&format!("clutter, {} GHz, {ratio_db} dB", carrier_hz / 1e9))?;
-            conditions.push((carrier_hz, ratio_db, scenario));
-        }
+    for ratio_db in RATIOS_DB {
+        let scenario = with_ratio(&request.scenario, ratio_db);
+        scenario.check(&format!("clutter, {ratio_db} dB"))?;
+        conditions.push((ratio_db, scenario));
     }
     // `[condition][first kept][seed]`
     let mut kept: Vec<[Vec<Marked>; FIRST_KEPT.len()]> = vec![Default::default(); conditions.len()];
     for seed in request.each_seed() {
-        for ((carrier_hz, ratio_db, scenario), found) in conditions.iter().zip(&mut kept) {
+        for ((ratio_db, scenario), found) in conditions.iter().zip(&mut kept) {
             for (first_kept, found) in FIRST_KEPT.into_iter().zip(found) {
                 let mut scenario = scenario.clone();
                 scenario.spectrogram.first_kept = first_kept;
-                let name = format!("seed-{seed}-{}ghz-{ratio_db}db-d{first_kept}", carrier_hz / 1e9);
+                let name = format!("seed-{seed}-{ratio_db}db-d{first_kept}");
                 found.push(cells.get(&name, || marked(&scenario, seed, context))?);
             }
         }
     }
     let mut rows = Vec::new();
-    for ((carrier_hz, ratio_db, scenario), arms) in conditions.iter().zip(&kept) {
+    for ((ratio_db, scenario), arms) in conditions.iter().zip(&kept) {
         for (n, &sensing_slots) in scenario.frame.sensing_slots.iter().enumerate() {
             let [decided, fixed @ ..] = arms.each_ref().map(|arm| marks(arm, n));
             let accuracy = fixed.each_ref().map(|marks| spread(marks));
-            let best = (0..fixed.len()).rev().max_by(|&a, &b| accuracy[a].mean.total_cmp(&accuracy[b].mean)).unwrap_or(0);
+            let best = (0..fixed.len())
+                .rev()
+                .max_by(|&a, &b| accuracy[a].mean.total_cmp(&accuracy[b].mean))
+                .unwrap_or(0);
             rows.push(Row {
                 clutter_to_target_db: *ratio_db,
-                carrier_hz: *carrier_hz,
                 sensing_slots,
                 decided: spread(&decided),
                 fixed: accuracy.to_vec(),
@@ -112,10 +114,20 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
 
 /// A row a line.
 fn csv(found: &Clutter) -> String {
-    let header =
-        ["clutter_to_target_db", "carrier_hz", "sensing_slots", "decided", "d1", "d2", "d3", "best_d", "difference", "low", "high"];
+    let header = [
+        "clutter_to_target_db",
+        "sensing_slots",
+        "decided",
+        "d1",
+        "d2",
+        "d3",
+        "best_d",
+        "difference",
+        "low",
+        "high",
+    ];
     let row = |r: &Row| {
-        let mut cells = vec![r.clutter_to_target_db.to_string(), r.carrier_hz.to_string(), r.sensing_slots.to_string()];
+        let mut cells = vec![r.clutter_to_target_db.to_string(), r.sensing_slots.to_string()];
         cells.push(r.decided.mean.to_string());
         cells.extend(r.fixed.iter().map(|spread| spread.mean.to_string()));
         cells.push(r.best_d.to_string());
@@ -129,10 +141,11 @@ fn csv(found: &Clutter) -> String {
 pub fn table(request: &Request, found: &Clutter) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# Which components are clutter: decided or fixed\n\n{} recordings per class to train, {} test recordings a seed, {}, {} epochs, \
+        "# Which components are clutter: decided or fixed\n\n{} GHz, {} recordings per class to train, {} test recordings a seed, {}, {} epochs, \
          C = {}. int8 accuracy. The difference is decided less the best fixed d, in points, on the same recordings; in brackets its 95 % \
-         interval by bootstrap draws of seeds and recordings.\n\n| clutter to target (dB) | GHz | N_s | decided | d = 1 | d = 2 | d = 3 \
-         | difference |\n|---|---|---|---|---|---|---|---|\n",
+         interval by bootstrap draws of seeds and recordings.\n\n| clutter to target (dB) | N_s | decided | d = 1 | d = 2 | d = 3 \
+         | difference |\n|---|---|---|---|---|---|---|\n",
+        request.scenario.radar.carrier_hz / 1e9,
         l.train_per_class,
         found.tested,
         request.seeds_label(),
@@ -144,9 +157,8 @@ pub fn table(request: &Request, found: &Clutter) -> String {
             [row.difference.mean, row.difference.low, row.difference.high].map(|share| 100.0 * share);
         let fixed: Vec<String> = row.fixed.iter().map(Spread::to_string).collect();
         text += &format!(
-            "| {} | {} | {} | {} | {} | {mean:+.1} [{low:+.1}, {high:+.1}] |\n",
+            "| {} | {} | {} | {} | {mean:+.1} [{low:+.1}, {high:+.1}] |\n",
             row.clutter_to_target_db,
-            row.carrier_hz / 1e9,
             row.sensing_slots,
             row.decided,
             fixed.join(" | "),
@@ -158,11 +170,12 @@ pub fn table(request: &Request, found: &Clutter) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::builtin::named;
 
     #[test]
     fn the_rooms_gain_makes_the_ratio() {
-        for carrier_hz in CARRIERS {
-            let base = at(&Scenario::default(), carrier_hz);
+        for name in ["conference-room", "radar-60ghz"] {
+            let base = named(name.as_ref()).unwrap().scenario();
             for ratio_db in RATIOS_DB {
                 let scenario = with_ratio(&base, ratio_db);
                 scenario.check("test").unwrap();

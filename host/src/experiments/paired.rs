@@ -69,9 +69,8 @@ impl Seed {
 
 /// The accuracy over the seeds.
 pub fn spread(marks: &Marks) -> Spread {
-    let share = |marks: &Vec<bool>| {
-        marks.iter().filter(|mark| **mark).count() as f64 / marks.len().max(1) as f64
-    };
+    let share =
+        |marks: &Vec<bool>| marks.iter().filter(|mark| **mark).count() as f64 / marks.len().max(1) as f64;
     Spread::of(&marks.iter().map(share).collect::<Vec<_>>())
 }
 

@@ -6,9 +6,9 @@
 use super::Job;
 use crate::network::spectrograms::{images_of, images_of_beats};
 use crate::scenario::{Class, Scenario};
-use crate::simulator::calibration::divergence::EVALUATIONS;
 use crate::simulator::calibration::PEOPLE;
 use crate::simulator::calibration::bench::SETTLE_SLOTS;
+use crate::simulator::calibration::divergence::EVALUATIONS;
 use crate::simulator::dataset::{Set, beats, recording};
 use indicatif::HumanDuration;
 use sdp3_core::dims::ROWS;

@@ -172,7 +172,8 @@ fn fluctuation(room: &RoomFit) -> String {
 
 /// Cells of a room's models: name, divergences of intensities and spectra, and how far behind the AR room each is.
 fn room_rows(room: &RoomFit) -> impl Iterator<Item = [String; 5]> {
-    let behind = |i: Option<Interval>| i.map_or_else(|| "-".into(), |i| format!("{:+.3} to {:+.3}", i.low, i.high));
+    let behind =
+        |i: Option<Interval>| i.map_or_else(|| "-".into(), |i| format!("{:+.3} to {:+.3}", i.low, i.high));
     room.models.iter().map(move |m| {
         let [kl, spectral] = [m.kl, m.spectral].map(|x| format!("{x:.3}"));
         [m.model.clone(), kl, behind(m.kl_behind), spectral, behind(m.spectral_behind)]

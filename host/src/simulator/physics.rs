@@ -8,8 +8,8 @@ use super::channel::{BLOCKS, Blocks, ChannelModel, Scene, Sensor, model, wavelen
 use crate::numerics::random::Random;
 use crate::scenario::{ArMode, Class, Model, Scenario, builtin};
 use crate::simulator::body::motion::Person;
-use crate::simulator::clutter_to_target::clutter_to_target_db;
 use crate::simulator::body::{norm, sub};
+use crate::simulator::clutter_to_target::clutter_to_target_db;
 use crate::simulator::dataset::{Set, Simulation};
 use std::f64::consts::PI;
 

@@ -48,7 +48,8 @@ impl<'a> Bench<'a> {
         let mut simulation = Simulation::new(scenario, rho, self.seed, set, self.class, index);
         let beats = simulation.advance_blocks(SETTLE_SLOTS + self.slots);
         let one = self.real || self.single_cell;
-        let sample = |b: &Blocks| if one { b[BLOCKS / 2] } else { b.iter().sum::<Complex64>() / BLOCKS as f64 };
+        let sample =
+            |b: &Blocks| if one { b[BLOCKS / 2] } else { b.iter().sum::<Complex64>() / BLOCKS as f64 };
         beats.iter().map(sample).collect()
     }
 
@@ -98,8 +99,7 @@ impl<'a> Bench<'a> {
 
     /// Intensities of signals, together.
     pub fn counted(&self, signals: impl IndexedParallelIterator<Item = Vec<Complex64>>) -> Counts {
-        let each: Vec<Counts> =
-            signals.map(|y| histogram(&self.intensity.decibels(&y, self.real))).collect();
+        let each: Vec<Counts> = signals.map(|y| histogram(&self.intensity.decibels(&y, self.real))).collect();
         let mut counts = [0_u64; LEVELS];
         each.iter().for_each(|one| counts.iter_mut().zip(one).for_each(|(sum, n)| *sum += n));
         counts
@@ -142,4 +142,3 @@ pub fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram 
         grey: (0..rows).flat_map(pixel).collect(),
     }
 }
-

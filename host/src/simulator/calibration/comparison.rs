@@ -118,7 +118,18 @@ impl Comparison {
             let legal = "above 0 after clutter removal: nothing moves in this recording";
             return Err(Invalid::new("energy", 0, legal).at(&measured.title));
         }
-        Ok(Comparison { at_carrier, signal, summed, rate_hz, real, single_cell, slots, windows, each, counts })
+        Ok(Comparison {
+            at_carrier,
+            signal,
+            summed,
+            rate_hz,
+            real,
+            single_cell,
+            slots,
+            windows,
+            each,
+            counts,
+        })
     }
 
     /// Simulated people who move as `class` says, as the signal shows its own.
@@ -249,20 +260,20 @@ fn white_noise(bench: &Bench, measured: &Counts, still: Counts) -> Vec<Counts> {
 /// Whether the AR room is nearer than white noise, by both measures.
 fn verdict(white: &RoomModel, inside: bool) -> String {
     let words = |behind: Option<Interval>| match behind {
-        None => "has too few windows to be told from white noise",
+        None => "cannot be compared with white noise in so few windows",
         Some(behind) if behind.low > 0.0 => "is nearer than white noise",
         Some(behind) if behind.high < 0.0 => "is farther than white noise",
         Some(_) => "cannot be told from white noise",
     };
     let known = match inside {
         true => "",
-        false => "; rho and the power of the fluctuation cannot be told apart in windows of this length, only power times 1 - rho",
+        false => "; rho lies at an end of the search, so that these windows do not determine it",
     };
-    format!(
-        "the AR room {} by the intensities, and {} by the spectrum{known}",
-        words(white.kl_behind),
-        words(white.spectral_behind)
-    )
+    let [kl, spectral] = [white.kl_behind, white.spectral_behind].map(words);
+    if kl == spectral {
+        return format!("the AR room {kl} by intensities and by spectra{known}");
+    }
+    format!("the AR room {kl} by intensities, and {spectral} by spectra{known}")
 }
 
 /// Sum of chosen counts.

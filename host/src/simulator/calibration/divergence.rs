@@ -39,7 +39,10 @@ pub fn divergence(measured: &Counts, simulated: &Counts, skip: usize) -> f64 {
 }
 
 /// The curve over rho, ascending, the counts simulated at each of its points, and the place of its minimum.
-pub fn search(measured: &Counts, mut simulate: impl FnMut(f64) -> Counts) -> (Vec<KlPoint>, Vec<Counts>, usize) {
+pub fn search(
+    measured: &Counts,
+    mut simulate: impl FnMut(f64) -> Counts,
+) -> (Vec<KlPoint>, Vec<Counts>, usize) {
     let mut found: Vec<(KlPoint, Counts)> = Vec::new();
     let mut evaluate = |away: f64, found: &mut Vec<(KlPoint, Counts)>| -> f64 {
         // to the fifth digit, so that tables and pages show what was used

@@ -141,8 +141,8 @@ mod tests {
     use crate::recordings::Samples;
     use crate::simulator::channel::BLOCKS;
     use crate::simulator::dataset::Simulation;
-    use rayon::prelude::*;
     use comparison::{MEASURED_PRF_HZ, fit_spectra};
+    use rayon::prelude::*;
     use resample::resample;
 
     #[test]

@@ -62,7 +62,7 @@ pub struct RoomFit {
     pub rho_interval: Option<Interval>,
     pub k_factor_db: f64,
     pub k_factor_interval: Option<Interval>,
-    /// Whether rho lies inside the search; at an end of it only the product of the power and 1 - rho is known.
+    /// Whether rho lies inside the search. At an end of it the windows do not determine it; near 1 they determine the power times 1 - rho.
     pub inside: bool,
     /// AR room, white noise, static room.
     pub models: [SpectralFit; 3],
@@ -124,7 +124,8 @@ impl Parts<'_> {
             }
             for (part, basis) in parts.iter_mut().zip(bases) {
                 let (mut up, mut down) = (0.0, 0.0);
-                for (((basis, i), s), bins) in basis.iter().zip(measured).zip(&model).zip(&self.spectrum.bins) {
+                for (((basis, i), s), bins) in basis.iter().zip(measured).zip(&model).zip(&self.spectrum.bins)
+                {
                     up += bins * basis * i / (s * s);
                     down += bins * basis / s;
                 }

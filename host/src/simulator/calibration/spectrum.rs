@@ -61,9 +61,12 @@ impl Spectrum {
         }
         let of = |k: usize| edges.windows(2).position(|pair| (pair[0]..pair[1]).contains(&k));
         let count = edges.len() - 1;
-        let band: Vec<Option<usize>> = (0..n)
-            .map(|bin| if 2 * bin <= n { of(bin) } else { of(n - bin).filter(|_| both).map(|band| band + count) })
-            .collect();
+        let band: Vec<Option<usize>> =
+            (0..n)
+                .map(|bin| {
+                    if 2 * bin <= n { of(bin) } else { of(n - bin).filter(|_| both).map(|band| band + count) }
+                })
+                .collect();
         let mut bins = vec![0.0; if both { 2 * count } else { count }];
         band.iter().flatten().for_each(|&band| bins[band] += 1.0);
         let mut planner = FftPlannerScalar::new();
@@ -146,7 +149,9 @@ impl Spectrum {
         let of_mean = with_mean.iter().sum::<f64>() / n as f64;
         let tapered: Vec<f64> = with_mean.iter().zip(&self.taper).map(|(q, taper)| q * taper).collect();
         let (cross, taper) = (self.transformed(&tapered), self.transformed(&self.taper));
-        for ((power, cross), taper) in power.iter_mut().zip(cross.iter().step_by(2)).zip(taper.iter().step_by(2)) {
+        for ((power, cross), taper) in
+            power.iter_mut().zip(cross.iter().step_by(2)).zip(taper.iter().step_by(2))
+        {
             *power += of_mean * taper.norm_sqr() - 2.0 * (taper.conj() * cross).re;
         }
     }
@@ -178,7 +183,8 @@ mod tests {
         let mut sum = vec![0.0; spectrum.bins.len()];
         for index in 0..draws {
             let mut random = Random::new(5, 0, 0, index);
-            let mut draw = || Complex64::new(random.gaussian(), random.gaussian()) * std::f64::consts::FRAC_1_SQRT_2;
+            let mut draw =
+                || Complex64::new(random.gaussian(), random.gaussian()) * std::f64::consts::FRAC_1_SQRT_2;
             let mut state = draw();
             let mut x: Vec<Complex64> = (0..300 + n)
                 .map(|_| {
