@@ -12,7 +12,7 @@ Help: the tool and every command, with examples.
     channels     Run every channel model through the property tests of the paper's Table I
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters
-    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation
+    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter
     sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster
     merge        Join the cells of a sweep
     quantize     Convert trained networks into int8 model files
@@ -358,7 +358,7 @@ Help: the tool and every command, with examples.
     sdp3 train --data data --set learning.epochs=40 --out trained
 
   $ sdp3 study --help
-  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation.
+  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter.
   
   After an interruption the same command resumes.
   
@@ -374,10 +374,11 @@ Help: the tool and every command, with examples.
             - fidelity:       Divergence and recognition against ray tracing, a richer model and measured recordings
             - baselines:      Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots
             - ablation:       Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards
+            - clutter:        Accuracy with decided and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards
   
   Options:
         --seeds <SEEDS>
-            Seeds, from --seed upwards; of `ablation` from 101 where --seed is absent
+            Seeds, from --seed upwards; of `ablation` and `clutter` from 101 where --seed is absent
             
             [default: 5]
   

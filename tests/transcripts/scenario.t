@@ -148,6 +148,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Power of the room's mean over that of its fluctuation in dB, as received (`mode = "rician"`). Legal: -20 to
   # 80.
   k_factor_db = 15.0
+  # Power of the room's echoes over what its geometry and materials give in dB (`mode = "rician"`): more or less
+  # clutter. Legal: -60 to 60.
+  clutter_gain_db = 0.0
   # Where the room's responses come from. Legal: one of 80211ay, 80211ax, by-carrier.
   clusters = "by-carrier"
   # When the recursion advances. Legal: one of sensing-slot, slot.
