@@ -263,7 +263,7 @@ fn verdict(white: &RoomModel, inside: bool) -> String {
         None => "cannot be compared with white noise in so few windows",
         Some(behind) if behind.low > 0.0 => "is nearer than white noise",
         Some(behind) if behind.high < 0.0 => "is farther than white noise",
-        Some(_) => "cannot be told from white noise",
+        Some(_) => "cannot be distinguished from white noise",
     };
     let known = match inside {
         true => "",
