@@ -573,9 +573,11 @@ impl Frame<'_> {
         let most = ((right - m.left) / (4.2 * m.font)) as usize;
         for tick in plot.x.ticks(most) {
             let (x, _) = self.at((tick, plot.y.low));
+            // the first stays clear of the lowest number of the other axis
+            let anchor = if x < m.left + 1.0 { "start" } else { "middle" };
             let _ = write!(
                 svg,
-                "<path d=\"M{x:.1} {TOP}V{bottom}\" class=\"grid\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                "<path d=\"M{x:.1} {TOP}V{bottom}\" class=\"grid\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                 bottom + m.font + 3.0,
                 number(tick)
             );
