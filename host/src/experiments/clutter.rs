@@ -50,7 +50,7 @@ pub struct Clutter {
 /// The scenario at a ratio: the room's gain for it.
 fn with_ratio(scenario: &Scenario, ratio_db: f64) -> Scenario {
     let mut found = scenario.clone();
-    // to a tenth: the cell's name has the scenario's digest
+    // to a tenth of a dB, as a person would state it
     let gain = ratio_db - clutter_to_target_db(scenario) + scenario.channel.clutter_gain_db;
     found.channel.clutter_gain_db = (10.0 * gain).round() / 10.0;
     found

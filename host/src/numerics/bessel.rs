@@ -11,6 +11,16 @@ pub fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
+/// A Kaiser window of n values.
+pub fn kaiser(n: usize, beta: f64) -> Vec<f64> {
+    let centre = (n as f64 - 1.0) / 2.0;
+    let value = |k: usize| {
+        let x = (k as f64 - centre) / centre;
+        bessel_i0(beta * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(beta)
+    };
+    (0..n).map(value).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

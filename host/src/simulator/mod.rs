@@ -1,7 +1,7 @@
 //! Simulate: a person in a room, seen by a radar, as raw 16-bit slots.
 //!
 //! [`body`] moves (Boulic-Thalmann gait, sixteen ellipsoids), [`channel`] carries (target echoes of eq. (uit), the room's
-//! memory of eq. (vit)), [`radar`] sends the chirp, adds noise and converts, [`dataset`] makes a recording of it
+//! AR(1) response of eq. (vit)), [`radar`] sends the chirp, adds noise and converts, [`dataset`] makes a recording of it
 //! from its coordinates alone, and [`calibration`] finds the channel correlation rho that a measured signal shows.
 //!
 //! Floating-point functions are `libm`'s throughout: the same seed gives the same bytes on every machine.

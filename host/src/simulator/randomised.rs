@@ -85,7 +85,7 @@ fn bernoulli(random: &mut Random, share: f64) -> bool {
     random.uniform() < share
 }
 
-/// A room, its radar at one end, where its walls are seen from, and its memory.
+/// A room, its radar at one end, where its walls are seen from, and its rho.
 ///
 /// Walls are seen from 1 m and more off them, as from the paper's radar: the wall at a sensor's back is behind its antenna.
 fn room(carrier_hz: f64, rate_hz: f64, random: &mut Random) -> (Scenario, Vec3, f64) {
@@ -180,7 +180,7 @@ fn sense(y: &mut [f64], echo: f64, carried: bool, rate_hz: f64, random: &mut Ran
     }
 }
 
-/// One number a time of `people` seen from `from`, in rooms of memory `rho`, in the person's own time, AC-coupled.
+/// One number a time of `people` seen from `from`, in rooms of coefficient `rho`, in the person's own time, AC-coupled.
 fn seen(room: &Scenario, rho: f64, view: View, people: &[Target], random: Random) -> Vec<f64> {
     let rate_hz = 1.0 / room.frame.slot_s;
     let mut beats = vec![Blocks::default(); (SETTLE_S * rate_hz) as usize + rate_hz.round() as usize];
@@ -237,7 +237,7 @@ pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, 
     let radar = scenario.radar.position_m;
     let view = View { radar, walls, start_s: between(random, 0.0, 20.0), pace };
     let people = [target];
-    // a room of perfect memory vanishes behind the AC coupling
+    // a room of rho = 1 vanishes behind the AC coupling
     let mut y = seen(&scenario, 1.0, view, &people, stream(1));
     // the person up to five times more, by way of walls and furniture, out and back: seen from the radar's image in each, which
     // may lie anywhere around; their Doppler fills what the direct echo leaves empty

@@ -182,10 +182,10 @@ fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Scenario)>, Failure> {
             let mut own = scenario.clone();
             own.radar.carrier_hz = carrier;
             own.frame.sensing_slots = vec![slots];
-            let memory = rho.or(own.channel.rho).unwrap_or_else(|| stored_rho(&own).0);
-            own.channel.rho = Some(memory);
+            let rho = rho.or(own.channel.rho).unwrap_or_else(|| stored_rho(&own).0);
+            own.channel.rho = Some(rho);
             let origin = format!(
-                "{}: {} at carrier_hz = {carrier}, rho = {memory}, sensing_slots = {slots}",
+                "{}: {} at carrier_hz = {carrier}, rho = {rho}, sensing_slots = {slots}",
                 file.display(),
                 scenario.name
             );
@@ -193,8 +193,7 @@ fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Scenario)>, Failure> {
             dataset::check(&own)?;
             for &seed in plan.seeds.iter().flatten() {
                 let (index, scenario) = (cells.len() as u32, own.name.clone());
-                let cell =
-                    Cell { index, scenario, carrier_hz: carrier, rho: memory, sensing_slots: slots, seed };
+                let cell = Cell { index, scenario, carrier_hz: carrier, rho, sensing_slots: slots, seed };
                 cells.push((cell, own.clone()));
             }
         }

@@ -205,7 +205,7 @@ pub fn spectrum_of(bench: &Bench) -> Spectrum {
     Spectrum::new(bench.slots as usize, conditioning)
 }
 
-/// The AR room and its rivals on spectra of windows; `None` of a channel without a mean.
+/// The three models on spectra of windows; `None` of a channel without a mean.
 pub fn fit_spectra(bench: &Bench, windows: &[Bands], people: u32) -> Option<SpectralFits> {
     let channel = &bench.scenario.channel;
     if channel.model != Model::Dahc || channel.mode != ArMode::Rician {

@@ -2,7 +2,7 @@
 //!
 //! Section III-C of the paper: Kaiser window, 256-point FFT, a range of 50 dB quantised into F levels.
 
-use crate::numerics::bessel::bessel_i0;
+use crate::numerics::bessel::kaiser;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use std::sync::Arc;
@@ -30,13 +30,10 @@ pub struct Intensity {
 impl Intensity {
     /// A Kaiser window of `length` samples, moved by `hop`.
     pub fn new(length: usize, hop: usize) -> Self {
-        let centre = (length as f64 - 1.0) / 2.0;
-        let value = |n: usize| {
-            let x = (n as f64 - centre) / centre;
-            bessel_i0(BETA * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(BETA)
-        };
+        let mut window = kaiser(length, BETA);
+        window.truncate(FFT);
         let fft = FftPlannerScalar::new().plan_fft_forward(FFT);
-        Intensity { window: (0..length.min(FFT)).map(value).collect(), hop: hop.max(1), fft }
+        Intensity { window, hop: hop.max(1), fft }
     }
 
     /// Decibels below the reference, `[frame][bin]`, negative frequencies first; `half` keeps 0 to 128 only.

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn known_memories_are_recovered_within_a_thousandth() {
+    fn known_rhos_are_recovered_within_a_thousandth() {
         let scenario = Scenario::default();
         for (seed, rho) in [(3, 0.990), (4, 0.993), (5, 0.995), (6, 0.997), (7, 0.998)] {
             let found = recover(&scenario, rho, "test", seed, &|_, _| ());

@@ -4,7 +4,7 @@
 //! bands of Doppler: single bins up to the 16th, then bands of 8 %.
 
 use super::conditioning::CORNER_HZ;
-use crate::numerics::bessel::bessel_i0;
+use crate::numerics::bessel::kaiser;
 use crate::simulator::channel::Complex64;
 use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::TAU;
@@ -45,11 +45,6 @@ pub struct Spectrum {
 impl Spectrum {
     /// Of windows of `n` samples.
     pub fn new(n: usize, conditioning: Conditioning) -> Self {
-        let centre = (n as f64 - 1.0) / 2.0;
-        let value = |t: usize| {
-            let x = (t as f64 - centre) / centre;
-            bessel_i0(BETA * (1.0 - x * x).max(0.0).sqrt()) / bessel_i0(BETA)
-        };
         // real signals show every frequency twice
         let (first, both) = match conditioning {
             Conditioning::MeanRemoved => (1, true),
@@ -73,7 +68,7 @@ impl Spectrum {
         let fine = (16 * n).next_power_of_two();
         Spectrum {
             conditioning,
-            taper: (0..n).map(value).collect(),
+            taper: kaiser(n, BETA),
             band,
             bins,
             fft: planner.plan_fft_forward(n),

@@ -24,7 +24,7 @@ pub const HEADER: &str = "\
 pub struct Stored {
     /// Carrier in Hz.
     pub carrier_hz: f64,
-    /// Interval of the sensing slots in s; the memory is one of slots.
+    /// Interval of the sensing slots in s; rho is one of slots.
     pub interval_s: f64,
     /// Whether a second person moves.
     pub interferer: bool,
@@ -112,7 +112,7 @@ const MOTIONS: [Class; 3] = [Class::AdultWalking, Class::AdultPacing, Class::Adu
 /// The table, recomputed: rows from experiments are kept, computed ones are computed again.
 ///
 /// A computed row says which rho makes the one-person channel of scenario 1 look most like recordings of `motion` in a room
-/// with memory 0.997, without (scenario 1) and with (scenario 2) a second person walking in it.
+/// with rho = 0.997, without (scenario 1) and with (scenario 2) a second person walking in it.
 pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
     let mut entry: Vec<Stored> =
         table().entry.into_iter().filter(|s| !s.source.starts_with(COMPUTED)).collect();
@@ -144,7 +144,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                     rho: curve[best].rho,
                     kl: Some([round(curve[best].kl), round(curve[last].kl)]),
                     source: format!(
-                        "{COMPUTED}{STAND_INS} simulated recordings with memory {PAPER_RHO}{}, fitted by the one-person \
+                        "{COMPUTED}{STAND_INS} simulated recordings with rho = {PAPER_RHO}{}, fitted by the one-person \
                          channel; `sdp3 calibrate --table rho_table.toml --seed {seed}`",
                         if interferer { " and a second person walking" } else { "" }
                     ),
@@ -157,7 +157,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
     Table { entry }
 }
 
-/// The paper's memory of a quiet room.
+/// The paper's rho of a room with one person.
 const PAPER_RHO: f64 = 0.997;
 
 #[cfg(test)]

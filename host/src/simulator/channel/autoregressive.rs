@@ -152,7 +152,7 @@ mod tests {
         Ray { amplitude: 1.0, delay_s: 20e-9, departure: [1.0, 0.0, 0.0], arrival: [1.0, 0.0, 0.0], fixed }
     }
 
-    fn memory(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Ar1Process {
+    fn process(mode: ArMode, rho: f64, stationary_start: bool, fixed: Option<f64>) -> Ar1Process {
         let channel = Channel { mode, stationary_start, ..Default::default() };
         Ar1Process::new(&channel, vec![ray(fixed)], Innovation::Phase, rho, 3)
     }
@@ -162,10 +162,10 @@ mod tests {
         let mut sums = vec![0.0; slots];
         for index in 0..runs {
             let mut random = Random::new(3, 0, 0, u64::from(index));
-            let mut memory = memory(mode, rho, stationary, None);
+            let mut process = process(mode, rho, stationary, None);
             for sum in &mut sums {
-                memory.step(&mut random);
-                *sum += memory.state[0].norm_sqr() / f64::from(runs);
+                process.step(&mut random);
+                *sum += process.state[0].norm_sqr() / f64::from(runs);
             }
         }
         sums
@@ -197,12 +197,12 @@ mod tests {
         let mut spectrum = vec![0.0; n];
         for run in 0..40 {
             let mut random = Random::new(5, 0, 0, run);
-            let mut memory = memory(ArMode::Paper, rho, true, None);
+            let mut process = process(ArMode::Paper, rho, true, None);
             let mut signal: Vec<Complex64> = (0..n)
                 .map(|k| {
-                    memory.step(&mut random);
+                    process.step(&mut random);
                     // Hann window: the tails are its, not the rectangle's
-                    memory.state[0] * (0.5 - 0.5 * libm::cos(std::f64::consts::TAU * k as f64 / n as f64))
+                    process.state[0] * (0.5 - 0.5 * libm::cos(std::f64::consts::TAU * k as f64 / n as f64))
                 })
                 .collect();
             fft.process(&mut signal);
@@ -224,12 +224,12 @@ mod tests {
     fn full_memory_and_geometry_never_change() {
         for (mode, rho, fixed) in [(ArMode::Paper, 1.0, None), (ArMode::Consistent, 0.9, Some(1.0))] {
             let mut random = Random::new(3, 0, 0, 0);
-            let mut memory = memory(mode, rho, false, fixed);
-            memory.step(&mut random);
-            let first = memory.state[0];
+            let mut process = process(mode, rho, false, fixed);
+            process.step(&mut random);
+            let first = process.state[0];
             for _ in 0..50 {
-                memory.step(&mut random);
-                assert!((memory.state[0] - first).norm() < 1e-12);
+                process.step(&mut random);
+                assert!((process.state[0] - first).norm() < 1e-12);
             }
         }
     }

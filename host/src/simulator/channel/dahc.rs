@@ -1,6 +1,6 @@
 //! `dahc`: the paper's data-assisted hybrid channel, h = u + v.
 //!
-//! u is geometry (sixteen primitives per person), v the room's response with memory; rho is calibrated on data. With `mode = "rician"` v
+//! u is geometry (sixteen primitives per person), v the room's AR(1) response; rho is calibrated on data. With `mode = "rician"` v
 //! is a constant mean m from geometry and a stationary fluctuation: E|v - m|^2 = |m|^2 / K as received, both through the radar's antenna.
 //! The beats of a recording are formed several slots at a time.
 

@@ -1,7 +1,7 @@
 //! The downlink to a communication receiver: its sub-carriers' responses and their expected power gains.
 //!
 //! Eq. (H_sub) averaged over draws of the scenario's channel model between base station and receiver. Antennas are isotropic; the
-//! same draws serve every position, so nearer is better. Every draw is a channel of its own: rho, the memory from slot to slot,
+//! same draws serve every position, so nearer is better. Every draw is a channel of its own: rho, the correlation from slot to slot,
 //! plays no part. `communication.people` puts the people of the scenario into every draw, otherwise the room is empty.
 
 use super::target::Target;

@@ -6,8 +6,8 @@
 //!
 //! | name | file | what it is |
 //! |---|---|---|
-//! | `dahc` | [`dahc`] | the paper's: sixteen primitives and a room with memory, eqs. (DAHC), (uit), (vit) |
-//! | `primitive` | [`primitive`] | the same with a perfect memory (rho = 1): no uncertainty |
+//! | `dahc` | [`dahc`] | the paper's: sixteen primitives and an AR(1) room, eqs. (DAHC), (uit), (vit) |
+//! | `primitive` | [`primitive`] | the same with rho = 1: no uncertainty |
 //! | `ray-tracing` | [`ray_tracing`] | images up to second order off slabs, rough surfaces, diffraction, a body that moves |
 //! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, fading by a Doppler spectrum |
 //! | `80211ay` | [`ieee80211ay`] | quasi-deterministic rooms, polarised |
@@ -131,7 +131,7 @@ pub trait ChannelModel: Send {
     }
 }
 
-/// The model of `scenario` for a link between two points, with memory `rho` where it has one.
+/// The model of `scenario` for a link between two points, with the AR(1) coefficient `rho` where it has one.
 pub fn model(
     scenario: &Scenario,
     from: Vec3,

@@ -1,6 +1,6 @@
 //! `primitive`: the primitive-based channel of deterministic sensing simulators.
 //!
-//! The hybrid channel with a perfect memory, rho = 1: the room's response is drawn once and never changes.
+//! The hybrid channel with rho = 1: the room's response is drawn once and never changes.
 
 use super::dahc::Dahc;
 use crate::numerics::random::Random;
