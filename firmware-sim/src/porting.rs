@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // the section
 
 use crate::{board, static_cell::ConstStaticCell}; // of the crate static_cell
-// docs/porting.md, core/README.md and README.md show what follows
+// docs/porting.md and core/README.md show what follows
 use sdp3_core::{Progress, RadarModule, Retained, SensingLayout, Settings, Shape, SlotAction, radar_memory};
 
 const SHAPE: Shape = Shape::of(board::MODEL).expect("a model"); // MODEL: include_bytes!("model.sdp3")
