@@ -77,12 +77,13 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
     let mut kept: Vec<[Vec<Marked>; FIRST_KEPT.len()]> = vec![Default::default(); conditions.len()];
     for seed in request.each_seed() {
         for ((ratio_db, scenario), found) in conditions.iter().zip(&mut kept) {
-            for (first_kept, found) in FIRST_KEPT.into_iter().zip(found) {
+            let arms = FIRST_KEPT.map(|first_kept| {
                 let mut scenario = scenario.clone();
                 scenario.spectrogram.first_kept = first_kept;
-                let name = format!("seed-{seed}-{ratio_db}db-d{first_kept}");
-                found.push(cells.get(&name, || marked(&scenario, seed, context))?);
-            }
+                scenario
+            });
+            let marks = cells.get(&format!("seed-{seed}-{ratio_db}db"), || marked(&arms, seed, context))?;
+            found.iter_mut().zip(marks).for_each(|(found, marks)| found.push(marks));
         }
     }
     let mut rows = Vec::new();

@@ -22,22 +22,28 @@ pub struct Trained {
 /// For every N_s a character a test recording: 1 if its class was recognised.
 pub type Marked = Vec<String>;
 
-/// Which test recordings the int8 networks of a scenario recognise, `[sensing_slots][recording]`.
+/// Which test recordings the int8 networks of scenarios recognise, `[scenario][sensing_slots][recording]`. The scenarios may differ in
+/// `spectrogram` alone: the recordings are simulated once for all of them.
 ///
 /// # Errors
 ///
 /// Whatever a training says.
-pub fn marked(scenario: &Scenario, seed: u64, context: RunContext) -> Result<Marked, Failure> {
-    let rho = rho_of(scenario);
-    let trained = train(scenario, seed, &images(scenario, rho, seed, Part::Train, context), context)?;
-    let shown = images(scenario, rho, seed, Part::Test, context);
-    let tested = test(&trained.parameters, &trained.models, &scenario.frame.sensing_slots, &shown.images)?;
-    let each = tested.iter().zip(&shown.images);
-    let marks = each.map(|(tested, images)| {
-        let pairs = tested.int8.iter().zip(&images.labels);
-        pairs.map(|(answer, label)| if answer == label { '1' } else { '0' }).collect()
-    });
-    Ok(marks.collect())
+pub fn marked(scenarios: &[Scenario], seed: u64, context: RunContext) -> Result<Vec<Marked>, Failure> {
+    let learned = images_of_each(scenarios, seed, Part::Train, context);
+    let shown = images_of_each(scenarios, seed, Part::Test, context);
+    let each = scenarios.iter().zip(&learned).zip(&shown);
+    each.map(|((scenario, learned), shown)| {
+        let trained = train(scenario, seed, learned, context)?;
+        let tested =
+            test(&trained.parameters, &trained.models, &scenario.frame.sensing_slots, &shown.images)?;
+        let each = tested.iter().zip(&shown.images);
+        let marks = each.map(|(tested, images)| {
+            let pairs = tested.int8.iter().zip(&images.labels);
+            pairs.map(|(answer, label)| if answer == label { '1' } else { '0' }).collect()
+        });
+        Ok(marks.collect())
+    })
+    .collect()
 }
 
 /// The marks of several seeds at the n-th N_s, `[seed][recording]`.
@@ -47,11 +53,30 @@ pub fn marks(seeds: &[Marked], n: usize) -> Vec<Vec<bool>> {
 
 /// Images of the recordings learned from or tested with, with a line of progress.
 pub fn images(scenario: &Scenario, rho: f64, seed: u64, part: Part, context: RunContext) -> Collected {
+    simulated(scenario, rho, seed, part, context, |recordings, progress| recordings.images(progress))
+}
+
+/// Images that scenarios make of the same recordings.
+fn images_of_each(scenarios: &[Scenario], seed: u64, part: Part, context: RunContext) -> Vec<Collected> {
+    let Some(first) = scenarios.first() else { return Vec::new() };
+    simulated(first, rho_of(first), seed, part, context, |recordings, progress| {
+        recordings.images_of_each(scenarios, progress)
+    })
+}
+
+fn simulated<T>(
+    scenario: &Scenario,
+    rho: f64,
+    seed: u64,
+    part: Part,
+    context: RunContext,
+    make: impl FnOnce(Recordings<'_>, &(dyn Fn(u64, u64) + Sync)) -> T,
+) -> T {
     let learning = &scenario.learning;
     let per_class = if part == Part::Test { learning.test_per_class } else { learning.train_per_class };
     let stage = context.progress.stage("simulate", &format!("{part:?}, seed {seed}"));
     let recordings = Recordings { scenario, rho, seed, part, per_class };
-    let found = recordings.images(&|done, all| stage.at(done, all));
+    let found = make(recordings, &|done, all| stage.at(done, all));
     stage.finish(&format!("{per_class} of each class, seed {seed}, rho {rho}"));
     found
 }

@@ -65,10 +65,41 @@ pub struct Recordings<'a> {
     pub per_class: u32,
 }
 
+/// A recording, as far as the front end needs it.
+enum Recorded {
+    Slots(Slots),
+    Beats(Vec<Beat>),
+}
+
 impl Recordings<'_> {
     /// Images at every N_s of all of them, `[recording]`, or `[recording][window]` of training recordings.
     pub fn images(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Collected {
         gathered(self.scenario, &self.map(|| (), |(), images| images, progress))
+    }
+
+    /// The images that scenarios make of the same recordings, which are simulated once: they may differ in `spectrogram` alone.
+    pub fn images_of_each(
+        &self,
+        scenarios: &[Scenario],
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Vec<Collected> {
+        let each = self.each(
+            || (),
+            |(), class, recorded| {
+                let labelled = |images| (class, images);
+                scenarios
+                    .iter()
+                    .map(|s| self.windows(s, &recorded).into_iter().map(labelled).collect())
+                    .collect()
+            },
+            progress,
+        );
+        let mut found: Vec<Vec<(u8, Vec<Vec<i8>>)>> = scenarios.iter().map(|_| Vec::new()).collect();
+        for of_recording in each {
+            let of_recording: Vec<Vec<_>> = of_recording;
+            found.iter_mut().zip(of_recording).for_each(|(found, windows)| found.extend(windows));
+        }
+        scenarios.iter().zip(&found).map(|(scenario, each)| gathered(scenario, each)).collect()
     }
 
     /// `answer` to the images at every N_s of each of them, with its label; every thread makes a `state` of its own. Each is simulated
@@ -79,34 +110,52 @@ impl Recordings<'_> {
         answer: impl Fn(&mut S, Vec<Vec<i8>>) -> T + Sync + Send,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Vec<(u8, T)> {
+        let one = |state: &mut S, class, recorded| -> Vec<_> {
+            let windows = self.windows(self.scenario, &recorded).into_iter();
+            windows.map(|images| (class, answer(state, images))).collect()
+        };
+        self.each(state, one, progress).into_iter().flatten().collect()
+    }
+
+    /// What `answer` makes of each recording and its label, in the order of [`item`].
+    fn each<S, T: Send>(
+        &self,
+        state: impl Fn() -> S + Sync + Send,
+        answer: impl Fn(&mut S, u8, Recorded) -> T + Sync + Send,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Vec<T> {
         let count = self.per_class * Class::ALL.len() as u32;
         let done = AtomicU64::new(0);
         let one = |state: &mut S, index: u32| {
             let (class, n) = item(index);
-            let windows = self.windows(class, n).into_iter();
-            let answers: Vec<_> = windows.map(|images| (class as u8, answer(state, images))).collect();
+            let answer = answer(state, class as u8, self.recorded(class, n));
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
-            answers
+            answer
         };
-        (0..count).into_par_iter().map_init(state, one).flatten_iter().collect()
+        (0..count).into_par_iter().map_init(state, one).collect()
     }
 
-    /// Images of a recording's windows. Recordings that are tested or shown go the whole way through raw slots; the others start at
-    /// the beats.
-    fn windows(&self, class: Class, n: u32) -> Vec<Vec<Vec<i8>>> {
+    /// A recording. Those that are tested or shown go the whole way through raw slots; the others start at the beats.
+    fn recorded(&self, class: Class, n: u32) -> Recorded {
         let Recordings { scenario, rho, seed, .. } = *self;
         let slots = scenario.largest_sensing_slots();
-        let raw =
-            |set| vec![images_of(scenario, &recording(scenario, rho, seed, set, class, n, slots).slots)];
-        let beats = |n, slots| beats(scenario, rho, seed, Set::Train, class, n, slots).0;
+        let raw = |set| Recorded::Slots(recording(scenario, rho, seed, set, class, n, slots).slots);
+        let beats = |n, slots| Recorded::Beats(beats(scenario, rho, seed, Set::Train, class, n, slots).0);
         let learning = &scenario.learning;
         match self.part {
-            Part::Train => windows_of(scenario, &beats(n, learning.training_slots(slots))),
-            Part::Calibration => {
-                vec![images_of_beats(scenario, &beats(learning.train_per_class + n, slots))]
-            }
+            Part::Train => beats(n, learning.training_slots(slots)),
+            Part::Calibration => beats(learning.train_per_class + n, slots),
             Part::Test => raw(Set::Test),
             Part::Demo => raw(Set::Demo),
+        }
+    }
+
+    /// Images of a recording's windows.
+    fn windows(&self, scenario: &Scenario, recorded: &Recorded) -> Vec<Vec<Vec<i8>>> {
+        match recorded {
+            Recorded::Slots(slots) => vec![images_of(scenario, slots)],
+            Recorded::Beats(beats) if self.part == Part::Train => windows_of(scenario, beats),
+            Recorded::Beats(beats) => vec![images_of_beats(scenario, beats)],
         }
     }
 }
