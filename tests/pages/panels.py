@@ -51,8 +51,8 @@ def plan(visit, point):
     page, figures, plan = visit.page, visit.results.figures, visit.results.plan(point)
     cell = lambda name: page.locator(f'#region .plan [data-value="{name}"]').text_content()
     visit.same("plan N_s", cell("slots"), str(point["sensing_slots"]))
-    prices = next(c for c in figures["cases"] if c["case"] == point["case"])["slot_bit"]
-    for k, (slots, bit, wait) in enumerate(zip(point["communication_slots"], prices, plan["longest_wait_slots"]), 1):
+    slot_bits = next(c for c in figures["cases"] if c["case"] == point["case"])["slot_bit"]
+    for k, (slots, bit, wait) in enumerate(zip(point["communication_slots"], slot_bits, plan["longest_wait_slots"]), 1):
         visit.same(f"plan N_c,{k}", cell(f"slots {k}"), str(slots))
         visit.same(f"plan bits {k}", cell(f"bit a slot {k}"), grouped(int(bit + 0.5)))
         visit.same(f"plan wait {k}", cell(f"longest wait {k}"), str(wait))

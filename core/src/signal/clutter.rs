@@ -90,8 +90,8 @@ pub struct SvdRange {
 /// clutter if that is more than [`STATIC_SHARE`] of it. Compared in integers.
 pub const DECIDED: u8 = 0;
 
-/// Static share of a component's energy beyond which it is clutter, in 1/256: 21 dB above all that moves.
-pub const STATIC_SHARE: i128 = 254;
+/// Static share of a component's energy beyond which it is clutter, in 1/2048: 33 dB above all that moves.
+pub const STATIC_SHARE: i128 = 2047;
 
 /// Sum over slots of the range samples, `[fast_time]`, |sum| < 2^37.5.
 pub(crate) type Sum = [Complex<i64>; BEATS];
@@ -176,7 +176,7 @@ impl ClutterSolver {
         ranks
     }
 
-    /// Whether a column's component is static: 256 |u^H s|^2 > [`STATIC_SHARE`] N lambda, u in Q3.28 and lambda in 2^-30 of the trace.
+    /// Whether a column's component is static: 2048 |u^H s|^2 > [`STATIC_SHARE`] N lambda, u in Q3.28 and lambda in 2^-30 of the trace.
     fn is_static(&self, column: usize, slots: usize, sum: &Sum) -> bool {
         let largest = sum.iter().fold(0, |most, z| most | z.re.unsigned_abs() | z.im.unsigned_abs());
         let shift = (u64::BITS - largest.leading_zeros()).saturating_sub(30) & 31;
@@ -190,7 +190,7 @@ impl ClutterSolver {
         let (re, im) = (i128::from(re >> PROJECTION_BITS), i128::from(im >> PROJECTION_BITS));
         let value = roundf(self.matrix[(column % BEATS, column % BEATS)].re * (1 << 30) as f32) as i32;
         let energy = (self.trace * i128::from(value)) >> 30;
-        energy > 0 && ((re * re + im * im) << (2 * shift + 8)) > STATIC_SHARE * energy * slots as i128
+        energy > 0 && ((re * re + im * im) << (2 * shift + 11)) > STATIC_SHARE * energy * slots as i128
     }
 
     /// The projection, after the last step; `sum` over `slots` is that of the range samples where the first component is [`DECIDED`].

@@ -34,7 +34,7 @@ pub enum StoredError {
     Scenario(#[from] ScenarioError),
 }
 
-/// What completes or mends a dataset.
+/// What completes or repairs a dataset.
 const CURE: &str = "`sdp3 simulate` with the same options and --out makes it";
 
 /// What is needed of a manifest.

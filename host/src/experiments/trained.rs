@@ -23,14 +23,15 @@ pub struct Trained {
 pub type Marked = Vec<String>;
 
 /// Which test recordings the int8 networks of scenarios recognise, `[scenario][sensing_slots][recording]`. The scenarios may differ in
-/// `spectrogram` alone: the recordings are simulated once for all of them.
+/// `spectrogram` alone: the recordings are simulated once for all of them. Those tested with begin at the range samples, as those learned
+/// from do; a test of the radar holds them to raw slots.
 ///
 /// # Errors
 ///
 /// Whatever a training says.
 pub fn marked(scenarios: &[Scenario], seed: u64, context: RunContext) -> Result<Vec<Marked>, Failure> {
     let learned = images_of_each(scenarios, seed, Part::Train, context);
-    let shown = images_of_each(scenarios, seed, Part::Test, context);
+    let shown = images_of_each(scenarios, seed, Part::Calibration, context);
     let each = scenarios.iter().zip(&learned).zip(&shown);
     each.map(|((scenario, learned), shown)| {
         let trained = train(scenario, seed, learned, context)?;
@@ -73,7 +74,7 @@ fn simulated<T>(
     make: impl FnOnce(Recordings<'_>, &(dyn Fn(u64, u64) + Sync)) -> T,
 ) -> T {
     let learning = &scenario.learning;
-    let per_class = if part == Part::Test { learning.test_per_class } else { learning.train_per_class };
+    let per_class = if part == Part::Train { learning.train_per_class } else { learning.test_per_class };
     let stage = context.progress.stage("simulate", &format!("{part:?}, seed {seed}"));
     let recordings = Recordings { scenario, rho, seed, part, per_class };
     let found = make(recordings, &|done, all| stage.at(done, all));

@@ -1,7 +1,7 @@
 //! Water-filling where a sub-carrier carries a limited number of bits.
 //!
 //! A sub-carrier of the signal-to-noise ratio x carries f(x) = min(log2(1 + 1 / (1 / x + e^2)), b) bits: e is the transmitter's error
-//! vector magnitude, b the largest modulation. f is concave, so the best shares s_m of the power have one price p: a sub-carrier
+//! vector magnitude, b the largest modulation. f is concave, so the best shares s_m of the power have one multiplier p: a sub-carrier
 //! of gamma_m takes s_m with df / ds_m = p, nothing where gamma_m < p, and no more than reaches b. With x = s_m gamma_m this
 //! is (1 + (1 + e^2) x) (1 + e^2 x) = gamma_m / p, a quadratic equation; p follows by bisection from sum s_m = 1. Where every
 //! sub-carrier reaches b with less than the whole power, the rest is of no use and stays unspent.
@@ -43,7 +43,7 @@ impl Limits {
         bits >= self.modulation_bit * FULL
     }
 
-    /// The signal-to-noise ratio at which another share of the power is worth its price, `ratio` = gamma / p.
+    /// The signal-to-noise ratio at which another share of the power is worth its multiplier, `ratio` = gamma / p.
     fn worth(&self, ratio: f64) -> f64 {
         if ratio <= 1.0 {
             return 0.0;
@@ -62,23 +62,23 @@ pub fn allocate(gamma: &[f64], limits: Limits) -> Allocation {
     }
     let most = limits.enough();
     let positive = || gamma.iter().copied().filter(|&g| g > 0.0);
-    let spent = |price: f64| positive().map(|g| limits.worth(g / price) / g).sum::<f64>();
-    let price = match positive().map(|g| most / g).sum::<f64>() {
+    let spent = |multiplier: f64| positive().map(|g| limits.worth(g / multiplier) / g).sum::<f64>();
+    let multiplier = match positive().map(|g| most / g).sum::<f64>() {
         all if all <= 1.0 => 0.0,
-        _ => price(positive().fold(0.0, f64::max), spent),
+        _ => multiplier(positive().fold(0.0, f64::max), spent),
     };
     let share = |g: f64| match g > 0.0 {
         false => 0.0,
-        true if price == 0.0 => most / g,
-        true => limits.worth(g / price) / g,
+        true if multiplier == 0.0 => most / g,
+        true => limits.worth(g / multiplier) / g,
     };
     let shares: Vec<f64> = gamma.iter().map(|&g| share(g)).collect();
     let rate_bit = shares.iter().zip(gamma).map(|(s, g)| limits.bits(s * g.max(0.0))).sum();
     Allocation { shares, rate_bit }
 }
 
-/// The least price at which no more than the whole power is spent; at `high` nothing is.
-fn price(mut high: f64, spent: impl Fn(f64) -> f64) -> f64 {
+/// The least multiplier at which no more than the whole power is spent; at `high` nothing is.
+fn multiplier(mut high: f64, spent: impl Fn(f64) -> f64) -> f64 {
     let mut low = high / 16.0;
     while spent(low) <= 1.0 {
         (low, high) = (low / 16.0, low);
@@ -133,13 +133,13 @@ mod tests {
             assert!(found.shares.iter().all(|s| *s >= 0.0) && power <= 1.0 + 1e-9, "{power}");
             let brute = in_steps(&gamma, limits, 4000);
             assert!(found.rate_bit >= brute - 1e-9, "{} {brute} {gamma:?} {limits:?}", found.rate_bit);
-            // a step of the power is worth at most its price everywhere: the grid comes as near
+            // a step of the power is worth at most its multiplier everywhere: the grid comes as near
             assert!(found.rate_bit <= brute * 1.01 + 0.01, "{} {brute} {gamma:?} {limits:?}", found.rate_bit);
         }
     }
 
     #[test]
-    fn every_sub_carrier_has_the_same_price_or_a_reason() {
+    fn every_sub_carrier_has_the_same_multiplier_or_a_reason() {
         let mut random = Random::new(82, 0, 0, 0);
         for _ in 0..300 {
             let (gamma, limits) = (channels(&mut random, 60), limits(&mut random));
@@ -161,7 +161,7 @@ mod tests {
             }
             assert!((spent - 1.0).abs() < 1e-9 && high / low < 1.0 + 1e-6, "{spent} {low} {high}");
             for (s, g) in shares.iter().zip(&gamma) {
-                // what has nothing would be worth less than the price, what is full still more
+                // what has nothing would be worth less than the multiplier, what is full still more
                 assert!(*s > 0.0 || *g <= high * (1.0 + 1e-6));
                 assert!(!full(*s, *g) || slope(*s, *g) >= low * (1.0 - 1e-6));
             }

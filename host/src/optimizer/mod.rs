@@ -1,6 +1,6 @@
 //! The optimizer: what accuracy costs in throughput, and the operating point of the scheduler.
 //!
-//! [`water_filling`], [`limited_water_filling`] and [`throughput`] price a slot in bits; [`theorem`] is the boundary in closed form, [`region`] the exact one
+//! [`water_filling`], [`limited_water_filling`] and [`throughput`] compute the bits of a slot; [`theorem`] is the boundary in closed form, [`region`] the exact one
 //! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond
 //! it, [`spacings`] and [`sweep`] vary what else may vary.
 
@@ -131,23 +131,23 @@ impl Bits {
 ///
 /// [`OptimizerError::Gain`] for a user without gain.
 pub fn bits_per_slot(scenario: &Scenario, seed: u64) -> Result<Vec<(u32, Vec<f64>)>, OptimizerError> {
-    let price = |index: usize| Ok((index as u32 + 1, Bits::of(scenario, index, seed)?.expected));
-    (0..scenario.communication.cases.len()).map(price).collect()
+    let of_case = |index: usize| Ok((index as u32 + 1, Bits::of(scenario, index, seed)?.expected));
+    (0..scenario.communication.cases.len()).map(of_case).collect()
 }
 
 /// A case with its whole boundary.
-struct Priced {
+struct Optimized {
     case: Case,
     points: Vec<Point>,
 }
 
-fn price(
+fn of_case(
     curve: &Curve,
     scenario: &Scenario,
     rule: Rule,
     index: usize,
     seed: u64,
-) -> Result<Priced, OptimizerError> {
+) -> Result<Optimized, OptimizerError> {
     let Bits { expected: slot_bit, over_fading, links } = Bits::of(scenario, index, seed)?;
     let points = region::boundary(scenario, curve, &slot_bit)?;
     let range = region::range(scenario, scenario.frame.spacing_slots)?;
@@ -178,14 +178,14 @@ fn price(
         borders: zones.borders(),
         operating_point,
     };
-    Ok(Priced { case, points })
+    Ok(Optimized { case, points })
 }
 
 /// Steps of the weight of accuracy from 0 to 1.
 const WEIGHTS: u32 = 20;
 
 /// The optimum of every weight.
-fn weighted(Priced { case, points }: &Priced) -> Vec<WeightedPoint> {
+fn weighted(Optimized { case, points }: &Optimized) -> Vec<WeightedPoint> {
     let best = |step: u32| {
         let weight = f64::from(step) / f64::from(WEIGHTS);
         let p = &points[operating_point::choose(points, Rule::Weighted(weight))?];
@@ -207,7 +207,7 @@ fn weighted(Priced { case, points }: &Priced) -> Vec<WeightedPoint> {
 /// [`OptimizerError`]; a rule no point satisfies is no error here.
 pub fn cases(curve: &Curve, scenario: &Scenario, rule: Rule, seed: u64) -> Result<Vec<Case>, OptimizerError> {
     let all = 0..scenario.communication.cases.len();
-    all.map(|index| Ok(price(curve, scenario, rule, index, seed)?.case)).collect()
+    all.map(|index| Ok(of_case(curve, scenario, rule, index, seed)?.case)).collect()
 }
 
 /// Columns of the boundary as CSV.
@@ -240,17 +240,17 @@ pub fn optimise(
     let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
     let mut outcome = Vec::new();
     for index in 0..scenario.communication.cases.len() {
-        outcome.push(price(curve, scenario, rule, index, seed)?);
+        outcome.push(of_case(curve, scenario, rule, index, seed)?);
     }
     let mut region = Vec::new();
     let mut boundary = Vec::new();
     let weighted: Vec<WeightedPoint> = outcome.iter().flat_map(weighted).collect();
-    let operating = outcome.iter().filter_map(|priced| priced.case.operating_point.as_ref());
+    let operating = outcome.iter().filter_map(|found| found.case.operating_point.as_ref());
     let operating = operating.map(|point| point.sensing_slots);
     let chosen: Vec<u32> = operating.chain(weighted.iter().map(|point| point.sensing_slots)).collect();
     let measured = |n: u32| points.iter().any(|p| p.sensing_slots == f64::from(n));
     let (first, last) = crate::predictor::points::range(points);
-    for Priced { case, points } in &outcome {
+    for Optimized { case, points } in &outcome {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
         for (p, front) in points.iter().zip(region::pareto(points)) {
             let (n, zone) = (p.sensing_slots, zones.at(p.sensing_slots));
@@ -284,13 +284,13 @@ pub fn optimise(
             });
         }
     }
-    let Some(Priced { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
+    let Some(Optimized { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
         return Err(OptimizerError::Plan(PlanError::Users { users: 0 }));
     };
     let operating_point =
         case.operating_point.clone().ok_or_else(|| OptimizerError::unreachable(rule, points))?;
     let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
-    let cases = outcome.into_iter().map(|priced| priced.case).collect();
+    let cases = outcome.into_iter().map(|found| found.case).collect();
     let boundary = table::csv(&BOUNDARY, boundary);
     Ok(Outcome { region, boundary, weighted, cases, spacings, operating_point })
 }

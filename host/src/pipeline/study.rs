@@ -12,6 +12,7 @@ use crate::experiments::robustness::{self, Robustness};
 use crate::experiments::{Request, RunContext, Study, labelled};
 use crate::recordings::Stated;
 use crate::report;
+use crate::scenario::Scenario;
 use serde::Serialize;
 use std::path::Path;
 
@@ -62,11 +63,18 @@ impl Job {
     ///
     /// A folder of another study; whatever a training or a recording says.
     pub fn study(
-        &self,
+        mut self,
         study: Study,
         seeds: u32,
         measured: Option<(&Path, &Stated)>,
     ) -> Result<(Request, Found), Failure> {
+        if matches!(study, Study::Ablation | Study::Clutter) {
+            let (scenario, sizes) = Scenario::comparison(self.given.scenario.as_deref(), &self.given.set)?;
+            self.scenario = scenario;
+            if !sizes.is_empty() {
+                self.progress.note("study", &format!("{sizes}; --set takes others"));
+            }
+        }
         let request =
             Request { study: study.name(), seed: self.seed, seeds, scenario: self.scenario.clone() };
         let cells = Cells::open(&self.output, &request)?;

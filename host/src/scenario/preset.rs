@@ -1,20 +1,30 @@
-//! The quick preset: sizes for a first result, where neither the scenario's file nor the command line states one.
+//! Presets: sizes of a first result and of comparisons, where neither the scenario's file nor the command line states one.
 
 use super::read::text_of;
 use super::{Override, Scenario, ScenarioError};
 use std::path::Path;
 use toml::Table;
 
-/// Fields of `[learning]` with their quick values.
-const QUICK: [(&str, u32); 6] = [
-    ("train_per_class", 100),
-    ("test_per_class", 60),
-    ("windows", 4),
-    ("epochs", 12),
-    ("channels", 8),
+/// Section, field and value.
+type Sizes = [(&'static str, &'static str, &'static str)];
+
+/// For a first result.
+const QUICK: [(&str, &str, &str); 6] = [
+    ("learning", "train_per_class", "100"),
+    ("learning", "test_per_class", "60"),
+    ("learning", "windows", "4"),
+    ("learning", "epochs", "12"),
+    ("learning", "channels", "8"),
     // so few passes do not overfit
-    ("mask_rows", 0),
+    ("learning", "mask_rows", "0"),
 ];
+
+/// For comparisons of many trainings: the quick network at one N_s, with more test recordings.
+const COMPARISON: [(&str, &str, &str); 7] = {
+    let [train, _, windows, epochs, channels, mask] = QUICK;
+    let test = ("learning", "test_per_class", "100");
+    [train, test, windows, epochs, channels, mask, ("frame", "sensing_slots", "[300]")]
+};
 
 impl Scenario {
     /// As [`Scenario::resolve`], with quick sizes where neither the file nor `set` states one; and what the preset set, in words.
@@ -23,20 +33,38 @@ impl Scenario {
     ///
     /// The first thing that is wrong.
     pub fn quick(file: Option<&Path>, set: &[Override]) -> Result<(Self, String), ScenarioError> {
+        Self::preset(file, set, &QUICK, "--preset quick")
+    }
+
+    /// As [`Scenario::quick`], with the sizes of comparisons.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong.
+    pub fn comparison(file: Option<&Path>, set: &[Override]) -> Result<(Self, String), ScenarioError> {
+        Self::preset(file, set, &COMPARISON, "sizes of comparisons")
+    }
+
+    fn preset(
+        file: Option<&Path>,
+        set: &[Override],
+        sizes: &Sizes,
+        origin: &str,
+    ) -> Result<(Self, String), ScenarioError> {
         let mut scenario = Self::resolve(file, set)?;
         let text = file.map(text_of).transpose()?.unwrap_or_default();
         let stated = text.parse::<Table>().unwrap_or_default();
-        let stated = stated.get("learning").and_then(|learning| learning.as_table());
         let mut words = Vec::new();
-        for (key, value) in QUICK {
-            let field = format!("learning.{key}");
-            if stated.is_some_and(|table| table.contains_key(key)) || set.iter().any(|one| one.sets(&field)) {
+        for (section, key, value) in sizes {
+            let field = format!("{section}.{key}");
+            let table = stated.get(*section).and_then(|section| section.as_table());
+            if table.is_some_and(|table| table.contains_key(*key)) || set.iter().any(|one| one.sets(&field)) {
                 continue;
             }
             scenario = Override::new(&field, value).apply(&scenario)?;
             words.push(format!("{key} = {value}"));
         }
-        scenario.check("--preset quick")?;
+        scenario.check(origin)?;
         Ok((scenario, words.join(", ")))
     }
 }
@@ -63,6 +91,10 @@ mod tests {
         assert_eq!((found.learning.blocks, found.learning.epochs), (3, 12));
         assert_eq!(found.frame.sensing_slots, [200]);
         assert_eq!(Scenario::quick(None, &[]).unwrap().0.learning.epochs, 12);
+        let (found, words) = Scenario::comparison(None, &set).unwrap();
+        assert_eq!((found.learning.windows, found.learning.test_per_class), (2, 100));
+        assert_eq!(found.frame.sensing_slots, [300]);
+        assert!(words.ends_with("mask_rows = 0, sensing_slots = [300]"), "{words}");
     }
 
     #[test]

@@ -85,8 +85,8 @@ pub fn write(
 ) -> Result<(), OutputError> {
     let identity = identity.iter().map(|(field, value)| ((*field).to_owned(), value.clone())).collect();
     let open = to_json(&Written { program: PROGRAM, sha256: "", identity, content }) + "\n";
-    let sealed = open.replacen(&stated(""), &stated(&sha256([open.as_bytes()])), 1);
-    output.write(name, sealed.as_bytes())?;
+    let complete = open.replacen(&stated(""), &stated(&sha256([open.as_bytes()])), 1);
+    output.write(name, complete.as_bytes())?;
     Ok(())
 }
 

@@ -103,12 +103,12 @@ pub fn model(sizes: Sizes, bytes: &mut Bytes<'_>) -> Vec<u8> {
         file.push(0);
     }
     weighted(&mut file, 4, usize::from(sizes.classes), c, bytes);
-    seal(&mut file);
+    set_checksum(&mut file);
     file
 }
 
 /// Puts in the length and appends the checksum.
-pub fn seal(file: &mut Vec<u8>) {
+pub fn set_checksum(file: &mut Vec<u8>) {
     let length = file.len() as u32 + 4;
     file[8..12].copy_from_slice(&length.to_le_bytes());
     let checksum = crc32(file);

@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::dsn::{Model, Portable, Shape, infer};
 use sdp3_core::dims::ROWS;
-use sdp3_fuzz::seal;
+use sdp3_fuzz::set_checksum;
 
 fn judge(file: &[u8], image: &[u8]) {
     let Ok(model) = Model::parse(file) else { return };
@@ -29,7 +29,7 @@ fuzz_target!(|data: &[u8]| {
         let mut file = data[..data.len() - 4].to_vec();
         if file.len() >= 64 {
             file[..8].copy_from_slice(&[b'S', b'D', b'P', b'3', 1, 0, 64, 0]);
-            seal(&mut file);
+            set_checksum(&mut file);
             judge(&file, data);
         }
     }

@@ -124,22 +124,22 @@ pub fn backward_error(upper: &[Int], first: usize, last: usize, w: &[Float]) -> 
     errors
 }
 
-/// The first component kept, from 1: `stated`, or if that is 0 the first with a slow-time signal `v^H b[n]` that is static to at most 254/256
-/// of its energy, `last` at most. Two where one share is within rounding of that.
+/// The first component kept, from 1: `stated`, or if that is 0 the first with a slow-time signal `v^H b[n]` that is static to at most 2047/2048
+/// of its energy, `last` at most. Two where one share is within rounding of that: the core knows an eigenvalue to 2e-7 of their sum.
 pub fn first_kept(beats: &[Vec<Int>], upper: &[Int], stated: usize, last: usize) -> Vec<usize> {
     if stated > 0 {
         return vec![stated];
     }
     let Some(pairs) = eigenpairs(upper) else { return vec![1] };
-    for (index, (_, v)) in pairs.iter().enumerate().take(last - 1) {
+    for (index, (value, v)) in pairs.iter().enumerate().take(last - 1) {
         let signal = beats.iter().map(|beat| -> Float {
             let float = |b: &Int| Float::new(b.0 as f64, b.1 as f64);
             v.iter().zip(beat).map(|(v, b)| v.conj() * float(b)).sum()
         });
         let (sum, energy) =
             signal.fold((Float::new(0.0, 0.0), 0.0), |(sum, energy), y| (sum + y, energy + y.norm_sqr()));
-        let share = sum.norm_sqr() / (energy * beats.len() as f64).max(f64::MIN_POSITIVE) - 254.0 / 256.0;
-        if share.abs() < 1e-4 {
+        let share = sum.norm_sqr() / (energy * beats.len() as f64).max(f64::MIN_POSITIVE) - 2047.0 / 2048.0;
+        if share.abs() < 3e-5 + 2e-7 / value.max(1e-12) {
             return vec![index + 1, index + 2];
         }
         if share < 0.0 {

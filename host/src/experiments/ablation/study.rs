@@ -10,7 +10,7 @@ use crate::experiments::{Request, RunContext};
 use crate::scenario::Scenario;
 use crate::store::digest::sha256;
 
-/// Scenarios that differ in `spectrogram` alone, whose recordings are the same: one cell.
+/// Scenarios that differ in `spectrogram` alone: their recordings are the same, and they are one cell.
 type Group = Vec<Scenario>;
 
 /// The scenarios of all effects, each once.

@@ -1,4 +1,4 @@
-//! One cell, end to end: simulate, train, quantise, recognise through the core, price the slots left over.
+//! One cell, end to end: simulate, train, quantise, recognise through the core, divide the slots left over.
 
 use crate::error::Failure;
 use crate::experiments::RunContext;
@@ -22,10 +22,10 @@ pub fn measure(cell: &Cell, scenario: &Scenario, context: RunContext) -> Result<
     let tested = trained.test(scenario, &images(scenario, rho, seed, Part::Test, context))?;
     let accuracy = tested.into_iter().next().ok_or("a cell has one N_s")?;
     let left = scenario.frame.period_slots - cell.sensing_slots;
-    let price = |(case, slot_bit): (u32, Vec<f64>)| {
+    let of_case = |(case, slot_bit): (u32, Vec<f64>)| {
         let (communication_slots, throughput_bit) = divide(&slot_bit, left);
         Throughput { case, slot_bit, communication_slots, throughput_bit }
     };
-    let throughput = bits_per_slot(scenario, seed)?.into_iter().map(price).collect();
+    let throughput = bits_per_slot(scenario, seed)?.into_iter().map(of_case).collect();
     Ok(Measurement { cell: cell.clone(), accuracy, throughput })
 }

@@ -130,7 +130,7 @@ mod tests {
         let other = public_key([8; 32]);
         assert_eq!(Model::parse_signed(&signed, &other, 0).unwrap_err(), ModelError::Signature);
         assert_eq!(sign(&signed, [7; 32], 4).unwrap(), signed, "signing again replaces the signature");
-        // a change that mends the checksum is a change all the same
+        // a change that corrects the checksum is a change all the same
         for at in [40, REVISION_AT, 200, signed.len() - 10] {
             let mut forged = signed[..signed.len() - 4].to_vec();
             forged[at] ^= 1;

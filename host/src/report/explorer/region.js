@@ -83,7 +83,7 @@ function weightControl(go) {
 /** Slots, bits and waits of every user, and the period as the core's scheduler plays it. */
 function fillPlan(element, point) {
   const { period_slots: period, spacing_slots: spacing } = run.operating_point;
-  const prices = figures.cases.find((one) => one.case === point.case);
+  const ofCase = figures.cases.find((one) => one.case === point.case);
   const same = (plan) => plan.case === point.case && plan.sensing_slots === point.sensing_slots;
   const plan = figures.plans.find(same);
   const cell = (value, name) => html("td", { "data-value": name }, value);
@@ -95,11 +95,11 @@ function fillPlan(element, point) {
       cell(sensing, name),
       ...point.communication_slots.map((_, k) => cell(values?.[k] ?? "–", `${name} ${k + 1}`)),
     );
-  const bits = prices?.slot_bit.map((bit) => grouped(Math.round(bit)));
-  const symbols = prices?.links?.map((link) => digits(link.subcarrier_bit, 3));
+  const bits = ofCase?.slot_bit.map((bit) => grouped(Math.round(bit)));
+  const symbols = ofCase?.links?.map((link) => digits(link.subcarrier_bit, 3));
   const share = ({ full_share, subcarriers }) =>
     full_share === undefined ? "–" : `${Math.round(full_share * subcarriers)} of ${subcarriers}`;
-  const full = prices?.links?.map(share);
+  const full = ofCase?.links?.map(share);
   const head = ["", "sensing", ...point.communication_slots.map((_, k) => useName(k))];
   const table = html(
     "table",
