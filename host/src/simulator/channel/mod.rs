@@ -147,7 +147,7 @@ pub fn model(
         Model::Statistical => Box::new(statistical::SalehValenzuela::new(scenario, link, &mut random)),
         Model::Ieee80211ay => Box::new(ieee80211ay::ConferenceRoom::new(scenario, link, &mut random)),
         Model::Ieee80211ax => Box::new(ieee80211ax::Indoor::new(scenario, link, random)),
-        Model::Tr38901 => Box::new(tr38901::IndoorOffice::new(scenario, random)),
+        Model::Tr38901 => Box::new(tr38901::IndoorOffice::new(scenario, link, random)),
         Model::Quadriga => Box::new(quadriga::Drifting::new(scenario, random)),
         Model::Metis => Box::new(metis::MapBased::new(scenario, link, random)),
     }
