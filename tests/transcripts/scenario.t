@@ -162,14 +162,14 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
   blockage = false
   # Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel
-  # with `mode = "rician"`, `ray-tracing`, `metis`).
+  # with `mode = "rician"`, `ray-tracing`, `metis`, `38901`).
   shadowing = true
   # Whether a torso hides the limbs behind it (the hybrid channel, `ray-tracing`).
   occlusion = true
   # Rays within a cluster (`80211ay` and the hybrid channel with those statistics). Legal: one of
   # conference-room, living-room, cubicle, hotel-lobby, open-area.
   environment = "conference-room"
-  # Polarisation of transmitter and receiver (`80211ay`). Legal: one of vertical, horizontal, crossed.
+  # Polarisation of transmitter and receiver (`80211ay`, `38901`). Legal: one of vertical, horizontal, crossed.
   polarisation = "vertical"
   # How taps change in time (`statistical`). Legal: one of redrawn, bell, clarke.
   doppler = "bell"
@@ -184,7 +184,8 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`; it takes
   # five times as long).
   double_bounce = false
-  # Line of sight (`38901`, `quadriga`).
+  # Whether links may be in line of sight: in `38901` with the probability of an open office, in `quadriga` all
+  # are.
   line_of_sight = true
   # Whether a second person walks in the room (the paper's scenario 2).
   interferer = false

@@ -18,7 +18,9 @@ fn caption(model: &str) -> &'static str {
         "statistical" => "Rays that fade: a bell around zero; it does not know the person's speed.",
         "80211ay" => "Static clusters: what clutter removal leaves is noise.",
         "80211ax" => "Slow fading of the taps and a bell around zero; it does not know the person's speed.",
-        "38901" => "One moving scatterer: the torso's line without limbs.",
+        "38901" => {
+            "One moving scatterer, seen directly and by way of clusters: the torso's line without limbs."
+        }
         "quadriga" => "Scatterers at rest within a segment: a line at zero and steps between segments.",
         "metis" => "A traced map with resting objects: people move as shadows on its ways alone.",
         _ => "",

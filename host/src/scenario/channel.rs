@@ -218,13 +218,13 @@ pub struct Channel {
     /// Whether people and furniture may block reflections (`80211ay` and the hybrid channel with those statistics).
     pub blockage: bool,
     /// Whether people stand in the way of the room's reflections and of each other's echoes (the hybrid channel with `mode = "rician"`,
-    /// `ray-tracing`, `metis`).
+    /// `ray-tracing`, `metis`, `38901`).
     pub shadowing: bool,
     /// Whether a torso hides the limbs behind it (the hybrid channel, `ray-tracing`).
     pub occlusion: bool,
     /// Rays within a cluster (`80211ay` and the hybrid channel with those statistics).
     pub environment: Environment,
-    /// Polarisation of transmitter and receiver (`80211ay`).
+    /// Polarisation of transmitter and receiver (`80211ay`, `38901`).
     pub polarisation: Polarisation,
     /// How taps change in time (`statistical`).
     pub doppler: Doppler,
@@ -237,7 +237,7 @@ pub struct Channel {
     pub diffraction: bool,
     /// Whether echoes of a person have two reflections at surfaces besides those with one (`ray-tracing`; it takes five times as long).
     pub double_bounce: bool,
-    /// Line of sight (`38901`, `quadriga`).
+    /// Whether links may be in line of sight: in `38901` with the probability of an open office, in `quadriga` all are.
     pub line_of_sight: bool,
     /// Whether a second person walks in the room (the paper's scenario 2).
     pub interferer: bool,

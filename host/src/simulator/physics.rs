@@ -116,7 +116,7 @@ fn the_fluctuation_is_the_k_factor_below_the_mean() {
 #[test]
 fn energy_is_each_models_own() {
     // of the radar's room, relative to the mean losses of all reflections between isotropic antennas
-    for name in [Model::Ieee80211ax, Model::Tr38901, Model::Quadriga, Model::Statistical] {
+    for name in [Model::Ieee80211ax, Model::Quadriga, Model::Statistical] {
         let mut scenario = Scenario::default();
         scenario.channel.model = name;
         let radar = scenario.radar.position_m;

@@ -12,7 +12,7 @@
 //! | `statistical` | [`statistical`] | Saleh and Valenzuela's clusters, fading by a Doppler spectrum |
 //! | `80211ay` | [`ieee80211ay`] | quasi-deterministic rooms, polarised |
 //! | `80211ax` | [`ieee80211ax`] | TGn/TGac/TGax models A to F, plane waves with their bell spectrum |
-//! | `38901` | [`tr38901`] | 3GPP indoor office, spatially consistent, with the sensing additions' human |
+//! | `38901` | [`tr38901`] | 3GPP indoor office, every step of its procedure, with the sensing additions |
 //! | `quadriga` | [`quadriga`] | the same clusters as scatterers in space, drifting within segments |
 //! | `metis` | [`metis`] | map-based hybrid: traced rough walls, screens, random objects, stochastic clusters |
 
@@ -147,7 +147,7 @@ pub fn model(
         Model::Statistical => Box::new(statistical::SalehValenzuela::new(scenario, link, &mut random)),
         Model::Ieee80211ay => Box::new(ieee80211ay::ConferenceRoom::new(scenario, link, &mut random)),
         Model::Ieee80211ax => Box::new(ieee80211ax::Indoor::new(scenario, link, random)),
-        Model::Tr38901 => Box::new(tr38901::IndoorOffice::new(scenario, random)),
+        Model::Tr38901 => Box::new(tr38901::IndoorOffice::new(scenario, link, random)),
         Model::Quadriga => Box::new(quadriga::Drifting::new(scenario, random)),
         Model::Metis => Box::new(metis::MapBased::new(scenario, link, random)),
     }
