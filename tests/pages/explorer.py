@@ -47,7 +47,7 @@ def without_script(browser, address, visit):
     """The figures and tables are there without the script."""
     page = browser.new_context(java_script_enabled=False).new_page()
     page.goto(address)
-    shown = [f"figure[data-figure={name}] svg" for name in ["region", "learning-curve", "training-loss", "grey-levels", "timeline"]]
+    shown = [f"figure[data-figure={name}] svg" for name in ["region", "learning-curve", "training-loss", "intensities", "timeline"]]
     for selector in shown + ["#spectrograms svg image", "#targets tr.head", "#confusion td", "#models td"]:
         visit.same(f"without script: {selector}", page.locator(selector).first.is_visible(), True)
     visit.same("without script: controls", page.locator("main button, main input").count(), 0)

@@ -234,7 +234,9 @@ pub(crate) fn add_slots(sum: &mut Sum, beats: &[Beat]) {
 pub fn clutter_projection(beats: &[Beat], kept: SvdRange) -> Projection {
     let (mut gram, mut sum) = (Gram::new(), Sum::default());
     beats.iter().for_each(|beat| gram.add(beat));
-    add_slots(&mut sum, beats);
+    if kept.first == DECIDED {
+        add_slots(&mut sum, beats);
+    }
     let mut solver = ClutterSolver::new(&gram, kept);
     while solver.step() {}
     solver.projection(beats.len(), &sum)

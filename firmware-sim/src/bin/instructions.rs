@@ -11,7 +11,7 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod firmware {
-    use rand_core::SeedableRng;
+    use rand_core::{Rng, SeedableRng};
     use sdp3_core::config::RadarConfig;
     use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
@@ -21,7 +21,7 @@ mod firmware {
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::signal::clutter::Gram;
+    use sdp3_core::signal::clutter::{DECIDED, Gram, SvdRange, clutter_projection};
     use sdp3_core::signal::stft::{FixedStft, FloatStft, NativeStft, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
@@ -47,12 +47,12 @@ mod firmware {
     const KINDS: [&str; 12] = [
         "dechirp",
         "gram",
-        "weights",
         "projection",
+        "slow-time",
         "frames",
-        "grey",
+        "log-magnitude",
         "stem",
-        "affine",
+        "batch-norm",
         "convolution",
         "addition",
         "head",
@@ -179,6 +179,20 @@ mod firmware {
         }
     }
 
+    /// Instructions of the projection of 1000 slots, a static echo in noise, with this first component: from range samples to weights.
+    fn projection(first: u8, memory: &mut Largest) -> u64 {
+        let beats = memory.view().front_end.beats;
+        let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(5);
+        for beat in beats.iter_mut() {
+            for z in beat {
+                *z = Complex::new((1 << 24) + (rng.next_u32() as i32 >> 14), rng.next_u32() as i32 >> 14);
+            }
+        }
+        let before = instructions();
+        core::hint::black_box(clutter_projection(beats, SvdRange { first, last: 8 }));
+        instructions().wrapping_sub(before)
+    }
+
     fn recognise<K: Kernels, T: Stft>(
         pipeline: Result<Pipeline<'_, '_, K, T>, sdp3_core::Error>,
         probe: &mut DigestProbe,
@@ -272,6 +286,9 @@ mod firmware {
         let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
         let [shares, plain] = bench.both::<NativeStft>(whole, By::Winograd(1));
         work("network-step-largest", bench.largest_step(whole));
+        let [fixed, decided] = [2, DECIDED].map(|first| projection(first, bench.memory));
+        work("clutter-1000-slots", fixed);
+        work("clutter-1000-slots-decided", decided);
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };

@@ -82,7 +82,7 @@ impl Grids {
         match activation {
             Activation::Input => QuantParams::IMAGE,
             Activation::Stem => self.stem,
-            Activation::Affine(b) => self.blocks[b][0],
+            Activation::BatchNorm(b) => self.blocks[b][0],
             Activation::Conv1(b) => self.blocks[b][1],
             Activation::Conv2(b) => self.blocks[b][2],
             Activation::Add(b) => self.blocks[b][3],
@@ -97,7 +97,7 @@ pub(super) fn position(activation: Activation, blocks: usize) -> usize {
     match activation {
         Activation::Input => 0,
         Activation::Stem => 1,
-        Activation::Affine(b) => 2 + 4 * b,
+        Activation::BatchNorm(b) => 2 + 4 * b,
         Activation::Conv1(b) => 3 + 4 * b,
         Activation::Conv2(b) => 4 + 4 * b,
         Activation::Add(b) => 5 + 4 * b,
@@ -144,8 +144,9 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
 /// One grid per [`position`], sorted into a network's places.
 pub(super) fn assemble(grids: &[QuantParams], blocks: usize) -> Grids {
     let at = |activation| grids[position(activation, blocks)];
-    let block =
-        |b| [Activation::Affine(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at);
+    let block = |b| {
+        [Activation::BatchNorm(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at)
+    };
     Grids {
         stem: at(Activation::Stem),
         blocks: (0..blocks).map(block).collect(),

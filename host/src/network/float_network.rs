@@ -14,7 +14,7 @@ pub enum Activation {
     /// Output of the input convolution and of the pooling, which keeps its scale.
     Stem,
     /// After the first normalisation and ReLU of a block.
-    Affine(usize),
+    BatchNorm(usize),
     /// After the first convolution, second normalisation and ReLU of a block.
     Conv1(usize),
     /// After the second convolution of a block.
@@ -115,7 +115,7 @@ impl FloatNetwork {
                     *v = (*v * weight as f32 + bias as f32).max(0.0);
                 }
             }
-            visit(Activation::Affine(b), &mut t);
+            visit(Activation::BatchNorm(b), &mut t);
             let (mut t, ..) = convolve(&t, [h, w, c], &block.conv1, 1);
             t.iter_mut().for_each(|v| *v = v.max(0.0));
             visit(Activation::Conv1(b), &mut t);

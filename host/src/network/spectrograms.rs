@@ -46,7 +46,8 @@ pub fn item(item: u32) -> (Class, u32) {
 pub enum Part {
     /// Those learned from; every window is an image of its own.
     Train,
-    /// Those behind them, which no network was trained on: early exits are fitted on them.
+    /// Those behind them, from the range samples on, which no network was trained on: early exits are fitted on them, comparisons test
+    /// with them.
     Calibration,
     Test,
     Demo,
@@ -296,6 +297,6 @@ pub fn picture(scenario: &Scenario, title: &str, image: &[i8]) -> Spectrogram {
         frame_s: f64::from(scenario.spectrogram.hop) * scenario.interval_s(),
         carrier_hz: scenario.radar.carrier_hz,
         range_db: scenario.spectrogram.range_db,
-        grey: image.iter().map(|&p| (i16::from(p) + 128) as u8).collect(),
+        intensities: image.iter().map(|&p| (i16::from(p) + 128) as u8).collect(),
     }
 }

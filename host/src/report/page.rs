@@ -182,7 +182,7 @@ fn calibration(page: &mut String, figures: &Figures) {
         ),
         &format!(
             "<div class=\"row\">{curve}{}</div>{}<div class=\"row\">{both}</div>",
-            figure("grey-levels", pictures::pmf(c), "Share of each intensity"),
+            figure("intensities", pictures::pmf(c), "Share of each intensity"),
             c.room.as_ref().map(tables::room_on_page).unwrap_or_default()
         ),
     );

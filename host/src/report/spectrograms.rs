@@ -33,13 +33,13 @@ fn colour(intensity: u8) -> [u8; 3] {
 pub fn png(s: &Spectrogram) -> Vec<u8> {
     let (rows, frames) = (s.rows as usize, s.frames as usize);
     let mut bytes = Vec::new();
-    if rows == 0 || frames == 0 || s.grey.len() < rows * frames {
+    if rows == 0 || frames == 0 || s.intensities.len() < rows * frames {
         return bytes;
     }
     let pixels: Vec<u8> = (0..rows)
         .rev()
         .flat_map(|row| {
-            s.grey[row * frames..(row + 1) * frames].iter().flat_map(|&intensity| colour(intensity))
+            s.intensities[row * frames..(row + 1) * frames].iter().flat_map(|&intensity| colour(intensity))
         })
         .collect();
     let mut encoder = png::Encoder::new(&mut bytes, s.frames, s.rows);
@@ -56,7 +56,7 @@ fn data(png: &[u8]) -> String {
 
 /// The colour ramp as an image, brightest on top.
 fn ramp() -> Vec<u8> {
-    let grey = (0..=255).collect();
+    let intensities = (0..=255).collect();
     let (rows, frames) = (256, 1);
     png(&Spectrogram {
         title: String::new(),
@@ -67,7 +67,7 @@ fn ramp() -> Vec<u8> {
         frame_s: 1.0,
         carrier_hz: 1.0,
         range_db: 0.0,
-        grey,
+        intensities,
     })
 }
 

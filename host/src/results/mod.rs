@@ -249,7 +249,7 @@ pub struct Spectrogram {
     /// What intensities 0 to 255 span, in dB below the maximum.
     pub range_db: f64,
     /// Intensities `[row][frame]`, from 0 (black, at or below the range) to 255 (the maximum).
-    pub grey: Vec<u8>,
+    pub intensities: Vec<u8>,
 }
 
 /// One point of the KL curve.

@@ -154,7 +154,7 @@ fn in_words(activation: Activation) -> String {
     match activation {
         Activation::Input => "input".into(),
         Activation::Stem => "stem".into(),
-        Activation::Affine(b) => format!("block {b} affine"),
+        Activation::BatchNorm(b) => format!("block {b} batch norm"),
         Activation::Conv1(b) => format!("block {b} conv1"),
         Activation::Conv2(b) => format!("block {b} conv2"),
         Activation::Add(b) => format!("block {b} add"),

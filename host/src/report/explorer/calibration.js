@@ -24,7 +24,7 @@ function greyPanel() {
     [figures.calibration.measured ? "measured" : "stand-in", percent(measured[point.x])],
     ["simulated", percent(simulated[point.x])],
   ];
-  walk(plotOf("grey-levels"), { label: "intensity", series, say, start: { s: 0, k: Math.floor(series[0].length / 4) } });
+  walk(plotOf("intensities"), { label: "intensity", series, say, start: { s: 0, k: Math.floor(series[0].length / 4) } });
 }
 
 if (figures.calibration.curve.length) klPanel();

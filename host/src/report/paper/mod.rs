@@ -46,7 +46,7 @@ pub fn files(run: &Run, found: &Figures) -> Result<Vec<(String, Vec<u8>)>, Paper
             figures::learning_curve(&found.prediction, &run.accuracy).svg(Medium::SINGLE),
         ),
         ("training-loss".to_owned(), figures::losses(found).svg(Medium::SINGLE)),
-        ("grey-levels".to_owned(), figures::pmf(c).svg(Medium::SINGLE)),
+        ("intensities".to_owned(), figures::pmf(c).svg(Medium::SINGLE)),
         ("timeline".to_owned(), timeline::svg(&run.schedule.timeline, period_s)),
     ];
     if !c.curve.is_empty() {

@@ -33,6 +33,14 @@ pub struct GroundTruth {
     pub start_m: [f64; 2],
 }
 
+impl GroundTruth {
+    /// An adult of this height who stands and looks along the x axis.
+    pub fn standing(height_m: f64, start_m: [f64; 2]) -> Self {
+        let class = Class::Standing;
+        GroundTruth { class, child: false, height_m, speed_m_s: 0.0, heading_deg: 0.0, phase: 0.0, start_m }
+    }
+}
+
 /// Sway and breathing of who stands: (frequency in Hz, phase in turns).
 #[derive(Debug, Clone)]
 struct Rest {

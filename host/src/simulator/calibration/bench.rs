@@ -139,6 +139,6 @@ pub fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram 
         frame_s: bench.hop as f64 * bench.scenario.interval_s(),
         carrier_hz: bench.scenario.radar.carrier_hz,
         range_db: RANGE_DB,
-        grey: (0..rows).flat_map(pixel).collect(),
+        intensities: (0..rows).flat_map(pixel).collect(),
     }
 }

@@ -165,7 +165,7 @@ mod tests {
         assert!((found.rho - 0.993).abs() < 0.002, "{}", found.rho);
         assert!(found.kl_without_uncertainty > found.kl.map(|kl| 10.0 * kl));
         assert_eq!(found.curve.last().map(|p| p.rho), Some(1.0));
-        assert!(found.measured.is_some_and(|m| m.grey.contains(&255)));
+        assert!(found.measured.is_some_and(|m| m.intensities.contains(&255)));
     }
 
     #[test]

@@ -85,6 +85,11 @@ impl Scene<'_> {
         self.from == self.to
     }
 
+    /// The scene `n` slots later; they follow `interval_s` apart.
+    fn later(&self, n: usize, interval_s: f64) -> Self {
+        Scene { slot: self.slot + n as u32, time_s: self.time_s + n as f64 * interval_s, ..*self }
+    }
+
     /// Length of the direct way in m.
     pub fn distance_m(&self) -> f64 {
         super::body::norm(super::body::sub(self.to, self.from))
@@ -122,8 +127,7 @@ pub trait ChannelModel: Send {
     fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
-            let scene =
-                Scene { slot: scene.slot + n as u32, time_s: scene.time_s + n as f64 * interval_s, ..*scene };
+            let scene = scene.later(n, interval_s);
             paths.clear();
             self.paths(&scene, &mut paths);
             paths.iter().for_each(|path| sensor.add(beat, path));

@@ -355,15 +355,7 @@ fn motion(scenario: &Scenario, seed: u64) -> f64 {
     let errors = (0..PEOPLE).into_par_iter().map(|index| {
         let mut random = Random::new(seed, STREAM, 1, index);
         let radar = scenario.radar.position_m;
-        let truth = GroundTruth {
-            class: Class::Standing,
-            child: false,
-            height_m: 1.75,
-            speed_m_s: 0.0,
-            heading_deg: 0.0,
-            phase: 0.0,
-            start_m: [1.5 + 0.8 * (random.uniform() - 0.5), 3.8],
-        };
+        let truth = GroundTruth::standing(1.75, [1.5 + 0.8 * (random.uniform() - 0.5), 3.8]);
         let person = Person::new(truth, scenario.room.size_m, &mut random);
         let mut target = Target::new(person, &mut random);
         let towards = unit(sub(radar, target.centre(0.0)));

@@ -110,7 +110,6 @@ pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Class;
     use crate::simulator::body::motion::GroundTruth;
 
     #[test]
@@ -128,15 +127,7 @@ mod tests {
 
     #[test]
     fn the_mean_echo_is_that_of_the_primitives_within_three_decibels() {
-        let truth = GroundTruth {
-            class: Class::Standing,
-            child: false,
-            height_m: 1.75,
-            speed_m_s: 0.0,
-            heading_deg: 0.0,
-            phase: 0.0,
-            start_m: [1.5, 3.0],
-        };
+        let truth = GroundTruth::standing(1.75, [1.5, 3.0]);
         let mut random = Random::new(1, 0, 0, 0);
         let (mut whole, mut limbs) = (0.0, 0.0);
         for degrees in (0..360).step_by(10) {

@@ -65,13 +65,13 @@ pub fn between(a: Vec3, b: Vec3) -> f64 {
     norm(sub(a, b))
 }
 
-/// The link to a receiver that may walk.
+/// The link to a user who may walk.
 #[derive(Debug)]
 struct Communication {
     fields: Fields,
     procedure: Procedure,
-    /// Where the receiver was first.
-    begun: Vec3,
+    /// Where the user was first.
+    start: Vec3,
     /// The link at a place that has not moved.
     held: Option<(Vec3, Link)>,
 }
@@ -82,7 +82,7 @@ impl Communication {
         let parameters = Parameters::indoor_office(setting.carrier_hz, los);
         let fields = Fields::new(&parameters, random);
         let procedure = Procedure::new(parameters, &fields.at(ends.1), setting.room_m, random);
-        Communication { fields, procedure, begun: ends.1, held: None }
+        Communication { fields, procedure, start: ends.1, held: None }
     }
 
     /// Steps 11 and 12, with the blockage of people.
@@ -99,11 +99,11 @@ impl Communication {
             let unit = straight.gain / straight.gain.norm() * received(&DIRECT, setting.polarisation);
             paths.push(Path { gain: unit * ((gain * link.direct).sqrt() * kept), ..straight });
         }
-        let moved = sub(scene.to, self.begun);
+        let moved = sub(scene.to, self.start);
         for ray in &link.rays {
             let arrival = direction(straight.arrival, ray.arrival);
             let kept = transmission(screens, &[(scene.to, add(scene.to, scale(arrival, FAR_M)))], lambda);
-            // the phase turns as the receiver moves along the ray
+            // the phase turns as the user moves along the ray
             let phase =
                 carrier_phase(-dot(arrival, moved), lambda) * received(&ray.matrix, setting.polarisation);
             paths.push(Path {
@@ -196,8 +196,7 @@ impl ChannelModel for IndoorOffice {
     fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
-            let scene =
-                Scene { slot: scene.slot + n as u32, time_s: scene.time_s + n as f64 * interval_s, ..*scene };
+            let scene = scene.later(n, interval_s);
             paths.clear();
             match &mut self.background {
                 Background::Radar(constant, held) => {
@@ -220,7 +219,6 @@ impl ChannelModel for IndoorOffice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Class;
     use crate::simulator::body::motion::{GroundTruth, Person};
     use crate::simulator::channel::target::Target;
 
@@ -255,15 +253,7 @@ mod tests {
         // a person in the middle of 6 m at 60 GHz; the law by hand as in the tests of the screen
         let mut scenario = Scenario::default();
         scenario.radar.carrier_hz = 60e9;
-        let truth = GroundTruth {
-            class: Class::Standing,
-            child: false,
-            height_m: 1.7,
-            speed_m_s: 0.0,
-            heading_deg: 0.0,
-            phase: 0.0,
-            start_m: [3.0, 2.0],
-        };
+        let truth = GroundTruth::standing(1.7, [3.0, 2.0]);
         let mut random = Random::new(1, 0, 0, 0);
         let person = Target::new(Person::new(truth, [10.0, 10.0, 3.0], &mut random), &mut random);
         let [x, y] = Screen::of(&person, 0.0).place;

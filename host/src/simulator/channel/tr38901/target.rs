@@ -124,7 +124,7 @@ struct Way {
 #[derive(Debug, Clone)]
 pub struct Cascade {
     setting: Setting,
-    begun: Vec3,
+    start: Vec3,
     there: Leg,
     back: Leg,
     /// The share of the direct way in the power with its random factor, and its coefficient.
@@ -147,14 +147,14 @@ impl Cascade {
         setting: Setting,
         random: &mut Random,
     ) -> Self {
-        let begun = point(person, scene.time_s);
-        let there = Leg::draw((scene.from, begun), possible, setting, random);
+        let start = point(person, scene.time_s);
+        let there = Leg::draw((scene.from, start), possible, setting, random);
         let back = match scene.monostatic() {
             true => Leg { link: there.link.reversed(), ..there.clone() },
-            false => Leg::draw((begun, scene.to), possible, setting, random),
+            false => Leg::draw((start, scene.to), possible, setting, random),
         };
         let mut cascade =
-            Cascade { setting, begun, there, back, direct: (0.0, Complex64::default()), ways: Vec::new() };
+            Cascade { setting, start, there, back, direct: (0.0, Complex64::default()), ways: Vec::new() };
         cascade.couple(person, scene, random);
         cascade
     }
@@ -197,7 +197,7 @@ impl Cascade {
             let (factor, own) = (scatter(random), polarisation::draw(XPR_DB, random));
             add(a, b, factor, &cascaded(&b.matrix, &own, &a.matrix));
         }
-        let direct = self.direct.0 * cross_section(person, self.towards_ends(scene, self.begun));
+        let direct = self.direct.0 * cross_section(person, self.towards_ends(scene, self.start));
         let most = ways.iter().map(|way| way.section).fold(direct, f64::max);
         ways.retain(|way| way.section >= most * libm::pow(10.0, WEAKEST_DB / 10.0));
         self.ways = ways;
@@ -216,10 +216,10 @@ impl Cascade {
         factor: f64,
         coefficient: Complex64,
     ) -> Way {
-        let [from, to] = self.towards_ends(scene, self.begun);
+        let [from, to] = self.towards_ends(scene, self.start);
         let sides = [direction(from, a.arrival), direction(to, b.departure)];
         let excess = self.there.link.excess_s + self.back.link.excess_s;
-        let length = between(scene.from, self.begun) + between(self.begun, scene.to);
+        let length = between(scene.from, self.start) + between(self.start, scene.to);
         Way {
             section: a.power * b.power * factor * cross_section(person, sides),
             coefficient,
@@ -250,7 +250,7 @@ impl Cascade {
                 arrival: ends[1].map(|x| -x),
             });
         }
-        let moved = sub(place, self.begun);
+        let moved = sub(place, self.start);
         for way in &self.ways {
             let longer = -dot(way.sides[0], moved) - dot(way.sides[1], moved);
             paths.push(Path {
@@ -266,7 +266,7 @@ impl Cascade {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Class, Polarisation};
+    use crate::scenario::Polarisation;
     use crate::simulator::body::motion::{GroundTruth, Person};
 
     #[test]
@@ -314,15 +314,7 @@ mod tests {
     }
 
     fn adult() -> Target {
-        let truth = GroundTruth {
-            class: Class::Standing,
-            child: false,
-            height_m: 1.75,
-            speed_m_s: 0.0,
-            heading_deg: 0.0,
-            phase: 0.0,
-            start_m: [3.0, 4.0],
-        };
+        let truth = GroundTruth::standing(1.75, [3.0, 4.0]);
         let mut random = Random::new(1, 0, 0, 0);
         Target::new(Person::new(truth, [20.0, 20.0, 3.0], &mut random), &mut random)
     }
