@@ -189,7 +189,7 @@ fn points_out_of_range() {
 }
 
 /// A scenario and the paper's points beside it.
-fn trade(text: &'static str) -> impl Fn(&Path) {
+fn with_points(text: &'static str) -> impl Fn(&Path) {
     move |folder: &Path| {
         scenario(text)(folder);
         let points = "sensing_slots,accuracy\n200,0.7885\n300,0.9016\n400,0.9142\n500,0.9309\n1000,0.9554\n";
@@ -204,32 +204,32 @@ fn trades_that_cannot_be() {
         all.extend(extra);
         all
     };
-    let nobody = trade("[communication]\ncases = [[]]\n");
+    let nobody = with_points("[communication]\ncases = [[]]\n");
     refused(&optimize(&[]), nobody, &["s.toml", "communication.cases[0] (users) is 0", "1 to 8"]);
-    let silent = trade("[communication]\nslot_bit = [[1500, 0, 3000], [1500, 2500, 3000]]\n");
+    let silent = with_points("[communication]\nslot_bit = [[1500, 0, 3000], [1500, 2500, 3000]]\n");
     refused(&optimize(&[]), silent, &["s.toml", "communication.slot_bit[0][1] is 0", "1 to 1000000000"]);
-    let fewer = trade("[communication]\nslot_bit = [[1500, 2500], [1500, 2500, 3000]]\n");
+    let fewer = with_points("[communication]\nslot_bit = [[1500, 2500], [1500, 2500, 3000]]\n");
     refused(&optimize(&[]), fewer, &["s.toml", "communication.slot_bit (users) is [2, 3]", "[3, 3]"]);
-    let short = trade("[frame]\nperiod_slots = 500\n");
+    let short = with_points("[frame]\nperiod_slots = 500\n");
     refused(&optimize(&[]), short, &["s.toml", "frame.period_slots is 500", "at least 512", "STFT window"]);
     refused(
         &optimize(&["--accuracy", "0.99"]),
-        trade(""),
+        with_points(""),
         &["no point", "accuracy at least 0.99", "accuracies"],
     );
-    refused(&optimize(&["--accuracy", "1.5"]), trade(""), &["--accuracy is 1.5", "0 to 1"]);
-    refused(&optimize(&["--throughput", "1e12"]), trade(""), &["no point", "throughput at least"]);
-    refused(&optimize(&["--weights", "1"]), trade(""), &["--weights", "two numbers"]);
-    refused(&optimize(&["--curve", "spline"]), trade(""), &["'spline' for '--curve", "pow3"]);
-    refused(&optimize(&["--sweep", "power_w=0"]), trade(""), &["power_w is 0", "above 0"]);
-    refused(&optimize(&["--sweep", "colour=3"]), trade(""), &["--sweep", "carrier_hz, power_w"]);
+    refused(&optimize(&["--accuracy", "1.5"]), with_points(""), &["--accuracy is 1.5", "0 to 1"]);
+    refused(&optimize(&["--throughput", "1e12"]), with_points(""), &["no point", "throughput at least"]);
+    refused(&optimize(&["--weights", "1"]), with_points(""), &["--weights", "two numbers"]);
+    refused(&optimize(&["--curve", "spline"]), with_points(""), &["'spline' for '--curve", "pow3"]);
+    refused(&optimize(&["--sweep", "power_w=0"]), with_points(""), &["power_w is 0", "above 0"]);
+    refused(&optimize(&["--sweep", "colour=3"]), with_points(""), &["--sweep", "carrier_hz, power_w"]);
     let one = |folder: &Path| {
-        trade("")(folder);
+        with_points("")(folder);
         std::fs::write(folder.join("p.csv"), "sensing_slots,accuracy\n200,0.5\n").expect("points");
     };
     refused(&optimize(&[]), one, &["p.csv", "1 given", "at least 2"]);
     let none = |folder: &Path| {
-        trade("")(folder);
+        with_points("")(folder);
         std::fs::write(folder.join("p.csv"), "sensing_slots,accuracy\n").expect("points");
     };
     refused(&optimize(&[]), none, &["p.csv", "0 given", "at least 2"]);
@@ -246,7 +246,7 @@ fn schedules_that_cannot_be() {
     refused(&schedule(&["--sensing-slots", "1001"]), |_| (), &["--sensing-slots is 1001", "0 to 1000"]);
     refused(&schedule(&["--sensing-slots", "300", "--loss", "2"]), |_| (), &["--loss is 2", "0 to 1"]);
     refused(&["schedule", "--periods", "0", "--out", "@/out"], |_| (), &["--periods", "1 to 10000000"]);
-    refused(&["anytime", "--out", "@/out"], |_| (), &["scenario.toml"]);
+    refused(&["early-exits", "--out", "@/out"], |_| (), &["scenario.toml"]);
 }
 
 #[test]

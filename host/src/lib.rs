@@ -39,5 +39,11 @@ pub use cli::main;
 /// Name and version, as files say what made them.
 pub const PROGRAM: &str = concat!("sdp3 ", env!("CARGO_PKG_VERSION"));
 
-/// The commit it was built of, where the environment variable `SDP3_COMMIT` stated it to the compiler.
+/// Version, and commit and date where the build knew them.
+pub const VERSION: &str = env!("SDP3_VERSION");
+
+/// The commit it was built of, where the build knew it (`host/build.rs`).
 pub const COMMIT: Option<&str> = option_env!("SDP3_COMMIT");
+
+/// That commit's date, `YYYY-MM-DD`.
+pub const COMMIT_DATE: Option<&str> = option_env!("SDP3_DATE");

@@ -4,11 +4,11 @@
 //! `tests/schemas` holds every command's real output to them.
 
 use crate::dataset::Written;
-use crate::formats::model_file::{Summary, Verdict};
+use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::Exchanged;
 use crate::results::{
-    AnytimeResult, Calibration, Campaign, ChannelTable, Checked, Files, Listed, Merged, Optimum, Prediction,
-    Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
+    Calibration, Campaign, ChannelTable, Checked, EarlyExitResult, Files, Listed, Merged, Optimum,
+    Prediction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -23,7 +23,7 @@ macro_rules! published {
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
 pub const PUBLISHED: [(&str, &str); 29] = published![
-    "anytime",
+    "early-exits",
     "calibrate",
     "channels",
     "export",
@@ -109,7 +109,7 @@ enum ShardOrJob {
 pub fn of_types(name: &str) -> Option<Value> {
     let schema = match name {
         "scenario" | "scenario-show" => return Some(Scenario::schema()),
-        "anytime" => schema_for!(AnytimeResult),
+        "early-exits" => schema_for!(EarlyExitResult),
         "calibrate" => schema_for!(Calibrated),
         "channels" => schema_for!(ChannelTable),
         "export" | "import" => schema_for!(Exchanged),
@@ -118,7 +118,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         }
         "merge" => schema_for!(Merged),
         "model-show" => schema_for!(Summary),
-        "model-verify" => schema_for!(Verdict),
+        "model-verify" => schema_for!(ModelCheck),
         "optimize" => schema_for!(Optimized),
         "predict" => schema_for!(Prediction),
         "run" => schema_for!(Run),

@@ -906,14 +906,14 @@ Help: the tool and every command, with examples.
   Examples:
     sdp3 optimize --accuracy 0.9
     sdp3 optimize --points points.csv --weights 1,1e-5 --json
-    sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3
+    sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep users=1,2,3
 
-  $ sdp3 anytime --help
+  $ sdp3 early-exits --help
   Fit early exits and draw their region beside the static one.
   
   The models are those of --out.
   
-  Usage: sdp3 anytime [OPTIONS]
+  Usage: sdp3 early-exits [OPTIONS]
   
   Options:
         --calibrate-per-class <CALIBRATE_PER_CLASS>
@@ -965,8 +965,8 @@ Help: the tool and every command, with examples.
             Print help (see a summary with '-h')
   
   Examples:
-    sdp3 anytime
-    sdp3 anytime --calibrate-per-class 500 --accuracy 0.9
+    sdp3 early-exits
+    sdp3 early-exits --calibrate-per-class 500 --accuracy 0.9
 
   $ sdp3 schedule --help
   Play the operating point through the core's scheduler.
@@ -1011,7 +1011,7 @@ Help: the tool and every command, with examples.
             [default: 0]
   
         --threshold <CONFIDENCE>
-            Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out
+            Confidence that ends sensing early, with the weights that `sdp3 early-exits` wrote to --out
   
         --traced <PERIODS>
             Periods written slot by slot to trace.json, for Perfetto

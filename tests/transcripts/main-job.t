@@ -72,7 +72,7 @@ The main job in short, and every command about its results. Needs the feature `t
   $ sdp3 schedule -q --periods 4 --recognise-every 2 | head -1
   4 periods, 16000 decisions: * sensing, * idle (glob)
 
-  $ sdp3 anytime -q --calibrate-per-class 4 >anytime.txt
+  $ sdp3 early-exits -q --calibrate-per-class 4 >early-exits.txt
 
   $ sdp3 report
   out/report.html

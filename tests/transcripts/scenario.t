@@ -264,9 +264,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   patience = 0
   # Cross entropy in nats that int8 may add on training images; above it the network is tuned with int8's
   # rounding. Legal: 0 to 10.
-  tune_above = 0.01
+  qat_above = 0.01
   # Images, counted as often as they are shown, of such a tuning. Legal: 1 to 1000000.
-  tuning_images = 2000
+  qat_images = 2000
   # Channels of every convolution: a multiple of 4, 4 to 32. Legal: a multiple of 4 in 4 to 32.
   channels = 8
   # Residual blocks. Legal: 1 to 8.

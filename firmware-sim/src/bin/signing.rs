@@ -78,7 +78,7 @@ mod firmware {
         let Some(memory) = MODEL.take() else { fail("no memory") };
         let Some(model) = load(path, memory) else { fail("no such file, or larger than 64 KiB") };
         match Model::parse_signed(model, KEY, oldest) {
-            Ok(taken) => println(format_args!("taken: revision {}", taken.revision())),
+            Ok(taken) => println(format_args!("accepted: revision {}", taken.revision())),
             Err(error) => println(format_args!("refused: {error}")),
         }
         let mut altered = 0;
@@ -86,7 +86,7 @@ mod firmware {
             [("flipped", false, flips), ("flipped, checksum corrected", true, flips / 10)]
         {
             let (refused, taken) = alter(model, times, correct);
-            println(format_args!("{what}: {times} models, {refused} refused, {taken} taken"));
+            println(format_args!("{what}: {times} models, {refused} refused, {taken} accepted"));
             altered += taken + (times - refused - taken);
         }
         exit(usize::from(altered != 0))

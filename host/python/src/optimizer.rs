@@ -56,7 +56,7 @@ pub fn optimize<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let scenario = parsed(scenario)?;
     let points = self::points(&points)?;
-    let rule = rule(accuracy, throughput, weight, scenario.trade.accuracy_weight)?;
+    let rule = rule(accuracy, throughput, weight, scenario.optimizer.accuracy_weight)?;
     let found = py.detach(|| {
         let curve = best_curve(&fit_all(&points).map_err(|e| e.to_string())?);
         let outcome = optimise(&curve, &points, &replicates(&curve, &points, seed), &scenario, rule, seed);
@@ -66,7 +66,7 @@ pub fn optimize<'py>(
     let value = serde_json::json!({
         "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
         "weighted": outcome.weighted, "cases": outcome.cases, "spacings": outcome.spacings,
-        "zone_ratio": scenario.trade.zone_ratio,
+        "zone_ratio": scenario.optimizer.zone_ratio,
     });
     object(py, &value)
 }

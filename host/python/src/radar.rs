@@ -84,11 +84,11 @@ impl Scheduler {
         self.0.end_sensing();
     }
 
-    fn set_rate(&mut self, receiver: usize, rate: u32) -> PyResult<()> {
-        if receiver >= USERS {
-            return Err(refused(Invalid::new("receiver", receiver, format!("0 to {}", USERS - 1))));
+    fn set_rate(&mut self, user: usize, rate: u32) -> PyResult<()> {
+        if user >= USERS {
+            return Err(refused(Invalid::new("user", user, format!("0 to {}", USERS - 1))));
         }
-        self.0.planner_mut().set_rate(receiver, rate);
+        self.0.planner_mut().set_rate(user, rate);
         Ok(())
     }
 

@@ -21,7 +21,7 @@ use context::{Common, Context};
 
 /// How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
 #[derive(Debug, Parser)]
-#[command(name = "sdp3", version, about, after_help = EXAMPLES)]
+#[command(name = "sdp3", version = crate::VERSION, about, after_help = EXAMPLES)]
 pub struct Cli {
     /// What to do; without one, `run`.
     #[command(subcommand)]
@@ -160,15 +160,15 @@ pub enum Command {
     #[command(after_help = "Examples:
   sdp3 optimize --accuracy 0.9
   sdp3 optimize --points points.csv --weights 1,1e-5 --json
-  sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep receivers=1,2,3")]
+  sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep users=1,2,3")]
     Optimize(optimizer::OptimizeArgs),
     /// Fit early exits and draw their region beside the static one.
     ///
     /// The models are those of --out.
     #[command(after_help = "Examples:
-  sdp3 anytime
-  sdp3 anytime --calibrate-per-class 500 --accuracy 0.9")]
-    Anytime(optimizer::AnytimeArgs),
+  sdp3 early-exits
+  sdp3 early-exits --calibrate-per-class 500 --accuracy 0.9")]
+    EarlyExits(optimizer::EarlyExitsArgs),
     /// Play the operating point through the core's scheduler.
     ///
     /// Plays one period of the operating point of --out's run, or with --periods many, with traffic, churn, fading and loss.
@@ -255,7 +255,7 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Verify(args) => job::verify(context, args),
         Command::Predict(args) => optimizer::predict(context, &args),
         Command::Optimize(args) => optimizer::optimize(context, &args),
-        Command::Anytime(args) => optimizer::anytime(context, &args),
+        Command::EarlyExits(args) => optimizer::early_exits(context, &args),
         Command::Schedule(args) => optimizer::schedule(context, &args),
         Command::Report => job::report(context),
         Command::Scenario(args) => scenarios::scenario(context, &args),

@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::error::Failure;
 use crate::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
-use crate::formats::model_file::{Summary, Verdict};
+use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::{self, Conversion};
 use crate::store::limited;
 use crate::store::output::Output;
@@ -167,7 +167,7 @@ fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
 
 /// `false` if firmware with that key would refuse the model.
 fn verify(context: &Context, args: &VerifyArgs) -> Result<bool, Failure> {
-    let verdict = Verdict::of(&read(&args.file)?, &read_public_key(&args.key)?, args.oldest);
+    let verdict = ModelCheck::of(&read(&args.file)?, &read_public_key(&args.key)?, args.oldest);
     context.print(&verdict, || format!("{}: {}", args.file.display(), verdict.describe()))?;
-    Ok(verdict.taken)
+    Ok(verdict.accepted)
 }

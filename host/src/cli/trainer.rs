@@ -26,7 +26,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
     let TrainArgs { preset, data, recipe, resume, backend } = args;
     let backend = match backend {
-        training::Backend::Flex => Backend::Flex,
+        training::Backend::Cpu => Backend::Cpu,
         #[cfg(feature = "wgpu")]
         training::Backend::Wgpu => Backend::Wgpu,
         #[cfg(feature = "cuda")]

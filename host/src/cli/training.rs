@@ -21,7 +21,7 @@ pub struct TrainArgs {
     #[arg(long)]
     pub resume: bool,
     /// Where to train: the processor, or a GPU in a build with that feature.
-    #[arg(long, value_enum, default_value_t = Backend::Flex)]
+    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     pub backend: Backend,
 }
 
@@ -40,7 +40,7 @@ pub enum Recipe {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
     /// The processor.
-    Flex,
+    Cpu,
     /// A GPU through Vulkan, Metal, DirectX 12 or WebGPU; needs the feature `wgpu`.
     Wgpu,
     /// An NVIDIA GPU; needs the feature `cuda`.

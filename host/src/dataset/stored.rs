@@ -101,8 +101,8 @@ impl Stored {
         found.learning.train_per_class = self.request.per_class;
         if stated {
             (found.name, found.communication) = (asked.name.clone(), asked.communication.clone());
-            (found.trade, found.frame.sensing_slots) =
-                (asked.trade.clone(), asked.frame.sensing_slots.clone());
+            (found.optimizer, found.frame.sensing_slots) =
+                (asked.optimizer.clone(), asked.frame.sensing_slots.clone());
             found.frame.period_slots = asked.frame.period_slots;
             let mut same = asked.clone();
             same.channel.rho = asked.channel.rho.or(found.channel.rho);

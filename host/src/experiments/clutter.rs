@@ -16,10 +16,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Clutter to target in dB.
-const RATIOS_DB: [f64; 7] = [-20.0, -10.0, 0.0, 10.0, 20.0, 30.0, 40.0];
+pub const RATIOS_DB: [f64; 7] = [-20.0, -10.0, 0.0, 10.0, 20.0, 30.0, 40.0];
 
 /// `spectrogram.first_kept`: decided, and the fixed ones.
-const FIRST_KEPT: [u8; 4] = [0, 1, 2, 3];
+pub const FIRST_KEPT: [u8; 4] = [0, 1, 2, 3];
 
 /// A ratio and N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,9 +1,9 @@
-//! How near simulated recordings are to others: the paper's Figs. KLD and Comp, on a stand-in and on measured recordings.
+//! How near simulated recordings are to others: the paper's Figs. KLD and Comp, on a surrogate and on measured recordings.
 //!
-//! Three domains at the largest N_s. `dahc`: the paper's channel, its rho calibrated on the stand-in. `ray-tracing`: the same
-//! people without uncertainty. `stand-in` takes the experiment's place where nobody measured: other people (another seed), and a
+//! Three domains at the largest N_s. `dahc`: the paper's channel, its rho calibrated on the surrogate. `ray-tracing`: the same
+//! people without uncertainty. `surrogate` takes the experiment's place where nobody measured: other people (another seed), and a
 //! richer room and radar than either: 802.11ay clusters with blockage, rays of geometry that keep their phase and diffuse
-//! ones that do not ([`STAND_RHO`]), an oscillator with phase noise, I and Q out of balance, speeds that scatter twice as much.
+//! ones that do not ([`SURROGATE_RHO`]), an oscillator with phase noise, I and Q out of balance, speeds that scatter twice as much.
 
 use super::cells::Cells;
 use super::labelled::{LeftOut, Measured};
@@ -26,41 +26,41 @@ use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 
 /// Names of the domains, in the order of every array here.
-pub const DOMAINS: [&str; 3] = ["dahc", "ray-tracing", "stand-in"];
+pub const DOMAINS: [&str; 3] = ["dahc", "ray-tracing", "surrogate"];
 /// The paper's gaps to the experiment in accuracy: (carrier in GHz, DAHC, ray tracing).
 pub const PAPER: [(f64, f64, f64); 2] = [(3.5, 0.02, 0.0533), (60.0, 0.04, 0.067)];
-/// Memory of the stand-in's diffuse rays.
-pub const STAND_RHO: f64 = 0.995;
-/// What is added to a seed for the stand-in's own people.
+/// Memory of the surrogate's diffuse rays.
+pub const SURROGATE_RHO: f64 = 0.995;
+/// What is added to a seed for the surrogate's own people.
 const OTHERS: u64 = 1 << 40;
 /// Recordings behind a distribution of intensities, and slots before each: measured rooms have no beginning.
 const PEOPLE: u32 = 100;
 const SETTLE_SLOTS: u32 = 300;
 
-/// Divergence of the domains' intensities from the stand-in's.
+/// Divergence of the domains' intensities from the surrogate's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Levels {
+pub struct IntensityDivergence {
     /// The calibrated rho.
     pub rho: f64,
-    /// D(stand-in || DAHC at rho) in nats.
+    /// D(surrogate || DAHC at rho) in nats.
     pub dahc: f64,
-    /// D(stand-in || DAHC at rho = 1).
+    /// D(surrogate || DAHC at rho = 1).
     pub without_uncertainty: f64,
-    /// D(stand-in || ray tracing).
+    /// D(surrogate || ray tracing).
     pub ray_tracing: f64,
-    /// Shares of the levels of every domain.
+    /// Shares of the intensities of every domain.
     pub pmf: [Vec<f64>; 3],
 }
 
 /// Divergence of simulated intensities from a measured recording's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct MeasuredLevels {
+pub struct MeasuredIntensities {
     /// The recording.
     pub name: String,
     /// What it shows.
     pub motion: Motion,
     /// Divergences, and the shares of DAHC, ray tracing and the recording.
-    pub levels: Levels,
+    pub intensities: IntensityDivergence,
 }
 
 /// The study's result.
@@ -68,14 +68,14 @@ pub struct MeasuredLevels {
 pub struct Fidelity {
     /// N_s.
     pub sensing_slots: u32,
-    /// Intensities against the stand-in.
-    pub levels: Levels,
+    /// Intensities against the surrogate.
+    pub intensities: IntensityDivergence,
     /// Accuracy in float, `[trained on][tested on]`.
     pub float: [[Spread; 3]; 3],
     /// Accuracy of the int8 networks.
     pub int8: [[Spread; 3]; 3],
     /// Intensities against measured recordings.
-    pub measured: Vec<MeasuredLevels>,
+    pub measured: Vec<MeasuredIntensities>,
     /// Recognition of measured recordings after simulated ones alone.
     pub sim_to_real: Option<SimToReal>,
     /// Files not used, and why.
@@ -118,18 +118,18 @@ fn counts(s: &Scenario, rho: f64, seed: u64, set: Set) -> Counts {
     std::array::from_fn(|level| each.iter().map(|counts| counts[level]).sum())
 }
 
-/// Calibrates DAHC on the stand-in and compares ray tracing with it.
-fn levels(request: &Request, context: RunContext) -> Levels {
+/// Calibrates DAHC on the surrogate and compares ray tracing with it.
+fn intensities(request: &Request, context: RunContext) -> IntensityDivergence {
     let [dahc, traced, stand] = [0, 1, 2].map(|d| domain(&request.scenario, d));
-    let stage = context.progress.stage("calibrate", "DAHC on the stand-in");
-    let target = counts(&stand, STAND_RHO, request.seed + OTHERS, Set::Surrogate);
+    let stage = context.progress.stage("calibrate", "DAHC on the surrogate");
+    let target = counts(&stand, SURROGATE_RHO, request.seed + OTHERS, Set::Surrogate);
     let (curve, simulated, best) = search(&target, |rho| {
         stage.step(EVALUATIONS);
         counts(&dahc, rho, request.seed, Set::Calibration)
     });
     let rays = counts(&traced, 1.0, request.seed, Set::Calibration);
-    stage.finish(&format!("rho = {} on the stand-in", curve[best].rho));
-    Levels {
+    stage.finish(&format!("rho = {} on the surrogate", curve[best].rho));
+    IntensityDivergence {
         rho: curve[best].rho,
         dahc: curve[best].kl,
         without_uncertainty: curve.last().map_or(f64::NAN, |p| p.kl),
@@ -144,7 +144,7 @@ type Row = [(f64, f64); 3];
 /// Accuracy of every network on every domain, seed by seed: `[trained on][seed][tested on]`.
 fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Result<[Vec<Row>; 3], Failure> {
     let domains = [0, 1, 2].map(|d| domain(&request.scenario, d));
-    let rhos = [rho, 1.0, STAND_RHO];
+    let rhos = [rho, 1.0, SURROGATE_RHO];
     let seed_of = |seed: u64, d: usize| if d == 2 { seed + OTHERS } else { seed };
     let mut found = [const { Vec::new() }; 3];
     for seed in request.each_seed() {
@@ -169,7 +169,11 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Re
 }
 
 /// Divergences from a measured recording, or why there are none.
-fn measured_levels(request: &Request, recording: &Measured, context: RunContext) -> Result<Levels, Invalid> {
+fn measured_intensities(
+    request: &Request,
+    recording: &Measured,
+    context: RunContext,
+) -> Result<IntensityDivergence, Invalid> {
     let (s, class, signal) = (&request.scenario, recording.motion.class(), &recording.signal);
     let stage = context.progress.stage("calibrate", &recording.name);
     let found = calibrate_measured(s, signal, class, request.seed, &|done, all| stage.at(done, all))?;
@@ -177,7 +181,7 @@ fn measured_levels(request: &Request, recording: &Measured, context: RunContext)
     traced.channel.model = Model::RayTracing;
     let (ray_tracing, rays) = divergence_measured(&traced, signal, class, request.seed, 1.0)?;
     stage.finish(&format!("{}: rho = {}", recording.name, found.rho));
-    Ok(Levels {
+    Ok(IntensityDivergence {
         rho: found.rho,
         dahc: found.kl.unwrap_or(f64::NAN),
         without_uncertainty: found.kl_without_uncertainty.unwrap_or(f64::NAN),
@@ -204,20 +208,20 @@ pub fn study(
     };
     let mut measured = Vec::new();
     for recording in &recordings {
-        let found = cells.get(&format!("levels-{}", recording.key), || {
-            Ok(measured_levels(request, recording, context).map_err(|e| e.to_string()))
+        let found = cells.get(&format!("intensities-{}", recording.key), || {
+            Ok(measured_intensities(request, recording, context).map_err(|e| e.to_string()))
         })?;
         match found {
-            Ok(levels) => measured.push(MeasuredLevels {
+            Ok(intensities) => measured.push(MeasuredIntensities {
                 name: recording.name.clone(),
                 motion: recording.motion,
-                levels,
+                intensities,
             }),
             Err(reason) => left_out.push((recording.name.clone(), format!("intensities: {reason}"))),
         }
     }
-    let levels = cells.get("levels", || Ok(levels(request, context)))?;
-    let found = matrix(request, cells, levels.rho, context)?;
+    let intensities = cells.get("intensities", || Ok(intensities(request, context)))?;
+    let found = matrix(request, cells, intensities.rho, context)?;
     let spread = |of: fn(&(f64, f64)) -> f64| {
         let one =
             |d: usize, t: usize| Spread::of(&found[d].iter().map(|row| of(&row[t])).collect::<Vec<_>>());
@@ -225,7 +229,7 @@ pub fn study(
     };
     let found = Fidelity {
         sensing_slots: request.scenario.largest_sensing_slots(),
-        levels,
+        intensities,
         float: spread(|cell| cell.0),
         int8: spread(|cell| cell.1),
         measured,
@@ -237,7 +241,7 @@ pub fn study(
     Ok(found)
 }
 
-/// Differences in accuracy from the stand-in's network on the stand-in: (each on its own test set, each on the stand-in's).
+/// Differences in accuracy from the surrogate's network on the surrogate: (each on its own test set, each on the surrogate's).
 pub fn gaps(accuracy: &[[Spread; 3]; 3]) -> [(f64, f64); 2] {
     let experiment = accuracy[2][2].mean;
     [0, 1].map(|d| ((accuracy[d][d].mean - experiment).abs(), (accuracy[d][2].mean - experiment).abs()))
@@ -248,8 +252,8 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
         "# How near simulated recordings are to others\n\n{:.3} GHz, N_s = {}, {} recordings per class to train, {} to test, {}, {} \
-         epochs. Stand-in for an experiment: other people, 802.11ay clusters with blockage, `consistent` correlation \
-         at rho = {STAND_RHO}, phase noise 1 degree, I/Q off by 0.5 dB and 2 degrees, twice the spread of speeds.\n\n## Intensities ({LEVELS})\n\n\
+         epochs. Surrogate for an experiment: other people, 802.11ay clusters with blockage, `consistent` correlation \
+         at rho = {SURROGATE_RHO}, phase noise 1 degree, I/Q off by 0.5 dB and 2 degrees, twice the spread of speeds.\n\n## Intensities ({LEVELS})\n\n\
          | compared with | rho | KL of calibrated DAHC | KL at rho = 1 | KL of ray tracing |\n|---|---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         found.sensing_slots,
@@ -258,15 +262,15 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
         request.seeds_label(),
         l.epochs
     );
-    let mut line = |name: &str, l: &Levels| {
+    let mut line = |name: &str, l: &IntensityDivergence| {
         text += &format!(
             "| {name} | {} | {:.3} | {:.3} | {:.3} |\n",
             l.rho, l.dahc, l.without_uncertainty, l.ray_tracing
         );
     };
-    line("stand-in", &found.levels);
-    found.measured.iter().for_each(|m| line(&format!("{} ({})", m.name, m.motion.name()), &m.levels));
-    text += "\n## Accuracy\n\n| trained on | tested on dahc | on ray-tracing | on the stand-in |\n|---|---|---|---|\n";
+    line("surrogate", &found.intensities);
+    found.measured.iter().for_each(|m| line(&format!("{} ({})", m.name, m.motion.name()), &m.intensities));
+    text += "\n## Accuracy\n\n| trained on | tested on dahc | on ray-tracing | on the surrogate |\n|---|---|---|---|\n";
     for (name, [a, b, c]) in DOMAINS.iter().zip(&found.int8) {
         text += &format!("| {name} | {a} | {b} | {c} |\n");
     }
@@ -274,8 +278,8 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
     let differences = found.float.iter().flatten().zip(found.int8.iter().flatten());
     let most = differences.map(|(f, i)| (f.mean - i.mean).abs()).fold(0.0, f64::max);
     text += &format!(
-        "{most:.3} at most.\n\n| gap to the stand-in's own network | each on its own recordings | each on the \
-         stand-in's | the paper, 3.5 GHz | 60 GHz |\n|---|---|---|---|---|\n"
+        "{most:.3} at most.\n\n| gap to the surrogate's own network | each on its own recordings | each on the \
+         surrogate's | the paper, 3.5 GHz | 60 GHz |\n|---|---|---|---|---|\n"
     );
     let paper = [PAPER.map(|p| p.1), PAPER.map(|p| p.2)];
     for ((name, (own, transfer)), [low, high]) in DOMAINS.iter().zip(gaps(&found.int8)).zip(paper) {
@@ -308,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_taken_from_the_stand_ins_own_network() {
+    fn gaps_are_taken_from_the_surrogates_own_network() {
         let accuracy = |v: f64| Spread { mean: v, deviation: 0.0, seeds: 5 };
         let matrix = [[0.95, 0.9, 0.91], [0.8, 0.99, 0.7], [0.9, 0.9, 0.93]].map(|row| row.map(accuracy));
         let [(a, b), (c, d)] = gaps(&matrix);

@@ -203,8 +203,8 @@ pub struct RecordingResult {
     pub float: Spread,
     /// The same by the core's int8 network.
     pub int8: Spread,
-    /// The same by the seeds' networks together: the sum of their logits.
-    pub together: f64,
+    /// The same by the ensemble of the seeds' networks: the sum of their logits.
+    pub ensemble: f64,
 }
 
 /// The result.
@@ -218,8 +218,8 @@ pub struct SimToReal {
     pub float: Spread,
     /// The same, int8.
     pub int8: Spread,
-    /// The same by the seeds' networks together.
-    pub together: f64,
+    /// The same by the ensemble of the seeds' networks.
+    pub ensemble: f64,
     /// Windows `[truth][answer]`, float, every seed counted.
     pub confusion: [[u32; 3]; 3],
 }
@@ -278,7 +278,7 @@ pub fn study(
         row.iter_mut().zip(answers).for_each(|(sum, n)| *sum += n);
         let spread = |of: fn(&(f64, f64)) -> f64| Spread::of(&each.iter().map(of).collect::<Vec<_>>());
         let right = sums.iter().filter(|sum| first_maximum(&sum[..]) == recording.motion as u8).count();
-        let together = right as f64 / images.len().max(1) as f64;
+        let ensemble = right as f64 / images.len().max(1) as f64;
         let (name, motion, windows) = (recording.name.clone(), recording.motion, images.len() as u32);
         results.push(RecordingResult {
             name,
@@ -287,7 +287,7 @@ pub fn study(
             answers,
             float: spread(|s| s.0),
             int8: spread(|s| s.1),
-            together,
+            ensemble,
         });
         shares.push(each);
     }
@@ -300,19 +300,19 @@ pub fn study(
         Spread::of(&(0..request.seeds as usize).map(seed).collect::<Vec<_>>())
     };
     let (float, int8) = (overall(|s| s.0), overall(|s| s.1));
-    let together = results.iter().map(|t| f64::from(t.windows) * t.together).sum::<f64>() / all.max(1.0);
-    Ok(SimToReal { simulated: Spread::of(&simulated), recordings: results, float, int8, together, confusion })
+    let ensemble = results.iter().map(|t| f64::from(t.windows) * t.ensemble).sum::<f64>() / all.max(1.0);
+    Ok(SimToReal { simulated: Spread::of(&simulated), recordings: results, float, int8, ensemble, confusion })
 }
 
 /// The result in words.
 pub fn table(found: &SimToReal) -> String {
     let mut text = format!(
         "\n## From simulation to measurement\n\nNetworks that learned from {TRAIN} simulated seconds of each motion at the recordings' \
-         carrier and from nothing measured. Of unseen simulated seconds they recognise {}; of measured ones {} (int8 {}), the networks of all seeds together (sum of \
+         carrier and from nothing measured. Of unseen simulated seconds they recognise {}; of measured ones {} (int8 {}), the ensemble of all seeds (sum of their \
          their logits) **{:.3}**. A \
          window is one second, every half second; each is compared with the motion in its file's name, pauses and turns \
-         included.\n\n| recording | motion | windows | right | int8 | together |\n|---|---|---|---|---|---|\n",
-        found.simulated, found.float, found.int8, found.together
+         included.\n\n| recording | motion | windows | right | int8 | ensemble |\n|---|---|---|---|---|---|\n",
+        found.simulated, found.float, found.int8, found.ensemble
     );
     for t in &found.recordings {
         text += &format!(
@@ -322,7 +322,7 @@ pub fn table(found: &SimToReal) -> String {
             t.windows,
             t.float,
             t.int8,
-            t.together
+            t.ensemble
         );
     }
     text += "\nWindows, every seed counted:\n\n| truth \\ answer | walking | running | still |\n|---|---|---|---|\n";

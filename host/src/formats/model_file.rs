@@ -17,7 +17,7 @@ pub(crate) mod signature;
 mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
-pub use summary::{Summary, Verdict};
+pub use summary::{ModelCheck, Summary};
 
 /// Version of the format written.
 pub const VERSION: u16 = 1;
@@ -150,7 +150,7 @@ pub struct QuantizedNetwork {
 }
 
 const KIND_CONV: u8 = 1;
-const KIND_AFFINE: u8 = 2;
+const KIND_BATCH_NORM: u8 = 2;
 const KIND_ADD: u8 = 3;
 const KIND_HEAD: u8 = 4;
 
@@ -197,7 +197,7 @@ impl QuantizedNetwork {
         let c = self.channels();
         let mut all = vec![("stem".to_string(), KIND_CONV, 9, &self.stem)];
         for (b, block) in self.blocks.iter().enumerate() {
-            all.push((format!("block {b} affine"), KIND_AFFINE, 1, &block.affine));
+            all.push((format!("block {b} affine"), KIND_BATCH_NORM, 1, &block.affine));
             all.push((format!("block {b} conv1"), KIND_CONV, 9 * c, &block.conv1));
             all.push((format!("block {b} conv2"), KIND_CONV, 9 * c, &block.conv2));
         }
@@ -218,7 +218,7 @@ impl QuantizedNetwork {
         }
         self.stem.append(KIND_CONV, &mut out);
         for block in &self.blocks {
-            block.affine.append(KIND_AFFINE, &mut out);
+            block.affine.append(KIND_BATCH_NORM, &mut out);
             block.conv1.append(KIND_CONV, &mut out);
             block.conv2.append(KIND_CONV, &mut out);
             block.add.append(&mut out);

@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn a_training_is_known_by_architecture_seed_and_images() {
         let of = |architecture, seed, images: &Images| {
-            identity(architecture, &Learning::default(), seed, images, "flex")
+            identity(architecture, &Learning::default(), seed, images, "cpu")
         };
         let usual = of(SMALL, 7, &stripes(10, 1, 1));
         assert_eq!(usual, of(SMALL, 7, &stripes(10, 1, 1)));

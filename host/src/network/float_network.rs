@@ -1,7 +1,7 @@
 //! The trained network in floating point, without burn: folded as the int8 network is, every activation visible.
 //!
 //! Images are `[row][frame][channel]`, as in the radar module. The caller sees and may change each activation, which
-//! is how ranges are measured and int8 is rehearsed.
+//! is how ranges are measured and int8 is fake-quantised.
 
 use super::parameters::{Architecture, Images, Parameters};
 use rayon::prelude::*;

@@ -70,7 +70,7 @@ pub fn quantize_folded(
         rule,
         float_loss: float.classify(&images).loss,
         int8_loss,
-        untuned_loss: None,
+        loss_before_qat: None,
         layers: report::compare(float, &converted.fake_quantised, &grids, &images),
     };
     let network = QuantizedNetwork {
@@ -100,7 +100,7 @@ fn round_all(grid: QuantParams, values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = grid.round(*v));
 }
 
-/// The int8 layers, and the float network with their rounded weights that rehearses them.
+/// The int8 layers, and the float network with their rounded weights that fake-quantises them.
 struct Converted {
     stem: QuantizedLayer,
     blocks: Vec<Block>,
@@ -142,7 +142,7 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Invalid> {
 
 /// The float network with the weights that int8 has on these grids.
 #[cfg(all(test, feature = "train"))]
-pub(super) fn rehearse(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, Invalid> {
+pub(super) fn fake_quantize(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, Invalid> {
     convert(float, grids).map(|converted| converted.fake_quantised)
 }
 
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn int8_answers_as_the_rehearsal_and_nearly_as_float() {
+    fn int8_answers_as_the_fake_quantized_network_and_nearly_as_float() {
         for (stem_stride, frames) in [(1, 10), (2, 35)] {
             let architecture = Architecture { channels: 8, blocks: 2, stem_stride, classes: 5 };
             let parameters = trained_looking(architecture, 21);

@@ -6,7 +6,7 @@
 use super::parameters::Images;
 use crate::formats::slots::Slots;
 use crate::network::memory::OwnedMemory;
-use crate::results::{Exhibit, Spectrogram};
+use crate::results::{GallerySpectrogram, Spectrogram};
 use crate::scenario::{Class, Model, Radar, Scenario};
 use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::{Set, beats, recording};
@@ -252,7 +252,11 @@ const MOST_SLOTS: u32 = 4000;
 const PICTURE_BETA: f32 = 10.0;
 
 /// A gallery: every channel model, at 3.5, 24 and 60 GHz, every class of the paper.
-pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sync)) -> Vec<Exhibit> {
+pub fn gallery(
+    scenario: &Scenario,
+    seed: u64,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Vec<GallerySpectrogram> {
     // spacing and rows that show the toes at each carrier, and a hop of 4 to 8 ms
     let carriers = [(3.5e9, 3, 1, 8), (24e9, 1, 4, 16), (60e9, 0, 4, 16)];
     let total = (Model::ALL.len() * carriers.len() * Class::ALL.len()) as u64;
@@ -280,7 +284,7 @@ pub fn gallery(scenario: &Scenario, seed: u64, progress: &(dyn Fn(u64, u64) + Sy
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             let title = format!("{}, {}, {} GHz", class.name(), model.name(), carrier_hz / 1e9);
             let spectrogram = picture(&scenario, &title, &image);
-            Exhibit { model: model.name().into(), class: class.name().into(), spectrogram }
+            GallerySpectrogram { model: model.name().into(), class: class.name().into(), spectrogram }
         })
         .collect()
 }

@@ -25,9 +25,9 @@ use crate::scenario::Learning;
 const LEARNING_RATE: f64 = 5e-4;
 
 /// Quantises a trained network; where int8's cross entropy on training images exceeds the float network's by more than
-/// `learning.tune_above` nats, tunes it and keeps what loses less.
+/// `learning.qat_above` nats, tunes it and keeps what loses less.
 ///
-/// The same bits for any number of threads. Cost of tuning: `learning.tuning_images` images through burn's own convolutions.
+/// The same bits for any number of threads. Cost of tuning: `learning.qat_images` images through burn's own convolutions.
 ///
 /// # Errors
 ///
@@ -40,23 +40,23 @@ pub fn quantize_tuned(
     learning: &Learning,
 ) -> Result<(QuantizedNetwork, QuantizationReport), Invalid> {
     let (network, report) = quantize(parameters, preprocessing, classes, images)?;
-    if report.cost() <= learning.tune_above {
+    if report.cost() <= learning.qat_above {
         return Ok((network, report));
     }
     let tuned = tune(&FloatNetwork::new(parameters), &report.grids(), images, learning);
     let (better, mut second) = quantize_folded(&tuned, preprocessing, classes, images)?;
-    second.untuned_loss = Some(report.least_loss());
+    second.loss_before_qat = Some(report.least_loss());
     if second.least_loss() < report.least_loss() { Ok((better, second)) } else { Ok((network, report)) }
 }
 
-/// The folded network after `learning.tuning_images` images with every weight and activation rounded on the way.
+/// The folded network after `learning.qat_images` images with every weight and activation rounded on the way.
 fn tune(float: &FloatNetwork, grids: &Grids, images: &Images, learning: &Learning) -> FloatNetwork {
     let device = Device::flex().autodiff();
     let mut network = Rounded::new(float, &device);
     let mut optimizer = AdamConfig::new().with_epsilon(1e-8).init();
     let Architecture { classes, .. } = float.architecture;
     let size = learning.batch as usize;
-    let steps = (learning.tuning_images as usize).div_ceil(size).max(1);
+    let steps = (learning.qat_images as usize).div_ceil(size).max(1);
     let deck = (0..).flat_map(|epoch| {
         let order = shuffled(images.len(), 0, epoch);
         batches(images.len(), size).into_iter().map(move |range| order[range].to_vec())
@@ -195,7 +195,7 @@ mod tests {
     use crate::network::calibration::calibrate;
     use crate::network::float_network::Activation;
     use crate::network::parameters::Images;
-    use crate::network::quantization::rehearse;
+    use crate::network::quantization::fake_quantize;
     use crate::network::synthetic::{stripes, trained_looking};
     use crate::network::training::{Job, train};
 
@@ -204,14 +204,14 @@ mod tests {
     }
 
     #[test]
-    fn the_rounded_network_is_the_rehearsal() {
+    fn the_rounded_network_is_the_fake_quantized_one() {
         let device = Device::flex();
         for (stem_stride, frames) in [(1, 10), (2, 35)] {
             let architecture = Architecture { channels: 8, blocks: 2, stem_stride, classes: 5 };
             let float = FloatNetwork::new(&trained_looking(architecture, 21));
             let images = stripes(frames, 2, 1);
             let [_, (_, grids)] = calibrate(&float, &images);
-            let fake_quantised = rehearse(&float, &grids).unwrap();
+            let fake_quantised = fake_quantize(&float, &grids).unwrap();
             let found = Rounded::new(&float, &device).forward(input(&images, &device), architecture, &grids);
             let found: Vec<f32> = found.into_data().iter::<f32>().collect();
             for (i, found) in found.chunks(5).enumerate() {
@@ -246,7 +246,7 @@ mod tests {
             channels: 4,
             blocks: 2,
             stem_stride: 2,
-            tuning_images: 4000,
+            qat_images: 4000,
             ..Learning::default()
         };
         let images = stripes(24, 40, 1);
@@ -262,7 +262,7 @@ mod tests {
         grids.stem = coarse(grids.stem);
         grids.blocks.iter_mut().flatten().for_each(|g| *g = coarse(*g));
         let loss = |network: &FloatNetwork| {
-            let fake_quantised = rehearse(network, &grids).unwrap();
+            let fake_quantised = fake_quantize(network, &grids).unwrap();
             let round = |(): &mut (), a: Activation, v: &mut [f32]| {
                 v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
             };

@@ -1,10 +1,10 @@
 //! The optimizer: what accuracy costs in throughput, and the operating point of the scheduler.
 //!
 //! [`water_filling`], [`limited_water_filling`] and [`throughput`] compute the bits of a slot; [`theorem`] is the boundary in closed form, [`region`] the exact one
-//! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`anytime`] draws the region beyond
+//! in whole slots ([`shares`]); [`zones`] names its parts, [`operating_point`] chooses on it, [`early_exits`] draws the region beyond
 //! it, [`spacings`] and [`sweep`] vary what else may vary.
 
-pub(crate) mod anytime;
+pub(crate) mod early_exits;
 pub mod limited_water_filling;
 pub mod operating_point;
 pub mod region;
@@ -143,6 +143,7 @@ struct Optimized {
 
 fn of_case(
     curve: &Curve,
+    zones: &Zones,
     scenario: &Scenario,
     rule: Rule,
     index: usize,
@@ -150,8 +151,6 @@ fn of_case(
 ) -> Result<Optimized, OptimizerError> {
     let Bits { expected: slot_bit, over_fading, links } = Bits::of(scenario, index, seed)?;
     let points = region::boundary(scenario, curve, &slot_bit)?;
-    let range = region::range(scenario, scenario.frame.spacing_slots)?;
-    let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
     let case = index as u32 + 1;
     let operating_point = operating_point::choose(&points, rule).map(|chosen| {
         let p = &points[chosen];
@@ -166,6 +165,7 @@ fn of_case(
             accuracy: p.accuracy,
             throughput_bit: p.throughput_bit,
             zone: zones.at(p.sensing_slots),
+            extrapolated: zones.extrapolated(p.sensing_slots),
             rule: rule.words(),
             channels: scenario.communication.channels().to_owned(),
         }
@@ -200,29 +200,48 @@ fn weighted(Optimized { case, points }: &Optimized) -> Vec<WeightedPoint> {
     (0..=WEIGHTS).filter_map(best).collect()
 }
 
-/// Every case's bits per slot, zones and operating point.
+/// Every case's bits per slot, zones and operating point; `points` are those that the curve was fitted to.
 ///
 /// # Errors
 ///
 /// [`OptimizerError`]; a rule no point satisfies is no error here.
-pub fn cases(curve: &Curve, scenario: &Scenario, rule: Rule, seed: u64) -> Result<Vec<Case>, OptimizerError> {
+pub fn cases(
+    curve: &Curve,
+    points: &[CurvePoint],
+    scenario: &Scenario,
+    rule: Rule,
+    seed: u64,
+) -> Result<Vec<Case>, OptimizerError> {
+    let zones = &zones_of(curve, points, scenario)?;
     let all = 0..scenario.communication.cases.len();
-    all.map(|index| Ok(of_case(curve, scenario, rule, index, seed)?.case)).collect()
+    all.map(|index| Ok(of_case(curve, zones, scenario, rule, index, seed)?.case)).collect()
+}
+
+/// The zones of a curve through `points` over every legal N_s.
+fn zones_of<'a>(
+    curve: &'a Curve,
+    points: &[CurvePoint],
+    scenario: &Scenario,
+) -> Result<Zones<'a>, OptimizerError> {
+    let range = region::range(scenario, scenario.frame.spacing_slots)?;
+    Ok(Zones::new(curve, range, crate::predictor::points::range(points), scenario.optimizer.zone_ratio))
 }
 
 /// Columns of the boundary as CSV.
-const BOUNDARY: [&str; 8] = [
+const BOUNDARY: [&str; 10] = [
     "case",
     "sensing_slots",
     "accuracy",
     "throughput_bit",
+    "throughput_mbit_s",
     "closed_form_bit",
     "pareto",
     "zone",
+    "extrapolated",
     "communication_slots",
 ];
 
-/// The boundary of every case and the point `rule` chooses in case `trade.case`; `points` are those that the curve was fitted to,
+/// The boundary of every case and the point `rule` chooses in case `optimizer.case`; `points` are those that the curve was fitted to,
 /// `replicates` the curve as other tests would have it, for the bands.
 ///
 /// # Errors
@@ -237,10 +256,10 @@ pub fn optimise(
     seed: u64,
 ) -> Result<Outcome, OptimizerError> {
     let range = region::range(scenario, scenario.frame.spacing_slots)?;
-    let zones = Zones::new(curve, range, scenario.trade.zone_ratio);
+    let zones = zones_of(curve, points, scenario)?;
     let mut outcome = Vec::new();
     for index in 0..scenario.communication.cases.len() {
-        outcome.push(of_case(curve, scenario, rule, index, seed)?);
+        outcome.push(of_case(curve, &zones, scenario, rule, index, seed)?);
     }
     let mut region = Vec::new();
     let mut boundary = Vec::new();
@@ -249,7 +268,6 @@ pub fn optimise(
     let operating = operating.map(|point| point.sensing_slots);
     let chosen: Vec<u32> = operating.chain(weighted.iter().map(|point| point.sensing_slots)).collect();
     let measured = |n: u32| points.iter().any(|p| p.sensing_slots == f64::from(n));
-    let (first, last) = crate::predictor::points::range(points);
     for Optimized { case, points } in &outcome {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
         for (p, front) in points.iter().zip(region::pareto(points)) {
@@ -261,9 +279,11 @@ pub fn optimise(
                 n.to_string(),
                 p.accuracy.to_string(),
                 p.throughput_bit.to_string(),
+                (p.throughput_bit / scenario.period_s() / 1e6).to_string(),
                 closed_form_bit.to_string(),
                 front.to_string(),
                 zone.name().to_owned(),
+                zones.extrapolated(n).to_string(),
                 shares.join(" "),
             ]);
             if !chosen.contains(&n) && !measured(n) && !region::shown(scenario, range, n) {
@@ -279,12 +299,13 @@ pub fn optimise(
                 accuracy_high: band.map(|b| b.1),
                 throughput_bit: p.throughput_bit,
                 closed_form_bit,
-                extrapolated: !(first..=last).contains(&f64::from(n)),
+                extrapolated: zones.extrapolated(n),
                 zone,
             });
         }
     }
-    let Some(Optimized { case, points }) = outcome.iter().find(|p| p.case.case == scenario.trade.case) else {
+    let Some(Optimized { case, points }) = outcome.iter().find(|p| p.case.case == scenario.optimizer.case)
+    else {
         return Err(OptimizerError::Plan(PlanError::Users { users: 0 }));
     };
     let operating_point =

@@ -74,18 +74,21 @@ pub fn shown(scenario: &Scenario, (least, most): (u32, u32), sensing_slots: u32)
 }
 
 /// Points that no other dominates: none is as good in both and better in one. Whole slots make some points lose both.
+/// M log M in the number of points.
 pub fn pareto(points: &[Point]) -> Vec<bool> {
-    points
-        .iter()
-        .map(|p| {
-            let dominates = |q: &Point| {
-                q.accuracy >= p.accuracy
-                    && q.throughput_bit >= p.throughput_bit
-                    && (q.accuracy > p.accuracy || q.throughput_bit > p.throughput_bit)
-            };
-            !points.iter().any(dominates)
-        })
-        .collect()
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[b].accuracy.total_cmp(&points[a].accuracy));
+    let mut front = vec![false; points.len()];
+    // the largest throughput of all points of more accuracy
+    let mut most = f64::NEG_INFINITY;
+    for equals in order.chunk_by(|&a, &b| points[a].accuracy == points[b].accuracy) {
+        let own = equals.iter().map(|&k| points[k].throughput_bit).fold(f64::NEG_INFINITY, f64::max);
+        for &k in equals {
+            front[k] = points[k].throughput_bit == own && own > most;
+        }
+        most = most.max(own);
+    }
+    front
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::operating_point::Rule;
 use super::{OptimizerError, cases};
 use crate::error::Invalid;
 use crate::numerics::random::Random;
-use crate::results::{Curve, SweepRow};
+use crate::results::{Curve, CurvePoint, SweepRow};
 use crate::scenario::Scenario;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub enum Axis {
     /// Transmit power of the communication in W.
     Power,
     /// Number of users K: the case's own first, then ones placed at random.
-    Receivers,
+    Users,
     /// Factor on every user's distance from the base station.
     Distance,
 }
@@ -24,7 +24,7 @@ impl Axis {
     pub const ALL: [(Axis, &str); 4] = [
         (Axis::Carrier, "carrier_hz"),
         (Axis::Power, "power_w"),
-        (Axis::Receivers, "receivers"),
+        (Axis::Users, "users"),
         (Axis::Distance, "distance"),
     ];
 }
@@ -47,8 +47,8 @@ impl std::str::FromStr for Sweep {
         let (axis, _) = Axis::ALL.into_iter().find(|(_, n)| *n == name).ok_or(&legal)?;
         let number = |value: &str| {
             let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
-            let number = number.filter(|v| axis != Axis::Receivers || (v.fract() == 0.0 && *v <= 8.0));
-            let range = if axis == Axis::Receivers { "1 to 8" } else { "a number above 0" };
+            let number = number.filter(|v| axis != Axis::Users || (v.fract() == 0.0 && *v <= 8.0));
+            let range = if axis == Axis::Users { "1 to 8" } else { "a number above 0" };
             number.ok_or_else(|| Invalid::new(name, value, range).to_string())
         };
         Ok(Sweep { axis, values: values.split(',').map(number).collect::<Result<_, _>>()? })
@@ -63,15 +63,15 @@ fn apply(scenario: &mut Scenario, axis: Axis, value: f64, seed: u64) {
     match axis {
         Axis::Carrier => scenario.radar.carrier_hz = value,
         Axis::Power => scenario.communication.power_w = value,
-        Axis::Receivers => {
-            for (case, receivers) in scenario.communication.cases.iter_mut().enumerate() {
-                receivers.truncate(value as usize);
+        Axis::Users => {
+            for (case, users) in scenario.communication.cases.iter_mut().enumerate() {
+                users.truncate(value as usize);
                 let mut random = Random::new(seed, STREAM, case as u64, 0);
-                while receivers.len() < value as usize {
+                while users.len() < value as usize {
                     let place = [room[0] * random.uniform(), room[1] * random.uniform(), station[2]];
                     let apart = (place[0] - station[0]).hypot(place[1] - station[1]);
                     if apart >= 0.5 {
-                        receivers.push(place);
+                        users.push(place);
                     }
                 }
             }
@@ -91,7 +91,7 @@ fn apply(scenario: &mut Scenario, axis: Axis, value: f64, seed: u64) {
 /// [`OptimizerError::Scenario`] for a combination that is no legal scenario; what [`cases`] refuses.
 pub fn rows(
     scenario: &Scenario,
-    curve: &Curve,
+    (curve, points): (&Curve, &[CurvePoint]),
     rule: Rule,
     sweeps: &[Sweep],
     seed: u64,
@@ -112,13 +112,13 @@ pub fn rows(
     let mut rows = Vec::new();
     for (scenario, values) in &variants {
         scenario.check("command line, --sweep").map_err(OptimizerError::Scenario)?;
-        for case in cases(curve, scenario, rule, seed)? {
+        for case in cases(curve, points, scenario, rule, seed)? {
             let distance = sweeps.iter().position(|s| s.axis == Axis::Distance).map_or(1.0, |k| values[k]);
             let point = case.operating_point;
             rows.push(SweepRow {
                 carrier_hz: scenario.radar.carrier_hz,
                 power_w: scenario.communication.power_w,
-                receivers: case.slot_bit.len() as u32,
+                users: case.slot_bit.len() as u32,
                 distance,
                 case: case.case,
                 sensing_slots: point.as_ref().map(|p| p.sensing_slots),
@@ -142,22 +142,23 @@ mod tests {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
         let sweeps: Vec<Sweep> =
-            ["power_w=0.1,1,10", "receivers=1,3,5"].iter().map(|text| text.parse().unwrap()).collect();
+            ["power_w=0.1,1,10", "users=1,3,5"].iter().map(|text| text.parse().unwrap()).collect();
         // without a largest modulation, which every power reaches
         let printed = crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario();
-        let found = rows(&printed, &curve, Rule::AccuracyAtLeast(0.9), &sweeps, 1).unwrap();
+        let found = rows(&printed, (&curve, &[]), Rule::AccuracyAtLeast(0.9), &sweeps, 1).unwrap();
         assert_eq!(found.len(), 3 * 3 * 2);
-        let bit = |power: f64, receivers: u32| {
-            let row = found.iter().find(|r| r.power_w == power && r.receivers == receivers && r.case == 1);
+        let bit = |power: f64, users: u32| {
+            let row = found.iter().find(|r| r.power_w == power && r.users == users && r.case == 1);
             row.and_then(|r| r.throughput_bit).unwrap()
         };
         assert!(bit(10.0, 3) > bit(1.0, 3) && bit(1.0, 3) > bit(0.1, 3));
         assert!(bit(1.0, 1) > bit(1.0, 3) && bit(1.0, 3) > bit(1.0, 5));
         assert!("power=1".parse::<Sweep>().unwrap_err().contains("power_w"));
-        assert!("receivers=9".parse::<Sweep>().unwrap_err().contains("1 to 8"));
+        assert!("users=9".parse::<Sweep>().unwrap_err().contains("1 to 8"));
         let far: Sweep = "distance=3".parse().unwrap();
-        let error =
-            rows(&Scenario::default(), &curve, Rule::Weighted(0.5), &[far], 1).unwrap_err().to_string();
+        let error = rows(&Scenario::default(), (&curve, &[]), Rule::Weighted(0.5), &[far], 1)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("communication.cases[0][0]") && error.contains("inside the room"), "{error}");
     }
 }

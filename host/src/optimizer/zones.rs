@@ -2,7 +2,7 @@
 //!
 //! Section VI-D of the paper describes them; here they are defined. With accuracy and throughput each divided by its span over the
 //! boundary, let s = |dA / dR| along it; since R falls linearly in N_s (Theorem 1), s is the curve's slope over its mean slope.
-//! s < `trade.zone_ratio`: sensing is saturated (a step of throughput costs hardly any accuracy). s > 1 / `zone_ratio`:
+//! s < `optimizer.zone_ratio`: sensing is saturated (a step of throughput costs hardly any accuracy). s > 1 / `zone_ratio`:
 //! communication is saturated. Between: adversarial.
 
 use crate::predictor::{evaluate, slope};
@@ -13,16 +13,23 @@ use crate::results::{Border, Curve, Zone};
 pub struct Zones<'a> {
     curve: &'a Curve,
     range: (u32, u32),
+    /// N_s between the first and the last measured point.
+    measured: (f64, f64),
     ratio: f64,
     mean_slope: f64,
 }
 
 impl<'a> Zones<'a> {
-    /// Zones of `curve` over `range` with the thresholds `ratio` and 1 / `ratio`.
-    pub fn new(curve: &'a Curve, range: (u32, u32), ratio: f64) -> Self {
+    /// Zones of `curve`, fitted to points of N_s between `measured`, over `range` with the thresholds `ratio` and 1 / `ratio`.
+    pub fn new(curve: &'a Curve, range: (u32, u32), measured: (f64, f64), ratio: f64) -> Self {
         let at = |n: u32| evaluate(curve, f64::from(n)).unwrap_or(0.0);
         let span = f64::from(range.1 - range.0).max(1.0);
-        Zones { curve, range, ratio, mean_slope: ((at(range.1) - at(range.0)) / span).max(1e-300) }
+        Zones { curve, range, measured, ratio, mean_slope: ((at(range.1) - at(range.0)) / span).max(1e-300) }
+    }
+
+    /// Whether N_s lies outside the points that the curve was fitted to.
+    pub fn extrapolated(&self, sensing_slots: u32) -> bool {
+        !(self.measured.0..=self.measured.1).contains(&f64::from(sensing_slots))
     }
 
     /// |dA / dR| at N_s, both normalised.
@@ -49,7 +56,8 @@ impl<'a> Zones<'a> {
             let zone = self.at(sensing_slots);
             if zone != before {
                 let marginal = self.marginal(f64::from(sensing_slots));
-                borders.push(Border { sensing_slots, from: before, to: zone, marginal });
+                let extrapolated = self.extrapolated(sensing_slots);
+                borders.push(Border { sensing_slots, from: before, to: zone, marginal, extrapolated });
                 before = zone;
             }
         }
@@ -66,7 +74,7 @@ mod tests {
     fn borders_lie_where_the_marginal_rate_passes_its_thresholds() {
         let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
         let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
-        let zones = Zones::new(&curve, (128, 1000), 0.2);
+        let zones = Zones::new(&curve, (128, 1000), (200.0, 1000.0), 0.2);
         let borders = zones.borders();
         assert_eq!(borders.len(), 2);
         for (border, threshold) in borders.iter().zip([5.0, 0.2]) {
@@ -75,6 +83,7 @@ mod tests {
             let exact = libm::pow(threshold * span / (61906.0 * 2.4297), -1.0 / 3.4297);
             assert_eq!(f64::from(border.sensing_slots), exact.ceil(), "{border:?}");
         }
+        assert_eq!(borders.iter().map(|b| b.extrapolated).collect::<Vec<_>>(), [true, false]);
         assert_eq!(borders[0].from, Zone::CommunicationSaturation);
         assert_eq!(borders[1].to, Zone::SensingSaturation);
     }

@@ -1,10 +1,15 @@
-//! How long training and the main job will take, said before they begin: rough, a factor of two either way.
+//! How long trainings, studies, sweeps and the main job will take, said before they begin: rough, a factor of two either way.
 //!
 //! Simulation is timed on a short recording of the scenario's own channel. Training is counted in products of the networks' forward
 //! passes, at the speed per processor that docs/benchmarks.md has.
 
 use super::Job;
+use crate::dataset::Shard;
+use crate::experiments::RunContext;
+use crate::experiments::sweep::plan::Sweep;
 use crate::network::spectrograms::{images_of, images_of_beats};
+use crate::progress::Progress;
+use crate::results::Cell;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::PEOPLE;
 use crate::simulator::calibration::bench::SETTLE_SLOTS;
@@ -26,6 +31,10 @@ const EMULATED_S: f64 = 5.0;
 pub enum Work {
     /// Simulate training recordings and train.
     Train,
+    /// So many trainings of a study, each with its test.
+    Study(u32),
+    /// Simulate and classify so many recordings of each class, by every exit.
+    EarlyExits(u32),
     /// The main job, with a self-check of rho or not, and so many emulated targets.
     Run {
         /// Whether rho is calibrated on simulated recordings.
@@ -52,16 +61,35 @@ impl Job {
         let l = &self.scenario.learning;
         let (classes, networks) = (Class::ALL.len() as u32, self.scenario.frame.sensing_slots.len());
         let tested = if work == Work::Train { 0 } else { classes * l.test_per_class };
-        let text = format!(
-            "about {} on {workers} processors, a rough estimate: {} recordings to train, {tested} to test, {} epochs of {} images \
-             for each of {networks} networks",
-            HumanDuration(Duration::from_secs_f64(seconds.ceil())),
+        let training = format!(
+            "{} recordings to train, {tested} to test, {} epochs of {} images for each of {networks} networks",
             classes * l.train_per_class,
             l.epochs,
             classes * l.train_per_class * l.windows,
         );
-        self.progress.note("expected", &text);
+        let what = match work {
+            Work::EarlyExits(per_class) => format!("{} recordings", classes * per_class),
+            Work::Study(trainings) => format!("{trainings} trainings, each of {training}"),
+            Work::Train | Work::Run { .. } => training,
+        };
+        say(self.progress, seconds, workers, &what);
     }
+}
+
+/// A note of the time that the cells of a shard will take, as if none were there yet.
+pub(super) fn say_sweep(sweep: &Sweep, shard: Shard, context: RunContext) {
+    let cells: Vec<&(Cell, Scenario)> =
+        sweep.cells.iter().filter(|(cell, _)| shard.has(cell.index)).collect();
+    let Some((first, scenario)) = cells.first() else { return };
+    let slot = slot(scenario, first.rho, first.seed);
+    let one = |(_, scenario): &(Cell, Scenario)| seconds(scenario, Work::Study(1), slot, context.workers);
+    let what = format!("{} cells, a training each", cells.len());
+    say(context.progress, cells.iter().copied().map(one).sum(), context.workers, &what);
+}
+
+fn say(progress: Progress, seconds: f64, workers: usize, what: &str) {
+    let time = HumanDuration(Duration::from_secs_f64(seconds.ceil()));
+    progress.note("expected", &format!("about {time} on {workers} processors, a rough estimate: {what}"));
 }
 
 /// Timed on one short recording; the faster of two, as the first one fills caches.
@@ -99,13 +127,18 @@ fn seconds(scenario: &Scenario, work: Work, slot: Slot, workers: usize) -> f64 {
     let train = recordings * f64::from(l.training_slots(largest)) * slot.beats_s
         + images * f64::from(slots) * slot.image_s
         + images * f64::from(l.epochs) * products / TRAINED_PER_S;
+    let raw = |recordings: u32| classes * f64::from(recordings) * f64::from(largest) * slot.raw_s;
     let rest = match work {
         Work::Train => 0.0,
+        Work::Study(trainings) => {
+            return f64::from(trainings) * (train + raw(l.test_per_class)) / workers as f64;
+        }
+        Work::EarlyExits(per_class) => return raw(per_class) / workers as f64,
         Work::Run { calibrates, emulated } => {
             let tested = classes * f64::from(l.test_per_class) * f64::from(largest);
             let compared = if calibrates { EVALUATIONS as f64 * f64::from(PEOPLE) } else { 0.0 };
             compared * f64::from(SETTLE_SLOTS + largest) * slot.beats_s
-                + f64::from(l.tuning_images) * products / TUNED_PER_S
+                + f64::from(l.qat_images) * products / TUNED_PER_S
                 // tested in float and through the core; as many recordings fit the early exits
                 + tested * (2.0 * slot.raw_s + slot.beats_s)
                 + emulated as f64 * EMULATED_S * workers as f64

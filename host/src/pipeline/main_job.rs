@@ -9,7 +9,7 @@ use crate::error::Failure;
 use crate::network::early_exits;
 use crate::network::parameters::Images;
 use crate::network::spectrograms::{Collected, Part, picture};
-use crate::results::{AnytimeGallery, Calibration, Figures, OperatingPoint, Run, Schedule, Spectrogram};
+use crate::results::{Calibration, EarlyExitGallery, Figures, OperatingPoint, Run, Schedule, Spectrogram};
 use crate::scenario::Class;
 use crate::scheduling::playback;
 use crate::simulator::calibration::stored_rho;
@@ -61,7 +61,7 @@ impl Job {
         let point = &outcome.operating_point;
         let schedule = self.play(point, rho, models)?;
         let plans = outcome.region.iter().map(|p| playback::plan(p, point)).collect::<Result<_, _>>()?;
-        let anytime = self.classify_gallery(rho, models, point, &shown)?;
+        let early_exits = self.classify_gallery(rho, models, point, &shown)?;
         let run = Run {
             scenario: self.scenario.name.clone(),
             seed: self.seed,
@@ -84,9 +84,9 @@ impl Job {
             weighted: outcome.weighted,
             cases: outcome.cases,
             plans,
-            anytime,
+            early_exits,
         };
-        self.output.write_result("run.json", &run)?;
+        self.output.write_result(super::stored::RUN, &run)?;
         self.output.write_result("figures.json", &figures)?;
         let page = self.page(&run, &figures)?;
         Ok((run, page))
@@ -142,7 +142,7 @@ impl Job {
         models: &[Vec<u8>],
         point: &OperatingPoint,
         shown: &Collected,
-    ) -> Result<Option<AnytimeGallery>, Failure> {
+    ) -> Result<Option<EarlyExitGallery>, Failure> {
         let stage = self.progress.stage("early exits", "the gallery's recordings");
         let calibration = self.recordings(rho, Part::Calibration, self.scenario.learning.test_per_class);
         let found =

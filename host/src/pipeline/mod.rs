@@ -10,13 +10,13 @@ mod learn;
 #[cfg(feature = "train")]
 pub(crate) mod main_job;
 mod notes;
+mod optimize;
 mod schedule;
 mod simulate;
 mod stored;
 #[cfg(feature = "train")]
 pub(crate) mod study;
 pub(crate) mod sweep;
-mod trade;
 #[cfg(feature = "train")]
 pub(crate) mod train;
 pub(crate) mod verify;
@@ -30,8 +30,8 @@ use crate::simulator::dataset;
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 
+pub use optimize::predict_file;
 pub use simulate::{Dataset, Measured, calibrate_table};
-pub use trade::predict_file;
 
 /// What every stage needs.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! Schedule as a command: one period of the operating point, or a campaign of many.
 
 use super::Job;
-use super::trade::QUANTIZE_FIRST;
+use super::optimize::QUANTIZE_FIRST;
 use crate::error::Failure;
 use crate::report::timeline;
-use crate::results::{AnytimeExit, AnytimeResult, Campaign, Schedule};
+use crate::results::{Campaign, EarlyExitResult, FittedExit, Schedule};
 use crate::scheduling::campaign::{Exits, Settings, plain, simulate};
 use crate::scheduling::playback;
 
@@ -14,15 +14,16 @@ impl Job {
     /// # Errors
     ///
     /// No run, or numbers that are not a plan.
-    pub fn schedule(&self) -> Result<Schedule, Failure> {
+    pub fn schedule(self) -> Result<Schedule, Failure> {
         let schedule = playback::play(&self.run()?.operating_point)?;
-        self.output.write_result("schedule.json", &schedule)?;
-        self.draw_period(&schedule.timeline)?;
+        let job = self.of_run()?;
+        job.output.write_result("schedule.json", &schedule)?;
+        job.draw_period(&schedule.timeline)?;
         Ok(schedule)
     }
 
-    /// Many periods: `campaign.json`, `trace.json` and a figure of the first. With a `threshold` sensing may end early. The period
-    /// in s is returned too.
+    /// Many periods: `campaign.json`, `trace.json` and a figure of the first, in the scenario of the folder's run if it has one.
+    /// With a `threshold` sensing may end early. The period in s is returned too.
     ///
     /// # Errors
     ///
@@ -32,7 +33,9 @@ impl Job {
         settings: &Settings,
         threshold: Option<f64>,
     ) -> Result<(Campaign, f64), Failure> {
-        if settings.recognise_every > 0 {
+        if self.has_run() {
+            self = self.of_run()?;
+        } else if settings.recognise_every > 0 {
             self.scenario = self.trained_scenario()?;
         }
         settings.check(&self.scenario, threshold)?;
@@ -46,7 +49,7 @@ impl Job {
         let played =
             simulate(&self.scenario, settings, self.seed, &models, &exits, &|done, all| stage.at(done, all))?;
         let found = played.campaign;
-        stage.finish(&format!("{} decisions, {} violations", found.decisions, found.broken.len()));
+        stage.finish(&format!("{} decisions, {} violations", found.decisions, found.violations.len()));
         if settings.recognise_every == 0 {
             self.progress.note("schedule", &plain::speeds(&played.plan, found.decisions, played.took_s));
         }
@@ -56,16 +59,17 @@ impl Job {
         Ok((found, self.scenario.period_s()))
     }
 
-    /// The exits that `sdp3 anytime` fitted to the models.
-    fn fitted_exits(&self) -> Result<Vec<AnytimeExit>, Failure> {
-        let known: AnytimeResult =
-            self.output.read_json("anytime.json", "`sdp3 anytime` with the same --out makes it")?;
+    /// The exits that `sdp3 early-exits` fitted to the models.
+    fn fitted_exits(&self) -> Result<Vec<FittedExit>, Failure> {
+        let known: EarlyExitResult =
+            self.output.read_json("early-exits.json", "`sdp3 early-exits` with the same --out makes it")?;
         let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
         let own = &self.scenario.frame.sensing_slots;
         match slots == *own {
             true => Ok(known.exits),
             false => {
-                Err(format!("anytime.json: exits = {slots:?} are not frame.sensing_slots = {own:?}").into())
+                Err(format!("early-exits.json: exits = {slots:?} are not frame.sensing_slots = {own:?}")
+                    .into())
             }
         }
     }

@@ -9,6 +9,9 @@ use crate::store::output::OutputError;
 use crate::store::resume::difference;
 use std::path::PathBuf;
 
+/// The results of a run.
+pub(super) const RUN: &str = "run.json";
+
 /// What makes the files of a run.
 pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
 
@@ -35,7 +38,7 @@ impl Job {
     ///
     /// No run, or a file that is none.
     pub fn run(&self) -> Result<Run, OutputError> {
-        self.output.read_json("run.json", RUN_FIRST)
+        self.output.read_json(RUN, RUN_FIRST)
     }
 
     /// The seed of what was made with `own`: one that is given must be the same.
@@ -88,6 +91,24 @@ impl Job {
             return Ok(self.scenario.clone());
         }
         Ok(Scenario::resolve(Some(&self.output.path("scenario.toml")), &self.given.set)?)
+    }
+
+    /// The job in the scenario and with the seed of the run in the output folder, unless others are given.
+    ///
+    /// # Errors
+    ///
+    /// No run; a scenario that is missing or cannot be.
+    pub fn of_run(self) -> Result<Self, Failure> {
+        let seed = match self.given.seed {
+            Some(seed) => seed,
+            None => self.run()?.seed,
+        };
+        Ok(Job { scenario: self.trained_scenario()?, seed, output: self.output.of_seed(seed), ..self })
+    }
+
+    /// Whether the output folder has a run.
+    pub(super) fn has_run(&self) -> bool {
+        self.output.path(RUN).exists()
     }
 
     /// The models of every N_s of the scenario, each for its radar; `hint` says what makes them.

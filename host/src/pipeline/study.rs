@@ -1,7 +1,9 @@
 //! Studies as commands: cells that are kept, a table, figures.
 
 use super::Job;
+use super::expected::Work;
 use crate::error::Failure;
+use crate::experiments::ablation::effects::{CARRIERS, EFFECTS};
 use crate::experiments::ablation::{self, Ablation};
 use crate::experiments::baselines::{self, Baselines};
 use crate::experiments::cells::Cells;
@@ -57,6 +59,23 @@ impl Found {
 }
 
 impl Job {
+    /// A note of the time that a study will take, as if none of its cells were there yet.
+    fn say_study(&self, study: Study, seeds: u32) {
+        let mut job = self.clone();
+        let of_seed = match study {
+            Study::LearningCurve => 1,
+            Study::Baselines => baselines::METHODS.len(),
+            Study::Fidelity => fidelity::DOMAINS.len(),
+            Study::Robustness => robustness::conditions().iter().filter(|c| c.matched).count(),
+            Study::Ablation => CARRIERS.len() * (EFFECTS.len() + 1),
+            Study::Clutter => clutter::RATIOS_DB.len() * clutter::FIRST_KEPT.len(),
+        };
+        if matches!(study, Study::Fidelity | Study::Robustness) {
+            job.scenario.frame.sensing_slots = vec![self.scenario.largest_sensing_slots()];
+        }
+        job.say_expected(Work::Study(seeds * of_seed as u32), job.rho());
+    }
+
     /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`].
     ///
     /// # Errors
@@ -80,6 +99,7 @@ impl Job {
         let cells = Cells::open(&self.output, &request)?;
         self.warn_of_few_tests();
         self.warn_of_rho();
+        self.say_study(study, seeds);
         let context = RunContext { progress: self.progress, workers: self.workers };
         let found = match study {
             Study::LearningCurve => {

@@ -67,6 +67,8 @@ pub fn make(sweep: &Sweep, asked: Option<Shard>, out: &Path, context: RunContext
     if let Some(conflict) = &choice.conflict {
         context.progress.note("sweep", conflict);
     }
+    #[cfg(feature = "train")]
+    super::expected::say_sweep(sweep, choice.shard, context);
     run(sweep, choice.shard, out, context)
 }
 

@@ -46,7 +46,7 @@ impl Job {
     /// A run that is not there, or of another scenario or seed than those given.
     pub fn verify_run(self, targets: &Targets) -> Result<Verify, Failure> {
         let run = self.run()?;
-        let (scenario, seed) = (self.run_scenario()?, self.seed_of(run.seed, "run.json")?);
+        let (scenario, seed) = (self.run_scenario()?, self.seed_of(run.seed, super::stored::RUN)?);
         let job = Job { scenario, seed, ..self };
         job.verify(run.rho, &job.models(super::stored::RUN_FIRST)?, &run.operating_point, targets)
     }

@@ -1,7 +1,7 @@
 //! The pictures of the fidelity study: intensity distributions, and accuracies as squares.
 
 use super::plot::{Axis, COLOURS, Medium, Plot, STYLES, escape};
-use crate::experiments::fidelity::{DOMAINS, Fidelity, Levels};
+use crate::experiments::fidelity::{DOMAINS, Fidelity, IntensityDivergence};
 use crate::simulator::randomised::Motion;
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ const MOST: usize = 8;
 const SQUARES: f64 = 220.0;
 
 /// Shares of the intensities of three domains.
-fn levels(title: &str, found: &Levels, truth: &str) -> String {
+fn intensities(title: &str, found: &IntensityDivergence, truth: &str) -> String {
     let most = found.pmf.iter().flatten().copied().fold(0.0, f64::max);
     let x = Axis::new(0.0, 63.0, &format!("intensity (level 0 to 63): {title}"));
     let y = Axis::new(0.0, 105.0 * most.min(0.2), "share of pixels (%)");
@@ -77,15 +77,18 @@ fn squares(
 
 /// Every panel by name.
 pub fn pictures(found: &Fidelity) -> Vec<(String, String)> {
-    let mut panels =
-        vec![("fidelity-levels".to_owned(), levels("the stand-in", &found.levels, "stand-in, simulated"))];
+    let mut panels = vec![(
+        "fidelity-intensities".to_owned(),
+        intensities("the surrogate", &found.intensities, "surrogate, simulated"),
+    )];
     let means = found.int8.map(|row| row.map(|s| s.mean));
     let says = std::array::from_fn(|r| std::array::from_fn(|c| found.int8[r][c].to_string()));
     let axes = ["tested on", "trained on"];
     panels.push(("fidelity".to_owned(), squares("Accuracy (int8, share)", axes, &DOMAINS, &means, &says)));
     for (k, m) in found.measured.iter().take(MOST).enumerate() {
-        let title = format!("{} ({}), rho = {}", m.name, m.motion.name(), m.levels.rho);
-        panels.push((format!("fidelity-measured-{}", k + 1), levels(&title, &m.levels, "measured")));
+        let title = format!("{} ({}), rho = {}", m.name, m.motion.name(), m.intensities.rho);
+        panels
+            .push((format!("fidelity-measured-{}", k + 1), intensities(&title, &m.intensities, "measured")));
     }
     if let Some(s) = &found.sim_to_real {
         let shares = s.confusion.map(|row| {

@@ -17,7 +17,7 @@ fn without_uncertainty(c: &Calibration) -> f64 {
 /// KL divergence over 1 - rho.
 pub fn kl_curve(c: &Calibration) -> Plot {
     let kl = |kl: f64| kl.max(LEAST_KL);
-    let all = || c.curve.iter().flat_map(|p| [kl(p.kl), kl(p.kl_without_black)]);
+    let all = || c.curve.iter().flat_map(|p| [kl(p.kl), kl(p.kl_without_floor)]);
     let least = without_uncertainty(c);
     let at = |rho: f64| (1.0 - rho).max(least);
     let mut x = Axis::around(c.curve.iter().map(|p| at(p.rho)), "1 − ρ (no unit)");
@@ -28,7 +28,7 @@ pub fn kl_curve(c: &Calibration) -> Plot {
     let mut plot = Plot::new("KL divergence over 1 - rho", x, y);
     for (name, style, value) in [
         ("all intensities", STYLES[0], (|p| p.kl) as fn(&crate::results::KlPoint) -> f64),
-        ("without black", STYLES[1], |p| p.kl_without_black),
+        ("without black", STYLES[1], |p| p.kl_without_floor),
     ] {
         let series = plot.series(name, style);
         let points: Vec<_> = c.curve.iter().map(|p| (at(p.rho), kl(value(p)))).collect();
@@ -59,7 +59,7 @@ pub fn pmf(c: &Calibration) -> Plot {
     let shares = c.measured_pmf.iter().skip(1).chain(c.simulated_pmf.iter().skip(1));
     let y = Axis::new(0.0, 110.0 * shares.copied().fold(1e-3, f64::max), "share of pixels (%)");
     let mut plot = Plot::new("Intensity shares", x, y);
-    let other = if c.measured.is_some() { "measured" } else { "stand-in, simulated" };
+    let other = if c.measured.is_some() { "measured" } else { "surrogate, simulated" };
     for (values, style, name) in
         [(&c.measured_pmf, STYLES[1], other), (&c.simulated_pmf, STYLES[0], "simulated")]
     {
@@ -181,23 +181,31 @@ pub fn region(all: &[RegionPoint], p: &OperatingPoint, cases: &[Case], measured:
             let band = plot.series(&format!("95 % band, case {case}"), style);
             plot.band(band, &low, &high);
         }
-        let series = plot.series(&format!("case {case}, measured"), style);
-        plot.line(series, &inside.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
+        // between the measured points, and beyond them; without any the whole line is beyond
+        let from = points.iter().position(|p| !p.extrapolated);
+        let to = points.iter().rposition(|p| !p.extrapolated);
+        let series = plot.series(
+            &format!("case {case}, {}", if from.is_some() { "fitted" } else { "extrapolated" }),
+            style,
+        );
+        if from.is_some() {
+            plot.line(series, &inside.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
+        }
         for m in measured {
             if let Some(p) = points.iter().find(|p| f64::from(p.sensing_slots) == m.sensing_slots) {
                 let says = format!("case {case}, N_s = {}: measured {:.3}", p.sensing_slots, m.accuracy);
                 plot.dot(series, (m.accuracy, rate(p.throughput_bit)), 3.0, &says);
             }
         }
-        if let Some(from) = points.iter().position(|p| !p.extrapolated) {
-            let to = points.iter().rposition(|p| !p.extrapolated).unwrap_or(from);
-            let parts = [&points[..=from], &points[to..]].into_iter().filter(|part| part.len() > 1);
-            let mut dotted = None;
-            for part in parts {
-                let dotted =
-                    *dotted.get_or_insert_with(|| plot.series(&format!("case {case}, extrapolated"), style));
-                plot.dotted(dotted, &part.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
-            }
+        let beyond = match (from, to) {
+            (Some(from), Some(to)) => vec![&points[..=from], &points[to..]],
+            _ => vec![&points[..]],
+        };
+        let mut dotted = from.is_none().then_some(series);
+        for part in beyond.into_iter().filter(|part| part.len() > 1) {
+            let dotted =
+                *dotted.get_or_insert_with(|| plot.series(&format!("case {case}, extrapolated"), style));
+            plot.dotted(dotted, &part.iter().map(|p| at(p)).collect::<Vec<_>>(), 1.8);
         }
     }
     let ring = plot.series("operating point", INK);

@@ -2,7 +2,7 @@
 
 use super::plot::escape;
 use super::{STYLE, spectrograms};
-use crate::results::Exhibit;
+use crate::results::GallerySpectrogram;
 use std::fmt::Write;
 
 /// What to look for under a model.
@@ -27,7 +27,7 @@ fn caption(model: &str) -> &'static str {
     }
 }
 
-pub fn page(exhibits: &[Exhibit]) -> String {
+pub fn page(exhibits: &[GallerySpectrogram]) -> String {
     let mut page = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width,initial-scale=1\"><title>sdp3: gallery</title><style>{STYLE}</style></head><body>\

@@ -41,7 +41,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
         explorer::policy(),
         explorer::colours(),
         answer(run),
-        env!("CARGO_PKG_VERSION"),
+        escape(crate::VERSION),
         run.seed
     );
     headline(&mut page, run);
@@ -143,7 +143,7 @@ fn region(page: &mut String, run: &Run, figures: &Figures) {
 
 fn gallery(page: &mut String, figures: &Figures) {
     let shown: String = figures.spectrograms.iter().map(spectrograms::figure).collect();
-    let stops = figures.anytime.as_ref().map_or_else(String::new, |a| {
+    let stops = figures.early_exits.as_ref().map_or_else(String::new, |a| {
         let each = a.recordings.iter().map(|r| format!("{} after {}", escape(&r.truth), r.stops_after));
         let each: Vec<String> = each.collect();
         format!(

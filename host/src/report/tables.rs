@@ -176,7 +176,7 @@ fn room_rows(room: &RoomFit) -> impl Iterator<Item = [String; 5]> {
         |i: Option<Interval>| i.map_or_else(|| "-".into(), |i| format!("{:+.3} to {:+.3}", i.low, i.high));
     room.models.iter().map(move |m| {
         let [kl, spectral] = [m.kl, m.spectral].map(|x| format!("{x:.3}"));
-        [m.model.clone(), kl, behind(m.kl_behind), spectral, behind(m.spectral_behind)]
+        [m.model.clone(), kl, behind(m.kl_excess), spectral, behind(m.spectral_excess)]
     })
 }
 
@@ -186,10 +186,10 @@ const ROOM: [&str; 5] = ["room", "KL of intensities", "above the AR room", "of s
 /// The room's models in plain text, after a line.
 pub fn room(room: &RoomFit) -> String {
     let mut text = format!("\n{}\n", fluctuation(room));
-    for [model, kl, kl_behind, spectral, spectral_behind] in
+    for [model, kl, kl_excess, spectral, spectral_excess] in
         std::iter::once(ROOM.map(String::from)).chain(room_rows(room))
     {
-        let _ = writeln!(text, "  {model:<12} {kl:>17}  {kl_behind:<18} {spectral:>10}  {spectral_behind}");
+        let _ = writeln!(text, "  {model:<12} {kl:>17}  {kl_excess:<18} {spectral:>10}  {spectral_excess}");
     }
     text + &room.verdict
 }
@@ -253,7 +253,7 @@ pub fn sweep(rows: &[SweepRow], period_s: f64, delimiter: u8) -> String {
     let header = [
         "carrier_hz",
         "power_w",
-        "receivers",
+        "users",
         "distance",
         "case",
         "sensing_slots",
@@ -266,7 +266,7 @@ pub fn sweep(rows: &[SweepRow], period_s: f64, delimiter: u8) -> String {
         vec![
             r.carrier_hz.to_string(),
             r.power_w.to_string(),
-            r.receivers.to_string(),
+            r.users.to_string(),
             r.distance.to_string(),
             r.case.to_string(),
             some(r.sensing_slots.map(f64::from)),

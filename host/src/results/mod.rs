@@ -4,14 +4,14 @@
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
 mod files;
+mod optimizer;
 mod spread;
 mod sweep;
-mod trade;
 
 pub use files::*;
+pub use optimizer::*;
 pub use spread::*;
 pub use sweep::*;
-pub use trade::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -117,11 +117,11 @@ pub struct Ranking {
 pub struct Band {
     /// Model.
     pub model: String,
-    /// Share of redrawn curves within it.
+    /// Share of the bootstrap's curves within it.
     pub coverage: f64,
     /// Redrawn curves.
     pub draws: u32,
-    /// What they were redrawn from: `stated deviations`, `test counts`, or `residuals` where a point has neither.
+    /// What the bootstrap draws from: `stated deviations`, `test counts`, or `residuals` where a point has neither.
     pub source: String,
     /// The band, N_s ascending.
     pub points: Vec<BandPoint>,
@@ -216,7 +216,7 @@ pub struct Counted {
 /// One stage of one target.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageVerdict {
-    /// `beat`, `gram`, `weights`, `slow-time`, `frame`, `image`, `layer`, `logits`, `schedule`.
+    /// `beat`, `gram`, `projection`, `slow-time`, `frame`, `image`, `layer`, `logits`, `schedule`.
     pub stage: String,
     /// Values or digests compared.
     pub compared: u64,
@@ -260,7 +260,7 @@ pub struct KlPoint {
     /// Divergence of the measured from the simulated intensities, in nats.
     pub kl: f64,
     /// The same without the clipped-to-black level.
-    pub kl_without_black: f64,
+    pub kl_without_floor: f64,
 }
 
 /// An interval.
@@ -279,12 +279,12 @@ pub struct RoomModel {
     pub model: String,
     /// Divergence of the measured from the simulated intensities in nats, at the model's best parameter.
     pub kl: f64,
-    /// 95 % interval of what its divergence is above the AR room's, over redrawn windows.
-    pub kl_behind: Option<Interval>,
+    /// 95 % interval of what its divergence is above the AR room's, over bootstrap draws of windows.
+    pub kl_excess: Option<Interval>,
     /// Itakura-Saito divergence of the measured from the model's mean spectrum.
     pub spectral: f64,
     /// 95 % interval of what it is above the AR room's, on windows left out of the fit.
-    pub spectral_behind: Option<Interval>,
+    pub spectral_excess: Option<Interval>,
     /// Power of the white noise that fits the spectrum, over the echo's, in dB.
     pub noise_db: Option<f64>,
 }
@@ -296,7 +296,7 @@ pub struct RoomFit {
     pub windows: u32,
     /// AR(1) coefficient rho that fits the spectrum.
     pub rho: f64,
-    /// Its 95 % interval, over redrawn windows.
+    /// Its 95 % interval, over bootstrap draws of windows.
     pub rho_interval: Option<Interval>,
     /// Power of the room's mean over that of its fluctuation in dB that fits the spectrum, with the simulated room's mean.
     pub k_factor_db: f64,
@@ -399,7 +399,7 @@ pub struct Figures {
     pub plans: Vec<SlotPlan>,
     /// `spectrograms` with early exits; absent if there are more networks than exits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub anytime: Option<AnytimeGallery>,
+    pub early_exits: Option<EarlyExitGallery>,
 }
 
 /// Optimum of the weighted sum for one weight.
@@ -458,7 +458,7 @@ pub struct ChannelTable {
 
 /// A spectrogram of the gallery and what it shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Exhibit {
+pub struct GallerySpectrogram {
     /// Channel model.
     pub model: String,
     /// Class.

@@ -200,17 +200,17 @@ impl Scenario {
         c.legal("learning.patience", l.patience, patient, "0 unless learning.validation is above 0");
         let legal = (4..=32).contains(&l.channels) && l.channels.is_multiple_of(4);
         c.legal("learning.channels", l.channels, legal, "a multiple of 4 in 4 to 32");
-        c.within("learning.tune_above", l.tune_above, 0.0, 10.0);
-        c.count("learning.tuning_images", l.tuning_images, 1, 1_000_000);
+        c.within("learning.qat_above", l.qat_above, 0.0, 10.0);
+        c.count("learning.qat_images", l.qat_images, 1, 1_000_000);
         c.count("learning.blocks", u32::from(l.blocks), 1, 8);
         c.count("learning.stem_stride", u32::from(l.stem_stride), 1, 2);
     }
 
     fn check_trade(&self, c: &mut Rules) {
-        c.within("trade.accuracy_weight", self.trade.accuracy_weight, 0.0, 1.0);
-        c.within("trade.zone_ratio", self.trade.zone_ratio, 1e-6, 1.0);
+        c.within("optimizer.accuracy_weight", self.optimizer.accuracy_weight, 0.0, 1.0);
+        c.within("optimizer.zone_ratio", self.optimizer.zone_ratio, 1e-6, 1.0);
         let cases = [1.0, self.communication.cases.len() as f64];
-        c.beside("trade.case", f64::from(self.trade.case), cases, "one of communication.cases");
+        c.beside("optimizer.case", f64::from(self.optimizer.case), cases, "one of communication.cases");
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::{
     Advance, ArMode, Channel, Clusters, Communication, Doppler, Environment, Frame, Furniture, Interior,
-    Learning, Material, Model, Optimizer, Polarisation, Radar, Room, Scenario, Schedule, SpectrogramSettings,
-    Surface, Target, Tgn, Trade,
+    Learning, Material, Model, OperatingRule, Optimizer, Polarisation, Radar, Room, Scenario, Schedule,
+    SpectrogramSettings, Surface, Target, Tgn,
 };
 
 impl Default for Scenario {
@@ -18,7 +18,7 @@ impl Default for Scenario {
             spectrogram: SpectrogramSettings::default(),
             learning: Learning::default(),
             communication: Communication::default(),
-            trade: Trade::default(),
+            optimizer: OperatingRule::default(),
         }
     }
 }
@@ -125,8 +125,8 @@ impl Default for Learning {
             mask_rows: 12,
             validation: 0.0,
             patience: 0,
-            tune_above: 0.01,
-            tuning_images: 2000,
+            qat_above: 0.01,
+            qat_images: 2000,
             channels: 16,
             blocks: 5,
             stem_stride: 2,
@@ -156,8 +156,8 @@ impl Default for Communication {
     }
 }
 
-impl Default for Trade {
+impl Default for OperatingRule {
     fn default() -> Self {
-        Trade { accuracy_weight: 0.5, case: 1, zone_ratio: 0.2 }
+        OperatingRule { accuracy_weight: 0.5, case: 1, zone_ratio: 0.2 }
     }
 }

@@ -57,9 +57,9 @@ pub struct Learning {
     /// Epochs without a better loss on the validation recordings before training stops; 0: never.
     pub patience: u32,
     /// Cross entropy in nats that int8 may add on training images; above it the network is tuned with int8's rounding.
-    pub tune_above: f64,
+    pub qat_above: f64,
     /// Images, counted as often as they are shown, of such a tuning.
-    pub tuning_images: u32,
+    pub qat_images: u32,
     /// Channels of every convolution: a multiple of 4, 4 to 32.
     pub channels: u8,
     /// Residual blocks.

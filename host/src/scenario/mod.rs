@@ -63,7 +63,7 @@ pub struct Scenario {
     /// The communication side.
     pub communication: Communication,
     /// The operating point of the two.
-    pub trade: Trade,
+    pub optimizer: OperatingRule,
 }
 
 /// Time frame: slots, period, spacing.
@@ -104,10 +104,10 @@ pub struct SpectrogramSettings {
 /// Zones and operating point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Trade {
+pub struct OperatingRule {
     /// Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest).
     pub accuracy_weight: f64,
-    /// Case (1-based) of the operating point that the scheduler plays.
+    /// Case (1-based) of the operating point that the scheduler takes.
     pub case: u32,
     /// A point is saturated where the smaller normalised marginal rate is below this share of the larger.
     pub zone_ratio: f64,

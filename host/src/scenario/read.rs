@@ -181,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_full_of_errors_is_told_in_a_few_words() {
+    fn a_file_full_of_errors_is_reported_in_a_few_words() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("s.toml");
         let errors_of = |text: &str| {

@@ -4,7 +4,7 @@
 //! power fails.
 
 use crate::store::limited;
-use crate::{COMMIT, PROGRAM};
+use crate::{COMMIT, COMMIT_DATE, PROGRAM};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
@@ -134,12 +134,14 @@ pub struct Output {
     seed: Option<u64>,
 }
 
-/// What made a result. No date: the same command makes the same bytes.
+/// What made a result. The date is the commit's, not today's: the same program makes the same bytes.
 #[derive(Debug, Serialize)]
 struct Provenance {
     program: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     commit: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    commit_date: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
 }
@@ -284,13 +286,14 @@ impl Output {
         self.write(name, format!("{}\n", to_json(value)).as_bytes())
     }
 
-    /// Writes a result as JSON that begins with `provenance`: program, commit where it is known, seed. It must be an object, no list.
+    /// Writes a result as JSON that begins with `provenance`: program, its commit and the commit's date where they are known, seed. It must be an object, no list.
     ///
     /// # Errors
     ///
     /// [`OutputError::Write`] naming the file.
     pub fn write_result(&self, name: &str, result: &impl Serialize) -> Result<PathBuf, OutputError> {
-        let provenance = Provenance { program: PROGRAM, commit: COMMIT, seed: self.seed };
+        let provenance =
+            Provenance { program: PROGRAM, commit: COMMIT, commit_date: COMMIT_DATE, seed: self.seed };
         self.write_json(name, &Stated { provenance, result })
     }
 
@@ -341,8 +344,8 @@ mod tests {
             (&whole["provenance"]["program"], &whole["provenance"]["seed"]),
             (&PROGRAM.into(), &7.into())
         );
-        assert_eq!(whole["provenance"].get("commit").and_then(|commit| commit.as_str()), COMMIT);
-        assert!(whole["provenance"].get("date").is_none());
+        let stated = |field: &str| whole["provenance"].get(field).and_then(|value| value.as_str());
+        assert_eq!((stated("commit"), stated("commit_date")), (COMMIT, COMMIT_DATE));
     }
 
     #[test]

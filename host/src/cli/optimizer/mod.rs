@@ -1,4 +1,4 @@
-//! Commands of the optimizer: `predict`, `optimize`, `anytime`, `schedule`.
+//! Commands of the optimizer: `predict`, `optimize`, `early-exits`, `schedule`.
 
 mod schedule;
 
@@ -8,7 +8,7 @@ use crate::optimizer::Rule;
 use crate::optimizer::sweep::Sweep;
 use crate::pipeline;
 use crate::predictor::Model;
-use crate::report::{anytime, tables};
+use crate::report::{early_exits, tables};
 use crate::results::{Link, Optimum};
 use clap::Args;
 use std::fmt::Write;
@@ -35,14 +35,14 @@ pub struct OptimizeArgs {
     pub curve: Option<Model>,
     #[command(flatten)]
     pub rule: RuleArgs,
-    /// Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
+    /// Vary carrier_hz, power_w, users (their number) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times.
     #[arg(long, value_name = "AXIS=VALUES")]
     pub sweep: Vec<Sweep>,
 }
 
 /// Early exits to fit.
 #[derive(Debug, Clone, Args)]
-pub struct AnytimeArgs {
+pub struct EarlyExitsArgs {
     /// Recordings of each class to fit and choose on. They follow those trained on.
     #[arg(long, default_value_t = 200, value_parser = count(2..=100_000))]
     pub calibrate_per_class: u32,
@@ -106,23 +106,22 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
 }
 
 pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure> {
-    let job = context.job()?;
     let rule = rule(&args.rule)?;
-    let (curve, points) = job.learning_curve(args.points.as_deref(), args.curve)?;
+    let (job, curve, points) = context.job()?.learning_curve(args.points.as_deref(), args.curve)?;
     if args.sweep.is_empty() {
         let found = job.optimum(curve, &points, rule)?;
         context.print(&found, || words(&found))?;
     } else {
-        let rows = job.vary_links(&curve, rule, &args.sweep)?;
+        let rows = job.vary_links((&curve, &points), rule, &args.sweep)?;
         let period_s = job.scenario.period_s();
         context.print(&rows, || tables::sweep(&rows, period_s, b'\t').trim_end().to_owned())?;
     }
     Ok(true)
 }
 
-pub fn anytime(context: &Context, args: &AnytimeArgs) -> Result<bool, Failure> {
-    let (found, period_s) = context.job()?.anytime(args.calibrate_per_class, rule(&args.rule)?)?;
-    context.print(&found, || anytime::table(&found, period_s))?;
+pub fn early_exits(context: &Context, args: &EarlyExitsArgs) -> Result<bool, Failure> {
+    let (found, period_s) = context.job()?.early_exits(args.calibrate_per_class, rule(&args.rule)?)?;
+    context.print(&found, || early_exits::table(&found, period_s))?;
     Ok(true)
 }
 
@@ -139,7 +138,7 @@ fn words(found: &Optimum) -> String {
                     band.and_then(|r| Some(format!(" ({:.3} to {:.3})", r.accuracy_low?, r.accuracy_high?)));
                 let _ = writeln!(
                     text,
-                    "case {}: N_s = {}, N_c = {:?}, accuracy {:.4}{}, {:.0} bit per period ({:.3} Mbit/s), {}",
+                    "case {}: N_s = {}, N_c = {:?}, accuracy {:.4}{}, {:.0} bit per period ({:.3} Mbit/s), {}{}",
                     p.case,
                     p.sensing_slots,
                     p.communication_slots,
@@ -147,7 +146,8 @@ fn words(found: &Optimum) -> String {
                     band.unwrap_or_default(),
                     p.throughput_bit,
                     p.throughput_bit / p.period_s / 1e6,
-                    p.zone.name()
+                    p.zone.name(),
+                    beyond(p.extrapolated)
                 );
             }
         }
@@ -155,7 +155,8 @@ fn words(found: &Optimum) -> String {
             let _ = writeln!(text, "  {}", links(&case.links));
         }
         for b in &case.borders {
-            let _ = writeln!(text, "  {} from N_s = {}", b.to.name(), b.sensing_slots);
+            let _ =
+                writeln!(text, "  {} from N_s = {}{}", b.to.name(), b.sensing_slots, beyond(b.extrapolated));
         }
     }
     let _ = write!(
@@ -166,6 +167,11 @@ fn words(found: &Optimum) -> String {
     text += "\n";
     text += &p.channels;
     text
+}
+
+/// What is said of an N_s at which the curve is extrapolated.
+fn beyond(extrapolated: bool) -> &'static str {
+    if extrapolated { ", extrapolated: no accuracy was measured there" } else { "" }
 }
 
 /// What the users' slots are made of, in a line.

@@ -34,7 +34,7 @@ pub struct ScheduleArgs {
     /// Run a recognition every N periods (0 disables it): raw I/Q through the core with the models of --out.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "periods")]
     pub recognise_every: u32,
-    /// Confidence that ends sensing early, with the weights that `sdp3 anytime` wrote to --out.
+    /// Confidence that ends sensing early, with the weights that `sdp3 early-exits` wrote to --out.
     #[arg(long, value_name = "CONFIDENCE", requires = "recognise_every")]
     pub threshold: Option<f64>,
     /// Periods written slot by slot to trace.json, for Perfetto.
@@ -65,7 +65,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     };
     let (found, period_s) = job.campaign(&settings, args.threshold)?;
     context.print(&found, || campaign_words(&found, period_s))?;
-    Ok(found.broken.is_empty())
+    Ok(found.violations.is_empty())
 }
 
 fn one_period(s: &Schedule) -> String {
@@ -101,7 +101,7 @@ fn campaign_words(found: &Campaign, period_s: f64) -> String {
         "wait",
         "bound"
     );
-    for (k, c) in found.receivers.iter().enumerate().filter(|(_, c)| c.periods > 0) {
+    for (k, c) in found.users.iter().enumerate().filter(|(_, c)| c.periods > 0) {
         let per_period = |bits: f64| bits / c.periods as f64;
         let _ = writeln!(
             text,
@@ -120,18 +120,18 @@ fn campaign_words(found: &Campaign, period_s: f64) -> String {
         let _ = writeln!(
             text,
             "{} of {} people recognised, {} without a classification, {:.0} sensing slots each",
-            n.right,
+            n.correct,
             n.count,
-            n.silent,
+            n.unclassified,
             n.slots as f64 / n.count.max(1) as f64
         );
     }
     text += &found.channels;
     text.push('\n');
-    match found.broken.first() {
+    match found.violations.first() {
         None => text += "every property held",
         Some(first) => {
-            let _ = write!(text, "BROKEN, {} times or more: {first}", found.broken.len());
+            let _ = write!(text, "VIOLATED, {} times or more: {first}", found.violations.len());
         }
     }
     text

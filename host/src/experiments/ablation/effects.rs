@@ -24,8 +24,16 @@ pub const EFFECTS: &[Effect] = &[
     effect("clusters of 802.11ay", &["channel.clusters=80211ay"], &["channel.clusters=80211ax"]),
     effect("second person", &["channel.interferer=true"], &["channel.interferer=false"]),
     effect("front end of a real module", &["radar.front_end=typical"], &["radar.front_end=ideal"]),
-    effect("clutter decided, against d = 1", &["spectrogram.first_kept=0"], &["spectrogram.first_kept=1"]),
-    effect("clutter decided, against d = 2", &["spectrogram.first_kept=0"], &["spectrogram.first_kept=2"]),
+    effect(
+        "adaptive clutter removal, against d = 1",
+        &["spectrogram.first_kept=0"],
+        &["spectrogram.first_kept=1"],
+    ),
+    effect(
+        "adaptive clutter removal, against d = 2",
+        &["spectrogram.first_kept=0"],
+        &["spectrogram.first_kept=2"],
+    ),
     effect("phase noise of the front end", &["radar.front_end=typical"], &["radar.phase_noise_dbc_hz=-200"]),
 ];
 

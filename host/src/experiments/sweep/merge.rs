@@ -76,7 +76,7 @@ pub fn merge(folder: &Path, partial: bool) -> Result<Merged, Failure> {
         groups,
     };
     let [csv, json] = if partial { PARTIAL } else { [CSV, JSON] };
-    output.write(csv, rows(&merged).as_bytes())?;
+    output.write(csv, rows(&merged, &sweep).as_bytes())?;
     output.write_result(json, &merged)?;
     Ok(merged)
 }
@@ -121,22 +121,32 @@ fn words(cell: &Cell) -> String {
 }
 
 /// A row for every cell.
-fn rows(merged: &Merged) -> String {
+fn rows(merged: &Merged, sweep: &Sweep) -> String {
     let cases = merged.cells.iter().map(|m| m.throughput.len()).max().unwrap_or(0);
     let cell = ["cell", "scenario", "carrier_hz", "rho", "sensing_slots", "seed"];
-    let throughputs: Vec<String> = (1..=cases).map(|case| format!("throughput_bit_{case}")).collect();
+    let per_case = |what: &'static str| (1..=cases).map(move |case| format!("{what}_{case}"));
+    let throughputs: Vec<String> = per_case("throughput_bit").chain(per_case("throughput_mbit_s")).collect();
     let header = cell.into_iter().chain(["float", "int8", "tested", "chance"]);
     let header: Vec<&str> = header.chain(throughputs.iter().map(String::as_str)).collect();
     let row = |Measurement { cell, accuracy, throughput }: &Measurement| {
         let Cell { index, scenario, carrier_hz, rho, sensing_slots, seed } = cell;
-        let bits = |case| {
-            throughput.get(case).map_or_else(String::new, |t: &Throughput| t.throughput_bit.to_string())
+        let of_case = |case: usize, over: f64| {
+            throughput
+                .get(case)
+                .map_or_else(String::new, |t: &Throughput| (t.throughput_bit / over).to_string())
         };
+        let second = 1e6 * sweep.cells[*index as usize].1.period_s();
+        let rates = [1.0, second].into_iter().flat_map(|over| (0..cases).map(move |case| (case, over)));
         let numbers = [carrier_hz.to_string(), rho.to_string(), sensing_slots.to_string(), seed.to_string()];
         let found =
             [accuracy.float, accuracy.int8, f64::from(accuracy.tested), merged.chance].map(|x| x.to_string());
         let named = [index.to_string(), scenario.clone()];
-        named.into_iter().chain(numbers).chain(found).chain((0..cases).map(bits)).collect()
+        named
+            .into_iter()
+            .chain(numbers)
+            .chain(found)
+            .chain(rates.map(|(case, over)| of_case(case, over)))
+            .collect()
     };
     table::csv(&header, merged.cells.iter().map(row))
 }
@@ -163,9 +173,13 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
         // too few N_s for a curve are no fault of the sweep
         let curve = fit_all(&fitted).ok().map(|prediction| best_curve(&prediction));
         let cases = match &curve {
-            Some(curve) => {
-                cases(curve, scenario, Rule::Weighted(scenario.trade.accuracy_weight), first.seed)?
-            }
+            Some(curve) => cases(
+                curve,
+                &fitted,
+                scenario,
+                Rule::Weighted(scenario.optimizer.accuracy_weight),
+                first.seed,
+            )?,
             None => Vec::new(),
         };
         let (carrier_hz, rho) = (first.carrier_hz, first.rho);

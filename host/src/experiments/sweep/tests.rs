@@ -160,11 +160,16 @@ fn merging_is_exact_and_repeats_itself() {
     let rows: Vec<&str> = before.0.lines().collect();
     assert_eq!(rows.len(), 25);
     assert!(
-        rows[24].starts_with("23,hall,") && rows[24].ends_with(",500,0.2,3000023.125,3000023.125"),
+        rows[24].starts_with("23,hall,")
+            && rows[24].ends_with(",500,0.2,3000023.125,3000023.125,3.000023125,3.000023125"),
         "{}",
         rows[24]
     );
-    assert!(rows[0].ends_with("tested,chance,throughput_bit_1,throughput_bit_2"), "{}", rows[0]);
+    assert!(
+        rows[0].ends_with("chance,throughput_bit_1,throughput_bit_2,throughput_mbit_s_1,throughput_mbit_s_2"),
+        "{}",
+        rows[0]
+    );
     // cells 20 and 21, over a period of 1 s
     let bits = &point.throughput[1];
     assert_eq!((bits.case, bits.throughput_bit, bits.throughput_bit_s), (2, 3_000_020.625, 3_000_020.625));

@@ -27,7 +27,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of a file's bytes; by whom it is signed is [`Verdict`]'s matter.
+    /// Of a file's bytes; by whom it is signed is [`ModelCheck`]'s matter.
     ///
     /// # Errors
     /// What the radar module's parser finds wrong.
@@ -66,10 +66,10 @@ impl Summary {
 
 /// What firmware built with a public key answers to a model file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct Verdict {
+pub struct ModelCheck {
     /// Whether it would run the model.
-    pub taken: bool,
-    /// Its revision, if it is taken.
+    pub accepted: bool,
+    /// Its revision, if it is accepted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revision: Option<u32>,
     /// Why it is refused, if it is.
@@ -77,12 +77,12 @@ pub struct Verdict {
     pub refused: Option<String>,
 }
 
-impl Verdict {
+impl ModelCheck {
     /// On a file's bytes, by the radar module's own parser with this key and the largest revision it has run.
     pub fn of(bytes: &[u8], key: &[u8; 32], oldest: u32) -> Self {
         match Model::parse_signed(bytes, key, oldest) {
-            Ok(model) => Verdict { taken: true, revision: Some(model.revision()), refused: None },
-            Err(error) => Verdict { taken: false, revision: None, refused: Some(error.to_string()) },
+            Ok(model) => ModelCheck { accepted: true, revision: Some(model.revision()), refused: None },
+            Err(error) => ModelCheck { accepted: false, revision: None, refused: Some(error.to_string()) },
         }
     }
 
@@ -90,7 +90,7 @@ impl Verdict {
     pub fn describe(&self) -> String {
         match (&self.refused, self.revision) {
             (Some(reason), _) => format!("refused: {reason}"),
-            (None, revision) => format!("taken: revision {}", revision.unwrap_or_default()),
+            (None, revision) => format!("accepted: revision {}", revision.unwrap_or_default()),
         }
     }
 }
@@ -115,8 +115,9 @@ mod tests {
     fn a_verdict_is_what_firmware_says() {
         let plain = network().to_bytes().unwrap();
         let signed = sign(&plain, [1; 32], 3).unwrap();
-        let say = |bytes: &[u8], seed, oldest| Verdict::of(bytes, &public_key([seed; 32]), oldest).describe();
-        assert_eq!(say(&signed, 1, 3), "taken: revision 3");
+        let say =
+            |bytes: &[u8], seed, oldest| ModelCheck::of(bytes, &public_key([seed; 32]), oldest).describe();
+        assert_eq!(say(&signed, 1, 3), "accepted: revision 3");
         for (answer, reason) in [
             (say(&signed, 2, 0), "its signature does not belong to this key"),
             (say(&signed, 1, 4), "revision 3 is a rollback"),

@@ -56,7 +56,7 @@ fn what_was_exported_is_imported() {
 }
 
 #[test]
-fn a_file_without_metadata_takes_its_surroundings() {
+fn a_file_without_metadata_takes_classes_and_slots_from_the_defaults() {
     let file = export(&network(1)).unwrap();
     let mut graph = Graph::parse(&file).unwrap();
     graph.metadata.clear();

@@ -5,7 +5,7 @@ use super::calibration::weights;
 use super::policy::Course;
 use crate::network::evaluation::{Networks, RefusedModel};
 use crate::network::spectrograms::{Collected, Recordings};
-use crate::results::{AnytimeGallery, AnytimeRecording, AnytimeVerdict};
+use crate::results::{EarlyExitGallery, EarlyExitRecording, ExitClassification};
 use crate::scenario::Class;
 use sdp3_core::early_exit::{EVIDENCE_BITS, EXITS, add_evidence};
 
@@ -21,7 +21,7 @@ pub fn gallery(
     accuracy: f64,
     shown: &Collected,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Option<AnytimeGallery>, RefusedModel> {
+) -> Result<Option<EarlyExitGallery>, RefusedModel> {
     if models.is_empty() || models.len() > EXITS {
         return Ok(None);
     }
@@ -34,20 +34,20 @@ pub fn gallery(
     let found = networks.images(&shown.images);
     let recording = |(n, course): (usize, Course)| {
         let stop = (0..last).find(|&exit| course[exit].1 >= threshold as f32).unwrap_or(last);
-        let exit = |(k, (class, confidence)): (usize, (u8, f32))| AnytimeVerdict {
+        let exit = |(k, (class, confidence)): (usize, (u8, f32))| ExitClassification {
             sensing_slots: policy.exits[k].sensing_slots,
             frames: shown.images[k].frames as u32,
             class: Class::ALL[usize::from(class)].name().into(),
             confidence: f64::from(confidence),
             probabilities: probabilities(&found.logits[n][..=k], &policy.exits[k].weights),
         };
-        AnytimeRecording {
+        EarlyExitRecording {
             truth: Class::ALL[usize::from(found.truth[n])].name().into(),
             exits: course.into_iter().enumerate().map(exit).collect(),
             stops_after: policy.exits[stop].sensing_slots,
         }
     };
-    Ok(Some(AnytimeGallery {
+    Ok(Some(EarlyExitGallery {
         threshold,
         most_sensing_slots: policy.exits[last].sensing_slots,
         calibrated_on: exit_logits.truth.len() as u32,

@@ -1,13 +1,13 @@
 //! The effect of a threshold: accuracy, sensing slots, and where recordings stop.
 
 use crate::network::evaluation::ExitLogits;
-use crate::results::{AnytimeExit, AnytimePoint};
+use crate::results::{EarlyExitPoint, FittedExit};
 use sdp3_core::early_exit::{add_evidence, decide};
 
 /// Exits and their weights of evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
-    pub exits: Vec<AnytimeExit>,
+    pub exits: Vec<FittedExit>,
 }
 
 /// What one recording's exits say: class and confidence of each.
@@ -17,7 +17,7 @@ impl Policy {
     /// Of weights fitted to logits of the exits.
     pub fn new(slots: &[u32], weights: Vec<Vec<i32>>) -> Self {
         let exits = slots.iter().zip(weights);
-        let exits = exits.map(|(&sensing_slots, weights)| AnytimeExit { sensing_slots, weights });
+        let exits = exits.map(|(&sensing_slots, weights)| FittedExit { sensing_slots, weights });
         Policy { exits: exits.collect() }
     }
 
@@ -35,7 +35,7 @@ impl Policy {
     }
 
     /// Stops at `threshold`, at `last` at the latest.
-    pub fn play(&self, courses: &[Course], truth: &[u8], threshold: f64, last: usize) -> AnytimePoint {
+    pub fn play(&self, courses: &[Course], truth: &[u8], threshold: f64, last: usize) -> EarlyExitPoint {
         let mut stops = vec![0_u32; last + 1];
         let (mut right, mut slots, mut confidence) = (0_u32, 0.0, 0.0);
         for (course, &truth) in courses.iter().zip(truth) {
@@ -46,7 +46,7 @@ impl Policy {
             confidence += f64::from(course[stop].1);
         }
         let n = truth.len().max(1) as f64;
-        AnytimePoint {
+        EarlyExitPoint {
             threshold,
             most_sensing_slots: self.exits[last].sensing_slots,
             accuracy: f64::from(right) / n,
@@ -56,9 +56,9 @@ impl Policy {
         }
     }
 
-    /// Thresholds worth trying, ascending; the last never stops early.
+    /// Thresholds worth trying, ascending: from 0.25 to 1 - 3e-4, ever closer to 1; the last never stops early.
     pub fn thresholds() -> Vec<f64> {
-        let mut all: Vec<f64> = (0..60).map(|k| 1.0 - 0.75 * libm::pow(0.925, f64::from(k))).collect();
+        let mut all: Vec<f64> = (0..100).map(|k| 1.0 - 0.75 * libm::pow(0.925, f64::from(k))).collect();
         all.push(2.0);
         all
     }

@@ -1,6 +1,6 @@
 //! What quantisation cost: range, error and clipped share of every activation.
 //!
-//! Float and int8 networks run side by side on the calibration images; int8 is rehearsed in floating point.
+//! Float and int8 networks run side by side on the calibration images; int8 is fake-quantised in floating point.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,11 +36,11 @@ pub struct QuantizationReport {
     pub rule: Rule,
     /// Cross entropy of the float network on them, in nats.
     pub float_loss: f64,
-    /// Cross entropy of the rehearsed int8 network under each rule, in nats.
+    /// Cross entropy of the fake-quantised int8 network under each rule, in nats.
     pub int8_loss: Vec<(Rule, f64)>,
     /// Where the network was tuned: the better of these losses before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub untuned_loss: Option<f64>,
+    pub loss_before_qat: Option<f64>,
     /// Every activation under the rule that was kept.
     pub layers: Vec<LayerReport>,
 }
@@ -84,7 +84,7 @@ impl QuantizationReport {
     }
 }
 
-/// Float and rehearsed activations side by side.
+/// Float and fake-quantised activations side by side.
 pub(super) fn compare(
     float: &FloatNetwork,
     fake_quantised: &FloatNetwork,

@@ -59,7 +59,7 @@ pub struct Trained {
 pub enum Backend {
     /// The processor, through the backbone's own passes.
     #[default]
-    Flex,
+    Cpu,
     /// A GPU through Vulkan, Metal, DirectX 12 or WebGPU.
     #[cfg(feature = "wgpu")]
     Wgpu,
@@ -72,7 +72,7 @@ impl Backend {
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
-            Backend::Flex => "flex",
+            Backend::Cpu => "cpu",
             #[cfg(feature = "wgpu")]
             Backend::Wgpu => "wgpu",
             #[cfg(feature = "cuda")]
@@ -82,7 +82,7 @@ impl Backend {
 
     fn device(self) -> Device {
         match self {
-            Backend::Flex => Device::flex(),
+            Backend::Cpu => Device::flex(),
             #[cfg(feature = "wgpu")]
             Backend::Wgpu => Device::wgpu(burn::tensor::DeviceKind::DefaultDevice),
             #[cfg(feature = "cuda")]
@@ -298,7 +298,7 @@ impl<'a> Learner<'a> {
             augment(&mut augmented, self.settings, &mut stream(self.seed, number, index));
             let (input, truth) = augmented.tensors(&device);
             let logits = match self.backend {
-                Backend::Flex => self.network.forward_batch(input, &self.workspace),
+                Backend::Cpu => self.network.forward_batch(input, &self.workspace),
                 #[cfg(any(feature = "wgpu", feature = "cuda"))]
                 _ => self.network.forward(input),
             };

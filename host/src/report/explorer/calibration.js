@@ -6,12 +6,12 @@ function klPanel() {
   // rho = 1 stands at the left edge of an axis of 1 - rho
   const least = Math.min(0.1, ...curve.map((point) => 1 - point.rho).filter((x) => x > 1e-12)) / 3;
   const at = (rho) => Math.max(1 - rho, least);
-  const series = ["kl", "kl_without_black"].map((name) => curve.map((point) => ({ ...point, x: at(point.rho), y: seen(point[name]) })));
+  const series = ["kl", "kl_without_floor"].map((name) => curve.map((point) => ({ ...point, x: at(point.rho), y: seen(point[name]) })));
   const start = curve.reduce((best, point, k) => (point.kl < curve[best].kl ? k : best), 0);
   const say = (point) => [
     ["rho", String(point.rho)],
     ["KL", digits(point.kl, 4)],
-    ["KL without black", digits(point.kl_without_black, 4)],
+    ["KL without black", digits(point.kl_without_floor, 4)],
   ];
   walk(plotOf("kl-curve"), { label: "channel correlation", series, say, start: { s: 0, k: start } });
 }
@@ -21,7 +21,7 @@ function greyPanel() {
   const series = [measured, simulated].map((shares) => shares.map((share, level) => ({ x: level, y: 100 * share })).slice(1));
   const say = (point) => [
     ["intensity", String(point.x)],
-    [figures.calibration.measured ? "measured" : "stand-in", percent(measured[point.x])],
+    [figures.calibration.measured ? "measured" : "surrogate", percent(measured[point.x])],
     ["simulated", percent(simulated[point.x])],
   ];
   walk(plotOf("intensities"), { label: "intensity", series, say, start: { s: 0, k: Math.floor(series[0].length / 4) } });

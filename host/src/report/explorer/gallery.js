@@ -5,7 +5,7 @@ const PICTURE = { left: 56, width: 204, top: 8, bottom: 204 };
 
 /** The exit at which a recording stops: the first that is sure enough, or the last in use. */
 function stopOf(recording, threshold) {
-  const last = recording.exits.findIndex((exit) => exit.sensing_slots === figures.anytime.most_sensing_slots);
+  const last = recording.exits.findIndex((exit) => exit.sensing_slots === figures.early_exits.most_sensing_slots);
   const sure = recording.exits.findIndex((exit) => exit.confidence >= Math.fround(threshold));
   return sure >= 0 && sure < last ? sure : last;
 }
@@ -54,9 +54,9 @@ function exhibit(figure, recording, spectrogram) {
 function galleryPanel() {
   const row = document.querySelector("#spectrograms .row");
   const shown = [...row.querySelectorAll("figure")];
-  const all = figures.anytime.recordings.map((recording, k) => exhibit(shown[k], recording, figures.spectrograms[k]));
+  const all = figures.early_exits.recordings.map((recording, k) => exhibit(shown[k], recording, figures.spectrograms[k]));
   const output = html("output", { for: "threshold" });
-  const chosen = figures.anytime.threshold;
+  const chosen = figures.early_exits.threshold;
   const slider = html("input", { type: "range", id: "threshold", min: 0.3, max: 1.005, step: 0.005, value: chosen });
   const show = (threshold) => {
     output.textContent = threshold > 1 ? "never before the last" : digits(threshold, 3);
@@ -80,5 +80,5 @@ function galleryPanel() {
   show(chosen);
 }
 
-if (figures.anytime) galleryPanel();
+if (figures.early_exits) galleryPanel();
 

@@ -54,6 +54,11 @@ pub enum Marker {
     Triangle,
     /// A square on its corner.
     Diamond,
+    /// A triangle, point down.
+    Down,
+    Plus,
+    /// A star of four points.
+    Star,
 }
 
 /// How a series is drawn.
@@ -100,6 +105,18 @@ impl Style {
                     -2.0 * a
                 )
             }
+            Marker::Down => {
+                let (a, b) = (1.2 * r, 0.8 * r);
+                polygon((x, y), &[(-a, -b), (a, -b), (0.0, a)], fill, &says)
+            }
+            Marker::Plus => {
+                let (a, w) = (1.2 * r, 0.4 * r);
+                polygon((x, y), &in_four_quarters(&[(-w, -a), (w, -a), (w, -w)]), fill, &says)
+            }
+            Marker::Star => {
+                let (a, w) = (1.5 * r, 0.4 * r);
+                polygon((x, y), &in_four_quarters(&[(0.0, -a), (w, -w)]), fill, &says)
+            }
             Marker::Diamond => {
                 let a = 1.3 * r;
                 format!(
@@ -114,15 +131,31 @@ impl Style {
     }
 }
 
+/// Corners and what a quarter of a turn, half of one and three quarters make of them.
+fn in_four_quarters(corners: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let quarters = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+    quarters
+        .iter()
+        .flat_map(|(c, s)| corners.iter().map(move |(x, y)| (x * c - y * s, x * s + y * c)))
+        .collect()
+}
+
+/// A filled polygon, in SVG; corners from its centre.
+fn polygon((x, y): (f64, f64), corners: &[(f64, f64)], fill: &str, says: &str) -> String {
+    let corners: Vec<String> =
+        corners.iter().map(|(dx, dy)| format!("{:.1} {:.1}", x + dx, y + dy)).collect();
+    format!("<path d=\"M{}z\" fill=\"{fill}\">{says}</path>", corners.join("L"))
+}
+
 /// Styles in the order of series.
 pub const STYLES: [Style; 7] = [
     Style::new(COLOURS[0], "", Marker::Circle),
     Style::new(COLOURS[1], "6 2", Marker::Square),
     Style::new(COLOURS[2], "2 2", Marker::Triangle),
     Style::new(COLOURS[3], "8 2 2 2", Marker::Diamond),
-    Style::new(COLOURS[4], "10 3", Marker::Circle),
-    Style::new(COLOURS[5], "4 4", Marker::Square),
-    Style::new(COLOURS[6], "1 3", Marker::Triangle),
+    Style::new(COLOURS[4], "10 3", Marker::Down),
+    Style::new(COLOURS[5], "4 4", Marker::Plus),
+    Style::new(COLOURS[6], "1 3", Marker::Star),
 ];
 
 /// The style of a series among any number: after all colours dashes and markers are paired with others.

@@ -3,7 +3,7 @@
 use super::Settings;
 use crate::numerics::random::Random;
 use crate::optimizer::throughput::slot_bit;
-use crate::results::CampaignReceiver;
+use crate::results::CampaignUser;
 use crate::scenario::Scenario;
 use crate::simulator::channel::link::response;
 use sdp3_core::scheduler::USERS;
@@ -47,11 +47,11 @@ pub struct Changed {
 }
 
 impl Environment {
-    /// The users of case `trade.case` are there, links that are stated do not fade; further ones, placed at random, may come.
+    /// The users of case `optimizer.case` are there, links that are stated do not fade; further ones, placed at random, may come.
     pub fn new(scenario: &Scenario, settings: &Settings, seed: u64) -> Self {
         let mut random = Random::new(seed, STREAM, 0, 0);
         let (room, station) = (scenario.room.size_m, scenario.radar.position_m);
-        let mut places = scenario.communication.cases[scenario.trade.case as usize - 1].clone();
+        let mut places = scenario.communication.cases[scenario.optimizer.case as usize - 1].clone();
         let there = places.len();
         while places.len() < USERS {
             let place = [room[0] * random.uniform(), room[1] * random.uniform(), station[2]];
@@ -67,7 +67,7 @@ impl Environment {
             (0..CHANNELS).map(draw).collect::<Vec<f64>>()
         };
         let known = scenario.communication.slot_bit.as_ref();
-        let known = known.map_or(&[][..], |cases| &cases[scenario.trade.case as usize - 1]);
+        let known = known.map_or(&[][..], |cases| &cases[scenario.optimizer.case as usize - 1]);
         let stated = |k: usize| known.get(k).map(|&bit| vec![bit]);
         let channels: Vec<Vec<f64>> = places
             .into_iter()
@@ -120,7 +120,7 @@ impl Environment {
     }
 
     /// Bits delivered in the period that ends, taken over into the totals.
-    pub fn drain(&mut self, users: &mut [CampaignReceiver]) -> [f64; USERS] {
+    pub fn drain(&mut self, users: &mut [CampaignUser]) -> [f64; USERS] {
         let delivered = std::mem::take(&mut self.delivered);
         for (k, r) in users.iter_mut().enumerate() {
             r.delivered_bit += delivered[k];

@@ -79,12 +79,12 @@ impl Invariants {
         plan: &Plan,
         (served, sensed, idle): (&[u32; USERS], u32, u32),
         ended: bool,
-        broken: &mut Vec<String>,
+        violations: &mut Vec<String>,
     ) {
         self.now = self.start + u64::from(plan.period());
         let mut fail = |what: String| {
-            if broken.len() < NAMED {
-                broken.push(format!("period {period}: {what}"));
+            if violations.len() < NAMED {
+                violations.push(format!("period {period}: {what}"));
             }
         };
         let slots = served.iter().sum::<u32>() + sensed + idle;

@@ -15,7 +15,7 @@ pub use simulate::{Exits, simulate};
 
 use crate::error::Invalid;
 use crate::optimizer::shares::integer_rates;
-use crate::results::{Campaign, CampaignReceiver, Recognitions, Replans};
+use crate::results::{Campaign, CampaignUser, Recognitions, Replans};
 use crate::scenario::Scenario;
 use crate::scheduling::playback::lengthen;
 use environment::Environment;
@@ -137,11 +137,11 @@ fn play(
         decisions: 0,
         sensing_slots: 0,
         idle_slots: 0,
-        receivers: vec![CampaignReceiver::default(); USERS],
+        users: vec![CampaignUser::default(); USERS],
         replans: Replans::default(),
         recognitions: None,
         timeline: Vec::new(),
-        broken: Vec::new(),
+        violations: Vec::new(),
         channels: scenario.communication.channels().to_owned(),
     };
     let mut recognitions = Recognitions::default();
@@ -210,15 +210,15 @@ fn play(
             radar.finish(&mut recognitions);
         }
         let planned = slots.scheduler().plan().clone();
-        invariants.end(period, &planned, (&served, sensed, idle), ended, &mut found.broken);
+        invariants.end(period, &planned, (&served, sensed, idle), ended, &mut found.violations);
         found.decisions += u64::from(position);
         found.sensing_slots += u64::from(sensed);
         found.idle_slots += u64::from(idle);
-        for (k, r) in found.receivers.iter_mut().enumerate() {
+        for (k, r) in found.users.iter_mut().enumerate() {
             r.slots += u64::from(served[k]);
             r.periods += u64::from(environment.present[k]);
         }
-        trace.period(period, &environment.drain(&mut found.receivers));
+        trace.period(period, &environment.drain(&mut found.users));
         if period % 64 == 0 {
             progress(u64::from(period), u64::from(settings.periods));
         }
@@ -235,7 +235,7 @@ fn play(
             let _ = scheduler.planner_mut().set_sensing_slots(n);
         }
     }
-    for (r, (wait, bound)) in found.receivers.iter_mut().zip(invariants.waits()) {
+    for (r, (wait, bound)) in found.users.iter_mut().zip(invariants.waits()) {
         (r.longest_wait_slots, r.wait_bound_slots) = (wait, bound);
     }
     found.recognitions = (recognitions.count > 0).then_some(recognitions);
@@ -289,16 +289,16 @@ mod tests {
     #[test]
     fn properties_hold_and_everything_happens() {
         let (found, trace) = campaign(&settings(400), 1);
-        assert!(found.broken.is_empty(), "{:?}", found.broken);
+        assert!(found.violations.is_empty(), "{:?}", found.violations);
         assert_eq!(found.decisions, 400 * 4000);
         let r = &found.replans;
         assert!(
             r.joined > 20 && r.left > 10 && r.rates > 50 && r.retargeted > 5 && r.lost_slots > 500,
             "{r:?}"
         );
-        for receiver in found.receivers.iter().filter(|r| r.slots > 0) {
-            assert!(receiver.longest_wait_slots <= receiver.wait_bound_slots, "{receiver:?}");
-            assert!(receiver.delivered_bit > 0.0 && receiver.delivered_bit <= receiver.offered_bit * 1.0001);
+        for user in found.users.iter().filter(|r| r.slots > 0) {
+            assert!(user.longest_wait_slots <= user.wait_bound_slots, "{user:?}");
+            assert!(user.delivered_bit > 0.0 && user.delivered_bit <= user.offered_bit * 1.0001);
         }
         let events: serde_json::Value = serde_json::from_str(&trace).unwrap();
         assert!(events["traceEvents"].as_array().unwrap().len() > 4000);
@@ -310,7 +310,7 @@ mod tests {
         let quiet =
             Settings { coherence_s: 1e12, load: None, churn: 0.0, loss: 0.0, retarget: 0.0, ..settings(20) };
         let (found, _) = campaign(&quiet, 3);
-        assert!(found.broken.is_empty(), "{:?}", found.broken);
+        assert!(found.violations.is_empty(), "{:?}", found.violations);
         assert_eq!((found.replans.replanned, found.idle_slots), (1, 0));
         assert_eq!(found.sensing_slots, 20 * 309);
     }

@@ -111,7 +111,7 @@ impl<'m, 'b> Radar<'m, 'b> {
         let Some(truth) = self.truth else { return };
         recognitions.count += 1;
         let right = self.found.as_ref().is_some_and(|found| usize::from(found.class) == truth as usize);
-        recognitions.right += u64::from(right);
-        recognitions.silent += u64::from(self.found.is_none());
+        recognitions.correct += u64::from(right);
+        recognitions.unclassified += u64::from(self.found.is_none());
     }
 }

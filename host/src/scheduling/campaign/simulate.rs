@@ -6,7 +6,7 @@ use super::trace::Trace;
 use super::{Loop, Settings, play, scheduler};
 use crate::error::{Failure, Invalid};
 use crate::network::memory::OwnedMemory;
-use crate::results::{AnytimeExit, Campaign};
+use crate::results::{Campaign, FittedExit};
 use crate::scenario::Scenario;
 use crate::simulator::calibration::rho_of;
 use sdp3_core::dsn::Model;
@@ -19,7 +19,7 @@ pub enum Exits {
     /// Never: a period has one recognition, by the largest model that its sensing slots are enough for.
     None,
     /// At an exit of this confidence, each model with the weights that were fitted to it.
-    Fitted(Vec<AnytimeExit>, f64),
+    Fitted(Vec<FittedExit>, f64),
 }
 
 /// A simulation that is over.
@@ -72,7 +72,7 @@ pub fn simulate(
     Ok(Simulated { campaign, trace: trace.finish(), plan, took_s })
 }
 
-fn exit<'m>((model, fitted): (&Model<'m>, &AnytimeExit)) -> EarlyExit<'m> {
+fn exit<'m>((model, fitted): (&Model<'m>, &FittedExit)) -> EarlyExit<'m> {
     let mut weights = [0; EXITS];
     weights.iter_mut().zip(&fitted.weights).for_each(|(to, from)| *to = *from);
     EarlyExit { model: *model, weights }

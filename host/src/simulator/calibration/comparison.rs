@@ -180,9 +180,9 @@ impl Comparison {
             .map(|k| RoomModel {
                 model: names[k].into(),
                 kl: least(&self.counts, models[k]),
-                kl_behind: behind[k],
+                kl_excess: behind[k],
                 spectral: fitted.models[k].divergence,
-                spectral_behind: fitted.models[k].behind,
+                spectral_excess: fitted.models[k].behind,
                 noise_db: fitted.models[k].noise_db,
             })
             .collect();
@@ -269,7 +269,7 @@ fn verdict(white: &RoomModel, inside: bool) -> String {
         true => "",
         false => "; rho lies at an end of the search, so that these windows do not determine it",
     };
-    let [kl, spectral] = [white.kl_behind, white.spectral_behind].map(words);
+    let [kl, spectral] = [white.kl_excess, white.spectral_excess].map(words);
     if kl == spectral {
         return format!("the AR room {kl} by intensities and by spectra{known}");
     }

@@ -52,8 +52,8 @@ pub fn search(
         }
         let simulated = simulate(rho);
         let kl = divergence(measured, &simulated, 0);
-        let kl_without_black = divergence(measured, &simulated, 1);
-        found.push((KlPoint { rho, kl, kl_without_black }, simulated));
+        let kl_without_floor = divergence(measured, &simulated, 1);
+        found.push((KlPoint { rho, kl, kl_without_floor }, simulated));
         kl
     };
     let grid: Vec<f64> = GRID.iter().map(|&away| evaluate(away, &mut found)).collect();

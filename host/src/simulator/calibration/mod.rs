@@ -34,7 +34,7 @@ use sdp3_core::dims::Beat;
 /// Simulated people behind every point of the curve.
 pub const PEOPLE: u32 = 100;
 /// Recordings that stand for a measurement when none is given.
-pub const STAND_INS: u32 = 30;
+pub const SURROGATES: u32 = 30;
 
 /// Progress callback: steps done, steps in all.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) + Sync);
@@ -112,7 +112,7 @@ pub fn calibrate_measured(
 pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress: Progress) -> Calibration {
     let class = Class::AdultWalking;
     let bench = Bench::new(scenario, seed, class, false, scenario.largest_sensing_slots());
-    let measured = bench.counts(rho, Set::Surrogate, STAND_INS);
+    let measured = bench.counts(rho, Set::Surrogate, SURROGATES);
     let (curve, simulated_counts, best) = bench.search(&measured, progress);
     let simulated = bench.signal(rho, Set::Demo, 0);
     Calibration {
@@ -122,7 +122,7 @@ pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress:
         kl: Some(curve[best].kl),
         kl_without_uncertainty: curve.last().map(|p| p.kl),
         curve_of: format!(
-            "self-check, nothing measured: {STAND_INS} walkers simulated at rho = {rho} stand for the measurement; the \
+            "self-check, nothing measured: {SURROGATES} walkers simulated at rho = {rho} stand for the measurement; the \
              curve's minimum is at {}",
             curve[best].rho
         ),

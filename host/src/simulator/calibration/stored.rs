@@ -6,7 +6,7 @@
 
 use super::bench::Bench;
 use super::divergence::search;
-use super::{PEOPLE, STAND_INS};
+use super::{PEOPLE, SURROGATES};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 use schemars::JsonSchema;
@@ -132,7 +132,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 room.channel.interferer = interferer;
                 let stands = Bench::new(&room, seed, class, false, 1000);
                 let bench = Bench::new(&single, seed, class, false, 1000);
-                let measured = stands.counts(PAPER_RHO, Set::Surrogate, STAND_INS);
+                let measured = stands.counts(PAPER_RHO, Set::Surrogate, SURROGATES);
                 let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;
@@ -144,7 +144,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                     rho: curve[best].rho,
                     kl: Some([round(curve[best].kl), round(curve[last].kl)]),
                     source: format!(
-                        "{COMPUTED}{STAND_INS} simulated recordings with rho = {PAPER_RHO}{}, fitted by the one-person \
+                        "{COMPUTED}{SURROGATES} simulated recordings with rho = {PAPER_RHO}{}, fitted by the one-person \
                          channel; `sdp3 calibrate --table rho_table.toml --seed {seed}`",
                         if interferer { " and a second person walking" } else { "" }
                     ),

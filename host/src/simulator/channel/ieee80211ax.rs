@@ -41,7 +41,7 @@ fn direct_share(scenario: &Scenario, (from, to): (Vec3, Vec3)) -> f64 {
 }
 
 /// The taps between two points as rays of unit-power processes: behind the shortest reflection for the radar, behind the
-/// direct way for a receiver.
+/// direct path for a receiver.
 pub fn taps(scenario: &Scenario, ends: (Vec3, Vec3)) -> Vec<Ray> {
     let power = mean_gain(scenario, ends) * (1.0 - direct_share(scenario, ends));
     let scene = Scene { slot: 0, time_s: 0.0, from: ends.0, to: ends.1, people: &[] };

@@ -4,7 +4,7 @@
 //! ([`super::roughness`]), random objects that scatter as spheres, and screens that block, which are the objects, the furniture and the
 //! people. A screen's loss is the knife-edge formula of four edges that 3GPP took over as blockage model B ([`super::shadowing`]).
 //!
-//! Stochastic part: fifteen clusters of twenty rays with the laws of ITU-R M.2135's indoor hotspot in line of sight. Their delay spread is
+//! Stochastic part: fifteen clusters of twenty rays with the distributions of ITU-R M.2135's indoor hotspot in line of sight. Their delay spread is
 //! that of the traced ways, their directions lie around traced ways, and their power lies the mean K factor of 7 dB below them.
 //!
 //! The map knows no motion of scatterers: a person echoes where it first stood. An empty box has no edges: the recursive diffraction at corners of

@@ -90,7 +90,7 @@ impl Scene<'_> {
         Scene { slot: self.slot + n as u32, time_s: self.time_s + n as f64 * interval_s, ..*self }
     }
 
-    /// Length of the direct way in m.
+    /// Length of the direct path in m.
     pub fn distance_m(&self) -> f64 {
         super::body::norm(super::body::sub(self.to, self.from))
     }

@@ -15,7 +15,7 @@ pub const SPACING: u32 = 8;
 /// Amplitudes that ways keep at one time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Amplitudes {
-    /// The direct way to a receiver.
+    /// The direct path to a receiver.
     pub direct: f64,
     /// Each constant way of the room.
     pub room: Vec<f64>,

@@ -71,7 +71,7 @@ fn reason(model: Model, property: &str) -> &'static str {
              that moves with it"
         }
         (Model::Statistical, "small_scale_consistency" | "sensing_uncertainty") => {
-            "Saleh and Valenzuela state no law in time, as the paper says; here their rays fade by TGn's Doppler spectrum \
+            "Saleh and Valenzuela state no temporal correlation, as the paper says; here their rays fade by TGn's Doppler spectrum \
              (channel.doppler)"
         }
         (Model::Ieee80211ax, _) => "the paper's table has no row for it",

@@ -214,7 +214,7 @@ mod tests {
         let behind = direct(&scenario, &people) - free;
         scenario.channel.shadowing = false;
         println!(
-            "number: direct way over a cupboard's edge {bent:.2} dB (half the field: -6.02 dB), through a person {behind:.1} dB"
+            "number: direct path over a cupboard's edge {bent:.2} dB (half the field: -6.02 dB), through a person {behind:.1} dB"
         );
         assert!((bent + 6.02).abs() < 0.6 && (-40.0..-8.0).contains(&behind), "{bent} {behind}");
         assert_eq!(direct(&scenario, &people), free);

@@ -3,7 +3,7 @@
 //! Saleh, Valenzuela (1987): Poisson clusters and rays with doubly exponential decay, Rayleigh amplitudes, uniform phases. Decays are those
 //! of a room of a few metres instead of the paper's office wing.
 //!
-//! The paper states no law in time. `channel.doppler` adds one: each ray and each person's echo is a sum of eight sinusoids with uniform
+//! The paper states no temporal correlation. `channel.doppler` adds one: each ray and each person's echo is a sum of eight sinusoids with uniform
 //! phases and frequencies drawn from a Doppler spectrum, so that its autocorrelation over drawings is the spectrum's Fourier transform. TGn's bell
 //! 1 / (1 + 9 (f / f_d)^2) has frequencies f_d / 3 tan(pi (u - 1/2)) and the autocorrelation exp(-2 pi f_d t / 3), Clarke's f_d cos(2 pi u) and
 //! J0(2 pi f_d t); f_d = v / lambda at TGn's 1.2 km/h. With `redrawn` the model knows distributions alone: wherever an antenna or a person has

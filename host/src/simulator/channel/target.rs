@@ -95,7 +95,7 @@ pub fn scattered(scene: &Scene, centre: Vec3, root: f64, lambda: f64, phase: f64
     }
 }
 
-/// The direct way between two antennas; `None` for the radar, which has none.
+/// The direct path between two antennas; `None` for the radar, which has none.
 pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
     if scene.monostatic() {
         return None;

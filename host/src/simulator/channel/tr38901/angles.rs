@@ -1,6 +1,6 @@
 //! Steps 7 and 8 of clause 7.5: azimuths and zeniths of clusters, offsets of their rays, and how rays at both ends are coupled.
 //!
-//! Angles are offsets from the direct way. In line of sight the first cluster lies on it (eqs. 7.5-12 and 17).
+//! Angles are offsets from the direct path. In line of sight the first cluster lies on it (eqs. 7.5-12 and 17).
 
 use super::RAYS;
 use super::parameters::Parameters;

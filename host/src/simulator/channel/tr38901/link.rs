@@ -9,7 +9,7 @@ pub struct Ray {
     pub delay_s: f64,
     /// Share of the power.
     pub power: f64,
-    /// Azimuth and elevation in rad, away from the direct way.
+    /// Azimuth and elevation in rad, away from the direct path.
     pub arrival: [f64; 2],
     pub departure: [f64; 2],
     pub matrix: Matrix,
@@ -23,7 +23,7 @@ pub struct Link {
     pub rays: Vec<Ray>,
     /// Shadow fading in dB; positive is more power.
     pub shadow_db: f64,
-    /// How much later than the direct way's length says all rays arrive without line of sight, in s (7.6.9).
+    /// How much later than the direct path's length says all rays arrive without line of sight, in s (7.6.9).
     pub excess_s: f64,
 }
 

@@ -55,7 +55,7 @@ const RAYS: usize = 20;
 /// How far away a plane wave begins that passes a screen, in m.
 const FAR_M: f64 = 1e4;
 
-/// Direction of a ray: offsets from the direct way's azimuth and elevation.
+/// Direction of a ray: offsets from the direct path's azimuth and elevation.
 pub fn direction(towards: Vec3, [azimuth, elevation]: [f64; 2]) -> Vec3 {
     turned(towards, [azimuth, elevation])
 }

@@ -30,9 +30,9 @@ pub struct Cluster {
     pub delay_s: f64,
     /// Share of the power; a drop's shares and its direct share sum to 1.
     pub power: f64,
-    /// Azimuth of arrival in rad, away from the direct way.
+    /// Azimuth of arrival in rad, away from the direct path.
     pub azimuth: f64,
-    /// Elevation of arrival in rad, away from the direct way.
+    /// Elevation of arrival in rad, away from the direct path.
     pub elevation: f64,
 }
 
@@ -40,7 +40,7 @@ pub struct Cluster {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drop {
     pub clusters: Vec<Cluster>,
-    /// Share of the direct way.
+    /// Share of the direct path.
     pub direct: f64,
     /// Shadow fading in dB.
     pub shadow_db: f64,

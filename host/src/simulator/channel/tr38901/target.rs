@@ -1,7 +1,7 @@
 //! The channel of a person (7.9.4.1): the link to it and the link from it in cascade, direct rays and clusters.
 //!
 //! A person is one scattering point, 1.5 m high in an adult of 1.75 m, with the aspect-dependent cross section of human model 2 (7.9.2.1)
-//! and a polarisation matrix (7.9.2.2). Both links are drops that begin where it first stands: afterwards the direct way follows it exactly,
+//! and a polarisation matrix (7.9.2.2). Both links are drops that begin where it first stands: afterwards the direct path follows it exactly,
 //! and the phase of every other way turns as it moves along the way's directions there. The radar's two links are one.
 //!
 //! Rays are coupled by option 2 of step 9: a direct ray with every ray of the other link, and clusters' rays in pairs at random.
@@ -127,7 +127,7 @@ pub struct Cascade {
     start: Vec3,
     there: Leg,
     back: Leg,
-    /// The share of the direct way in the power with its random factor, and its coefficient.
+    /// The share of the direct path in the power with its random factor, and its coefficient.
     direct: (f64, Complex64),
     ways: Vec<Way>,
 }
@@ -230,7 +230,7 @@ impl Cascade {
         }
     }
 
-    /// Steps 14 and 15: the paths of one slot; `kept` is the amplitude that others leave of the direct way.
+    /// Steps 14 and 15: the paths of one slot; `kept` is the amplitude that others leave of the direct path.
     pub fn paths(&self, person: &Target, scene: &Scene, kept: f64, paths: &mut Vec<Path>) {
         let lambda = wavelength(self.setting.carrier_hz);
         let place = point(person, scene.time_s);

@@ -62,6 +62,9 @@ pub struct Border {
     pub to: Zone,
     /// Normalised marginal rate |dA / dR| there.
     pub marginal: f64,
+    /// Whether `N_s` lies outside the points that the curve was fitted to.
+    #[serde(default)]
+    pub extrapolated: bool,
 }
 
 /// A user's link at its expected gains.
@@ -125,7 +128,7 @@ pub struct SweepRow {
     /// Transmit power in W.
     pub power_w: f64,
     /// K.
-    pub receivers: u32,
+    pub users: u32,
     /// Factor on the users' distance.
     pub distance: f64,
     /// User placement.
@@ -189,6 +192,9 @@ pub struct OperatingPoint {
     pub throughput_bit: f64,
     /// Zone of the point.
     pub zone: Zone,
+    /// Whether `N_s` lies outside the points that the curve was fitted to.
+    #[serde(default)]
+    pub extrapolated: bool,
     /// How it was chosen, in words.
     pub rule: String,
     /// Where the users' bits are from: whether their channels have people in them.
@@ -257,7 +263,7 @@ pub struct Campaign {
     /// Idle slots.
     pub idle_slots: u64,
     /// Every user that may be there.
-    pub receivers: Vec<CampaignReceiver>,
+    pub users: Vec<CampaignUser>,
     /// What the boundaries did.
     pub replans: Replans,
     /// Recognitions, if people moved in front of the radar.
@@ -267,7 +273,7 @@ pub struct Campaign {
     #[serde(skip)]
     pub timeline: Vec<(i32, u32)>,
     /// Properties that did not hold, the first twenty.
-    pub broken: Vec<String>,
+    pub violations: Vec<String>,
     /// Where the users' bits are from: whether their channels have people in them.
     #[serde(default)]
     pub channels: String,
@@ -275,7 +281,7 @@ pub struct Campaign {
 
 /// A user in a campaign.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-pub struct CampaignReceiver {
+pub struct CampaignUser {
     /// Periods it was there.
     pub periods: u64,
     /// Slots it had.
@@ -319,16 +325,16 @@ pub struct Recognitions {
     /// Periods in which a person moved in front of the radar.
     pub count: u64,
     /// Those recognised.
-    pub right: u64,
+    pub correct: u64,
     /// Those without a classification: a lost sensing slot, or too few for the first exit.
-    pub silent: u64,
+    pub unclassified: u64,
     /// Sensing slots used in them.
     pub slots: u64,
 }
 
 /// An early exit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeExit {
+pub struct FittedExit {
     /// Sensing slots after which it classifies.
     pub sensing_slots: u32,
     /// Weight of a logit step of each exit so far, first to own, in 2^-16 nat.
@@ -337,7 +343,7 @@ pub struct AnytimeExit {
 
 /// The effect of a threshold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimePoint {
+pub struct EarlyExitPoint {
     /// Confidence that stops; above 1 none does.
     pub threshold: f64,
     /// Sensing slots of the last exit.
@@ -354,47 +360,47 @@ pub struct AnytimePoint {
 
 /// A static number of sensing slots and the early-exit policy of the same accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeGain {
+pub struct EarlyExitGain {
     /// N_s of the network alone.
     pub static_slots: u32,
     /// Its accuracy.
     pub static_accuracy: f64,
     /// The early-exit policy.
-    pub anytime: AnytimePoint,
+    pub early_exit: EarlyExitPoint,
     /// Share of the sensing slots it saves.
     pub saved: f64,
 }
 
 /// A point of the region with early exits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeRegionPoint {
+pub struct EarlyExitRegionPoint {
     /// User placement.
     pub case: u32,
     /// Expected worst throughput in bits per period.
     pub throughput_bit: f64,
     /// Threshold, accuracy, sensing slots.
-    pub point: AnytimePoint,
+    pub point: EarlyExitPoint,
 }
 
-/// The region with early exits beside the static one: what `sdp3 anytime` finds.
+/// The region with early exits beside the static one: what `sdp3 early-exits` finds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeResult {
+pub struct EarlyExitResult {
     /// Exits and weights: with a threshold, all that the radar module needs beside the models.
-    pub exits: Vec<AnytimeExit>,
+    pub exits: Vec<FittedExit>,
     /// Recordings the weights were fitted to and thresholds chosen on.
     pub calibrated_on: u32,
     /// Test recordings.
     pub tested: u32,
     /// For every static N_s the policy of its accuracy.
-    pub gains: Vec<AnytimeGain>,
+    pub gains: Vec<EarlyExitGain>,
     /// Accuracy at every static N_s with the logits of all earlier exits added.
     pub fused_accuracy: Vec<f64>,
     /// The region with early exits of every user placement.
-    pub region: Vec<AnytimeRegionPoint>,
+    pub region: Vec<EarlyExitRegionPoint>,
     /// The static points of every user placement, measured on the same test recordings.
     pub static_region: Vec<StaticPoint>,
-    /// The threshold and last exit that the rule chooses in `trade.case`.
-    pub operating_point: AnytimeRegionPoint,
+    /// The threshold and last exit that the rule chooses in `optimizer.case`.
+    pub operating_point: EarlyExitRegionPoint,
     /// Where the users' bits are from: whether their channels have people in them.
     #[serde(default)]
     pub channels: String,
@@ -402,7 +408,7 @@ pub struct AnytimeResult {
 
 /// Recordings of the gallery with early exits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeGallery {
+pub struct EarlyExitGallery {
     /// Confidence that stops, chosen for the accuracy of the operating point; above 1 none does.
     pub threshold: f64,
     /// Sensing slots of the last exit in use.
@@ -410,23 +416,23 @@ pub struct AnytimeGallery {
     /// Recordings that weights and threshold were fitted to.
     pub calibrated_on: u32,
     /// A recording of every class.
-    pub recordings: Vec<AnytimeRecording>,
+    pub recordings: Vec<EarlyExitRecording>,
 }
 
 /// Every exit's classification of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeRecording {
+pub struct EarlyExitRecording {
     /// Its class.
     pub truth: String,
     /// Every exit, fewest slots first.
-    pub exits: Vec<AnytimeVerdict>,
+    pub exits: Vec<ExitClassification>,
     /// Sensing slots after which the core stops at the gallery's threshold.
     pub stops_after: u32,
 }
 
 /// An exit's classification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AnytimeVerdict {
+pub struct ExitClassification {
     /// Sensing slots used.
     pub sensing_slots: u32,
     /// Frames of the spectrogram they make.

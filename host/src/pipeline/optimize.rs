@@ -1,5 +1,7 @@
 //! Predict and optimize: the learning curve, the accuracy-throughput region, the operating point, early exits.
 
+#[cfg(feature = "train")]
+use super::expected::Work;
 use super::{Job, stored};
 use crate::error::{Failure, Invalid};
 use crate::formats::points;
@@ -8,11 +10,11 @@ use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
 use crate::network::spectrograms::Part;
 use crate::optimizer::sweep::{self, Sweep};
-use crate::optimizer::{Outcome, Rule, anytime, optimise};
+use crate::optimizer::{Outcome, Rule, early_exits, optimise};
 use crate::predictor::bootstrap::replicates;
 use crate::predictor::{Model, best_curve, fit_all, predict};
 use crate::report::{self, figures, plot::Medium};
-use crate::results::{Accuracy, AnytimeResult, Curve, CurvePoint, Optimum, Prediction, SweepRow};
+use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, SweepRow};
 use sdp3_core::early_exit::EXITS;
 use std::path::Path;
 
@@ -48,7 +50,8 @@ impl Job {
     ///
     /// No run; too few points.
     pub fn predict_run(&self) -> Result<Prediction, Failure> {
-        Ok(predict(&stored::points(&self.run()?.accuracy), self.seed)?)
+        let run = self.run()?;
+        Ok(predict(&stored::points(&run.accuracy), self.given.seed.unwrap_or(run.seed))?)
     }
 
     /// Writes and draws a prediction.
@@ -57,31 +60,35 @@ impl Job {
     ///
     /// A folder that cannot be written.
     pub fn keep_prediction(&self, prediction: &Prediction) -> Result<(), Failure> {
-        self.output.write_json("predict.json", prediction)?;
+        self.output.write_result("predict.json", prediction)?;
         self.draw("predict", &figures::learning_curve(prediction, &[]).svg(Medium::SINGLE))
     }
 
-    /// The learning curve through the points of a file, or else the accuracies of the run: the best one, or `model`'s.
+    /// The learning curve through the points of a file, or else the accuracies of the run: the best one, or `model`'s. With the
+    /// run's accuracies the job goes on in the run's scenario, with its seed.
     ///
     /// # Errors
     ///
     /// No points; too few of them for that curve.
     pub fn learning_curve(
-        &self,
+        self,
         file: Option<&Path>,
         model: Option<Model>,
-    ) -> Result<(Curve, Vec<CurvePoint>), Failure> {
-        let (points, origin) = match file {
-            Some(file) => (points::read(file)?, format!("{}: ", file.display())),
-            None => (stored::points(&self.run()?.accuracy), String::new()),
+    ) -> Result<(Self, Curve, Vec<CurvePoint>), Failure> {
+        let (job, points, origin) = match file {
+            Some(file) => (self, points::read(file)?, format!("{}: ", file.display())),
+            None => {
+                let points = stored::points(&self.run()?.accuracy);
+                (self.of_run()?, points, String::new())
+            }
         };
         let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
-        let Some(model) = model else { return Ok((best_curve(&prediction), points)) };
+        let Some(model) = model else { return Ok((job, best_curve(&prediction), points)) };
         let found = prediction.models.iter().find(|m| m.name == model.name());
         let m = found.ok_or_else(|| {
             format!("command line: --curve {}: it has no fit through these points", model.name())
         })?;
-        Ok((Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }, points))
+        Ok((job, Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }, points))
     }
 
     /// Region and operating point.
@@ -130,7 +137,7 @@ impl Job {
             weighted: outcome.weighted,
             cases: outcome.cases,
             spacings: outcome.spacings,
-            zone_ratio: self.scenario.trade.zone_ratio,
+            zone_ratio: self.scenario.optimizer.zone_ratio,
         };
         self.record("optimize")?;
         self.output.write("boundary.csv", outcome.boundary.as_bytes())?;
@@ -147,7 +154,7 @@ impl Job {
     /// Links that are stated, not computed; a value no scenario has; a folder that cannot be written.
     pub fn vary_links(
         &self,
-        curve: &Curve,
+        curve: (&Curve, &[CurvePoint]),
         rule: Option<Rule>,
         axes: &[Sweep],
     ) -> Result<Vec<SweepRow>, Failure> {
@@ -167,22 +174,28 @@ impl Job {
 
     /// The rule that is given, or else the scenario's weight.
     fn rule(&self, given: Option<Rule>) -> Rule {
-        given.unwrap_or(Rule::Weighted(self.scenario.trade.accuracy_weight))
+        given.unwrap_or(Rule::Weighted(self.scenario.optimizer.accuracy_weight))
     }
 
-    /// Early exits of the models in the output folder, in the scenario that they were trained in: `anytime.json` and a figure. The
+    /// Early exits of the models in the output folder, in the scenario that they were trained in: `early-exits.json` and a figure. The
     /// period of that scenario in s is returned too.
     ///
     /// # Errors
     ///
     /// As [`Self::fit_exits`]; models that are not there.
-    pub fn anytime(mut self, per_class: u32, rule: Option<Rule>) -> Result<(AnytimeResult, f64), Failure> {
+    pub fn early_exits(
+        mut self,
+        per_class: u32,
+        rule: Option<Rule>,
+    ) -> Result<(EarlyExitResult, f64), Failure> {
         self.scenario = self.trained_scenario()?;
+        #[cfg(feature = "train")]
+        self.say_expected(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho());
         let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;
-        self.record("anytime")?;
-        self.output.write_result("anytime.json", &found)?;
+        self.record("early-exits")?;
+        self.output.write_result("early-exits.json", &found)?;
         let period_s = self.scenario.period_s();
-        self.draw("anytime", &report::anytime::region(&found, period_s).svg(Medium::SINGLE))?;
+        self.draw("early-exits", &report::early_exits::region(&found, period_s).svg(Medium::SINGLE))?;
         Ok((found, period_s))
     }
 
@@ -197,7 +210,7 @@ impl Job {
         models: &[Vec<u8>],
         per_class: u32,
         rule: Rule,
-    ) -> Result<AnytimeResult, Failure> {
+    ) -> Result<EarlyExitResult, Failure> {
         let s = &self.scenario;
         if models.len() > EXITS {
             let most = EXITS;
@@ -216,6 +229,6 @@ impl Job {
         let calibration = gather(Part::Calibration, per_class, "recordings to calibrate on");
         let test = gather(Part::Test, s.learning.test_per_class, "test recordings");
         let policy = Policy::new(&calibration.slots, weights(&calibration));
-        Ok(anytime::outcome(s, self.seed, &policy, &calibration, &test, rule)?)
+        Ok(early_exits::outcome(s, self.seed, &policy, &calibration, &test, rule)?)
     }
 }

@@ -42,7 +42,7 @@ Learning curves, regions and schedules from a table of accuracies.
   zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
   The people of the scenario are in the users' channels.
 
-  $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep receivers=1,2
+  $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep users=1,2
   carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
   3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
   3500000000\t0.1\t1\t1\t2\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
@@ -83,7 +83,7 @@ Learning curves, regions and schedules from a table of accuracies.
   sdp3: out/run.json: cannot be read: No such file or directory (os error 2); `sdp3 run` with the same --out makes it
   [2]
 
-  $ sdp3 anytime
+  $ sdp3 early-exits
   sdp3: out/scenario.toml: No such file or directory (os error 2)
   [2]
 

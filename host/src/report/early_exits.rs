@@ -1,11 +1,11 @@
 //! Early exits beside static sensing: picture and table.
 
 use super::plot::{Axis, Plot, style};
-use crate::results::AnytimeResult;
+use crate::results::EarlyExitResult;
 use std::fmt::Write;
 
 /// Accuracy against throughput of both, for every user placement; a period lasts `period_s`.
-pub fn region(found: &AnytimeResult, period_s: f64) -> Plot {
+pub fn region(found: &EarlyExitResult, period_s: f64) -> Plot {
     let rate = |bit: f64| bit / period_s / 1e6;
     let accuracies = found.region.iter().map(|p| p.point.accuracy);
     let accuracies = accuracies.chain(found.static_region.iter().map(|p| p.accuracy));
@@ -46,7 +46,7 @@ pub fn region(found: &AnytimeResult, period_s: f64) -> Plot {
 }
 
 /// The gains in plain text.
-pub fn table(found: &AnytimeResult, period_s: f64) -> String {
+pub fn table(found: &EarlyExitResult, period_s: f64) -> String {
     let mut text = format!(
         "weights and thresholds from {} recordings, figures from {} others\n{:>9}{:>10}{:>8}{:>11}{:>8}{:>10}{:>12}{:>8}{:>12}\n",
         found.calibrated_on,
@@ -62,7 +62,7 @@ pub fn table(found: &AnytimeResult, period_s: f64) -> String {
         "slots saved"
     );
     for (gain, fused) in found.gains.iter().zip(&found.fused_accuracy) {
-        let a = &gain.anytime;
+        let a = &gain.early_exit;
         let threshold = if a.threshold > 1.0 { "never".to_owned() } else { format!("{:.3}", a.threshold) };
         let _ = writeln!(
             text,

@@ -9,7 +9,7 @@ use super::theorem::Theorem;
 use super::{OptimizerError, bits_per_slot};
 use crate::network::early_exits::policy::{Course, Policy};
 use crate::network::evaluation::ExitLogits;
-use crate::results::{AnytimeGain, AnytimeRegionPoint, AnytimeResult, StaticPoint};
+use crate::results::{EarlyExitGain, EarlyExitRegionPoint, EarlyExitResult, StaticPoint};
 use crate::scenario::Scenario;
 
 /// Recordings evaluated by a policy, with the classification of each exit's network alone.
@@ -22,18 +22,18 @@ pub struct Evaluated<'a> {
 
 /// For every static N_s: threshold and last exit that reach its accuracy on the calibration recordings with the fewest slots, and
 /// what they reach on the test recordings beside it.
-pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<AnytimeGain> {
+pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<EarlyExitGain> {
     let rows = (0..policy.exits.len()).filter_map(|exit| {
         let wanted = calibration.exit_logits.accuracy(exit);
         let (threshold, last) =
             policy.cheapest(calibration.courses, &calibration.exit_logits.truth, wanted)?;
-        let anytime = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
+        let early_exit = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
         let static_slots = policy.exits[exit].sensing_slots;
-        Some(AnytimeGain {
+        Some(EarlyExitGain {
             static_slots,
             static_accuracy: test.exit_logits.accuracy(exit),
-            saved: 1.0 - anytime.sensing_slots / f64::from(static_slots),
-            anytime,
+            saved: 1.0 - early_exit.sensing_slots / f64::from(static_slots),
+            early_exit,
         })
     });
     rows.collect()
@@ -47,7 +47,7 @@ pub fn region(
     test: Evaluated,
     theorem: &Theorem,
     case: u32,
-) -> Vec<AnytimeRegionPoint> {
+) -> Vec<EarlyExitRegionPoint> {
     let mut all = Vec::new();
     for last in 0..policy.exits.len() {
         for threshold in Policy::thresholds() {
@@ -66,12 +66,12 @@ pub fn region(
         .map(|(_, _, threshold, last)| {
             let point = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
             let throughput_bit = theorem.throughput_bit(point.sensing_slots);
-            AnytimeRegionPoint { case, throughput_bit, point }
+            EarlyExitRegionPoint { case, throughput_bit, point }
         })
         .collect()
 }
 
-/// Everything `sdp3 anytime` states. `rule` chooses among the points of case `trade.case`.
+/// Everything `sdp3 early-exits` states. `rule` chooses among the points of case `optimizer.case`.
 ///
 /// # Errors
 ///
@@ -83,7 +83,7 @@ pub fn outcome(
     calibration: &ExitLogits,
     test: &ExitLogits,
     rule: Rule,
-) -> Result<AnytimeResult, OptimizerError> {
+) -> Result<EarlyExitResult, OptimizerError> {
     let (fitted, courses) = (policy.courses(calibration), policy.courses(test));
     let fitted = Evaluated { exit_logits: calibration, courses: &fitted };
     let evaluated = Evaluated { exit_logits: test, courses: &courses };
@@ -98,8 +98,8 @@ pub fn outcome(
             throughput_bit: theorem.throughput_bit(f64::from(e.sensing_slots)),
         }));
     }
-    let own: Vec<&AnytimeRegionPoint> = all.iter().filter(|p| p.case == scenario.trade.case).collect();
-    let point = |p: &&AnytimeRegionPoint| Point {
+    let own: Vec<&EarlyExitRegionPoint> = all.iter().filter(|p| p.case == scenario.optimizer.case).collect();
+    let point = |p: &&EarlyExitRegionPoint| Point {
         sensing_slots: p.point.sensing_slots.round() as u32,
         shares: Vec::new(),
         accuracy: p.point.accuracy,
@@ -109,7 +109,7 @@ pub fn outcome(
     let chosen = choose(&points, rule).ok_or_else(|| OptimizerError::unreachable(rule, &points))?;
     let operating_point = own[chosen].clone();
     let fused = |exit: usize| policy.play(evaluated.courses, &test.truth, 2.0, exit).accuracy;
-    Ok(AnytimeResult {
+    Ok(EarlyExitResult {
         calibrated_on: calibration.truth.len() as u32,
         tested: test.truth.len() as u32,
         gains: gains(policy, fitted, evaluated),
