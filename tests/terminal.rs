@@ -45,41 +45,43 @@ fn simulate(folder: &Path, out: &str) -> Command {
 #[test]
 fn an_interrupted_command_says_how_to_go_on_and_can() {
     let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("stopped");
-    let child = simulate(folder.path(), "stopped")
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .expect("it starts");
-    let begun = Instant::now();
-    while !out.join("part-00000.npz").exists() {
-        assert!(begun.elapsed() < Duration::from_secs(120), "no part");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
-    let (code, _, stderr) = outcome(&child.wait_with_output().expect("it ends"));
-    assert_eq!(code, 130, "{stderr}");
-    assert!(stderr.contains("interrupted") && stderr.contains("the same command goes on"), "{stderr}");
-    let files = || {
-        let mut names: Vec<String> = std::fs::read_dir(&out)
-            .expect("a folder")
-            .map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned())
-            .collect();
+    let files = |out: &str| {
+        let entries = std::fs::read_dir(folder.path().join(out)).expect("a folder");
+        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.expect("a file").file_name();
+        let mut names: Vec<String> =
+            entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
         names.sort();
         names
     };
-    assert!(files().iter().all(|name| !name.contains("partial")), "{:?}", files());
-    assert!(!files().contains(&"manifest.json".to_owned()), "it was stopped before its end: {:?}", files());
-    for name in ["stopped", "whole"] {
+    let signals = ["INT", "TERM", "HUP"];
+    for signal in signals {
+        let mut command = simulate(folder.path(), signal);
+        let child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("it starts");
+        let begun = Instant::now();
+        while !folder.path().join(signal).join("part-00000.npz").exists() {
+            assert!(begun.elapsed() < Duration::from_secs(120), "no part");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().expect("kill").success());
+        let (code, _, stderr) = outcome(&child.wait_with_output().expect("it ends"));
+        assert_eq!(code, 130, "SIG{signal}: {stderr}");
+        assert!(stderr.contains("interrupted") && stderr.contains("the same command goes on"), "{stderr}");
+        let left = files(signal);
+        assert!(left.iter().all(|name| !name.contains("partial")), "{left:?}");
+        assert!(!left.contains(&"manifest.json".to_owned()), "it was stopped before its end: {left:?}");
+    }
+    for name in signals.into_iter().chain(["whole"]) {
         let (code, _, stderr) = outcome(&simulate(folder.path(), name).output().expect("it starts"));
         assert_eq!(code, 0, "{stderr}");
         assert!(!stderr.contains('\u{1b}') && !stderr.contains('\r'), "plain lines: {stderr:?}");
         assert!(stderr.lines().any(|line| line.starts_with("  simulate  ")), "{stderr}");
     }
-    for name in files() {
-        let read = |out: &str| std::fs::read(folder.path().join(out).join(&name)).expect("a file");
-        assert!(read("stopped") == read("whole"), "{name} differs");
+    for signal in signals {
+        for name in files(signal) {
+            let read = |out: &str| std::fs::read(folder.path().join(out).join(&name)).expect("a file");
+            assert!(read(signal) == read("whole"), "SIG{signal}: {name} differs");
+        }
     }
 }
 

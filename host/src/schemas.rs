@@ -23,9 +23,9 @@ macro_rules! published {
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
 pub const PUBLISHED: [(&str, &str); 29] = published![
-    "early-exits",
     "calibrate",
     "channels",
+    "early-exits",
     "export",
     "gallery",
     "import",

@@ -22,7 +22,7 @@ Help: the tool and every command, with examples.
     verify       Compare the core with its reference and its firmware, bit for bit
     predict      Fit the seven learning curves to accuracies
     optimize     Draw the accuracy-throughput region and choose a point on it
-    anytime      Fit early exits and draw their region beside the static one
+    early-exits  Fit early exits and draw their region beside the static one
     schedule     Play the operating point through the core's scheduler
     report       Write the report page and its figures again
     scenario     List, print, write and check scenarios
@@ -315,11 +315,11 @@ Help: the tool and every command, with examples.
             Where to train: the processor, or a GPU in a build with that feature
   
             Possible values:
-            - flex: The processor
+            - cpu:  The processor
             - wgpu: A GPU through Vulkan, Metal, DirectX 12 or WebGPU; needs the feature `wgpu`
             - cuda: An NVIDIA GPU; needs the feature `cuda`
             
-            [default: flex]
+            [default: cpu]
   
         --scenario <FILE.toml|NAME>
             Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
@@ -892,7 +892,7 @@ Help: the tool and every command, with examples.
         --throughput <THROUGHPUT>    Throughput of at least this, in bits per period
         --weight <WEIGHT>            Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary
         --weights <WA,WR>            w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period
-        --sweep <AXIS=VALUES>        Vary carrier_hz, power_w, receivers (number of users) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times
+        --sweep <AXIS=VALUES>        Vary carrier_hz, power_w, users (their number) or distance (a factor): AXIS=VALUE,VALUE,... May be given several times
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
@@ -1132,7 +1132,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

@@ -44,10 +44,12 @@ The main job in short, and every command about its results. Needs the feature `t
   sdp3: out/scenario.toml: channel.rho = null, but the command line says 0.5: what has been made is not changed; another --out takes another scenario
   [2]
 
-  $ head -5 out/run.json
+  $ head -7 out/run.json
   {
     "provenance": {
       "program": "sdp3 0.1.0",
+      "commit": "*", (glob)
+      "commit_date": "*", (glob)
       "seed": 1
     },
 
@@ -64,6 +66,9 @@ The main job in short, and every command about its results. Needs the feature `t
 
   $ sdp3 optimize -q | head -1
   * by *, rmse * (glob)
+
+  $ grep ^name out/optimize-scenario.toml
+  name = "small"
 
   $ sdp3 schedule
   N = 4000: * sensing, * communication, longest waits * slots (glob)
@@ -116,7 +121,7 @@ The main job in short, and every command about its results. Needs the feature `t
   [2]
 
   $ sdp3 model verify signed.sdp3 --key radio.pub
-  signed.sdp3: taken: revision 0
+  signed.sdp3: accepted: revision 0
 
   $ sdp3 model verify signed.sdp3 --key radio.pub --oldest 1
   signed.sdp3: refused: revision 0 is a rollback* (glob)

@@ -43,7 +43,7 @@ Learning curves, regions and schedules from a table of accuracies.
   The people of the scenario are in the users' channels.
 
   $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep users=1,2
-  carrier_hz\tpower_w\treceivers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
+  carrier_hz\tpower_w\tusers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
   3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
   3500000000\t0.1\t1\t1\t2\t326\t0.9034692688492608\t68630320\t68.63032 (esc)
   3500000000\t0.1\t2\t1\t1\t326\t0.9034692688492608\t34315160\t34.31516 (esc)
@@ -63,6 +63,26 @@ Learning curves, regions and schedules from a table of accuracies.
   $ sdp3 optimize -q --points points.csv --accuracy 0.99
   sdp3: no point of the boundary satisfies: most throughput with accuracy at least 0.99; it offers accuracies 0.6347 to 0.9498 and at most 23947760 bit
   [2]
+
+  $ sdp3 optimize -q --points points.csv --accuracy 0.9 --set frame.slot_s=0.001 | head -2
+  most throughput with accuracy at least 0.9 by pow3, rmse 0.0066
+  case 1: N_s = 318, N_c = [1228, 1227, 1227], accuracy 0.9004 (0.884 to 0.921), 91681440 bit per period (22.920 Mbit/s), adversarial
+
+  $ cat >many.csv <<'END'
+  > sensing_slots,accuracy,tested
+  > 1200,0.7,500
+  > 2000,0.8,500
+  > 3500,0.85,500
+  > END
+
+  $ sdp3 optimize -q --points many.csv | head -3
+  largest 0.5 A + 0.5 R, both over their span on the boundary by vapor_pressure, rmse 0.0057
+  case 1: N_s = 490, N_c = [1170, 1170, 1170], accuracy 0.4583 (0.378 to 0.567), 21855600 bit per period (21.856 Mbit/s), adversarial, extrapolated: no accuracy was measured there
+    467 sub-carriers with 8.00, 8.00, 8.00 bit a symbol, 100 %, 100 %, 100 % of them at the modulation's limit
+
+  $ head -2 out/boundary.csv
+  case,sensing_slots,accuracy,throughput_bit,throughput_mbit_s,closed_form_bit,pareto,zone,extrapolated,communication_slots
+  1,152,0.09148368233752534,23947760,23.94776,23960213.333333336,false,adversarial,true,1283 1283 1282
 
   $ sdp3 schedule -q --periods 5 --sensing-slots 300
   5 periods, 20000 decisions: 1500 sensing, 0 idle
@@ -91,9 +111,11 @@ Learning curves, regions and schedules from a table of accuracies.
     optimize  accuracy against throughput
     optimize  N_s = 325: accuracy 0.903, 22883000 bit per period (22.883 Mbit/s) to the worst user. The people of the scenario are in the users' channels.
 
-  $ head -5 out/optimize.json
+  $ head -7 out/optimize.json
   {
     "provenance": {
       "program": "sdp3 0.1.0",
+      "commit": "*", (glob)
+      "commit_date": "*", (glob)
       "seed": 1
     },

@@ -1,9 +1,9 @@
 Schemas, completions and man pages.
 
   $ sdp3 schema
-  anytime
   calibrate
   channels
+  early-exits
   export
   gallery
   import
@@ -58,7 +58,7 @@ Schemas, completions and man pages.
 
   $ sdp3 schema nothing
   error: invalid value 'nothing' for '[COMMAND]'
-    [possible values: anytime, calibrate, channels, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   For more information, try '--help'.
   [2]
@@ -94,7 +94,7 @@ Schemas, completions and man pages.
   pages/sdp3-verify.1
   pages/sdp3-predict.1
   pages/sdp3-optimize.1
-  pages/sdp3-anytime.1
+  pages/sdp3-early-exits.1
   pages/sdp3-schedule.1
   pages/sdp3-report.1
   pages/sdp3-scenario.1

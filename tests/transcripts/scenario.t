@@ -304,12 +304,12 @@ Scenarios: listed, shown, written, checked, set field by field.
   # another moment of a motion of a random class; false: these channels are empty of people.
   people = true
   
-  # The operating point of the two.
-  [trade]
+  # Zones of the accuracy-throughput region and the operating point in it.
+  [optimizer]
   # Weight of normalised accuracy in the operating point's weighted sum (throughput has the rest). Legal: 0 to
   # 1.
   accuracy_weight = 0.5
-  # Case (1-based) of the operating point that the scheduler plays. Legal: 1 to 2, one of communication.cases.
+  # Case (1-based) of the operating point that the scheduler takes. Legal: 1 to 2, one of communication.cases.
   case = 1
   # A point is saturated where the smaller normalised marginal rate is below this share of the larger. Legal:
   # 0.000001 to 1.

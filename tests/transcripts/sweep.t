@@ -70,7 +70,7 @@ A sweep of four cells: where it stands, merged with and without all of them. Nee
   The people of the scenario are in the users' channels.
 
   $ head -1 small/merged.csv
-  cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,chance,throughput_bit_1,throughput_bit_2
+  cell,scenario,carrier_hz,rho,sensing_slots,seed,float,int8,tested,chance,throughput_bit_1,throughput_bit_2,throughput_mbit_s_1,throughput_mbit_s_2
 
   $ ls small
   accuracy-over-rho.pdf

@@ -62,7 +62,7 @@ pub struct Scenario {
     pub learning: Learning,
     /// The communication side.
     pub communication: Communication,
-    /// The operating point of the two.
+    /// Zones of the accuracy-throughput region and the operating point in it.
     pub optimizer: OperatingRule,
 }
 
