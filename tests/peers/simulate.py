@@ -1,6 +1,6 @@
 """The data set of `sdp3 simulate` as plain vectorised numpy: what its speed is measured against.
 
-Five motions in the room of the default scenario, with its radar and statistics: `beat` int32 `[recording, slot, 8, 2]`,
+Five motions in the room of the scenario `as-printed`, with its radar and statistics: `beat` int32 `[recording, slot, 8, 2]`,
 `image` int8 `[recording, 64, 110]` and `label` uint8 in `dataset.npz`, which sdp3 also compresses. A block of fast time
 is its centre's value plus its share of the thermal and the rounding noise: a short cut that sdp3 does not take. With
 `--raw` all 1000 samples of every slot are made with their noise, rounded to 16 bits and dechirped, as sdp3 does.
