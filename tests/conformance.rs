@@ -99,7 +99,7 @@ fn wide_band_sensors() -> Result<Vec<Case>> {
 
 /// Random networks that decide which components are clutter: recordings of the default room at both carriers, who stands there with what is
 /// static, and extreme inputs.
-fn decided_clutter() -> Result<Vec<Case>> {
+fn adaptive_clutter() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for (carrier_hz, seed) in CARRIERS.into_iter().zip(200..) {
         let mut scenario = Scenario::default();
@@ -110,23 +110,23 @@ fn decided_clutter() -> Result<Vec<Case>> {
         let slots = u32::from(network.preprocessing.sensing_slots);
         let model = network.to_bytes()?;
         let take = |(index, class): (usize, Class)| Case {
-            name: format!("decided clutter, {} at {} GHz", class.name(), carrier_hz / 1e9),
+            name: format!("adaptive clutter, {} at {} GHz", class.name(), carrier_hz / 1e9),
             model: model.clone(),
             transform: if index.is_multiple_of(2) { Transform::Float } else { Transform::Fixed },
             slots: recording(&scenario, stored_rho(&scenario).0, 5, Set::Demo, class, 0, slots).slots,
         };
         cases.extend(Class::ALL.into_iter().enumerate().map(take));
-        let named = |case: Case| Case { name: format!("decided clutter, {}", case.name), ..case };
+        let named = |case: Case| Case { name: format!("adaptive clutter, {}", case.name), ..case };
         cases.extend(stimuli(&model, slots as usize, seed).into_iter().map(named));
     }
     Ok(cases)
 }
 
-/// The paper's radar with 200 recordings if `count = 200`, then the wide-band sensors and decided clutter.
+/// The paper's radar with 200 recordings if `count = 200`, then the wide-band sensors and adaptive clutter.
 fn suite(count: u32) -> Result<Suite> {
     let mut suite = paper_suite(count)?;
     suite.cases.extend(wide_band_sensors()?);
-    suite.cases.extend(decided_clutter()?);
+    suite.cases.extend(adaptive_clutter()?);
     Ok(suite)
 }
 

@@ -5,6 +5,7 @@ use sdp3::results::{Run, Verify};
 use sdp3_tests::{SMALL, call, outcome, program, small_run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 #[test]
 fn every_target_agrees_and_the_json_has_its_fields() {
@@ -49,21 +50,53 @@ fn every_target_agrees_and_the_json_has_its_fields() {
     assert!(!page.replace("http://www.w3.org/2000/svg", "").contains("://"), "the page is self-contained");
 }
 
-/// Every file below a folder with its bytes.
+/// What goes on from a run is of the run's scenario and seed, 3, though neither is stated again.
+#[test]
+fn later_commands_go_on_in_the_runs_scenario_with_its_seed() {
+    let (run, _, code, stderr) = small_run();
+    assert_eq!(*code, 0, "{stderr}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    for (name, bytes) in files(&run.path().join("out")) {
+        let file = out.join(name);
+        std::fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
+        std::fs::write(file, bytes).expect("a file");
+    }
+    let commands: [(&[&str], &str, Option<&str>); 5] = [
+        (&["predict"], "predict.json", None),
+        (&["optimize"], "optimize.json", Some("optimize")),
+        (&["schedule"], "schedule.json", None),
+        (&["schedule", "--periods", "2"], "campaign.json", Some("schedule")),
+        (&["early-exits", "--calibrate-per-class", "4"], "early-exits.json", Some("early-exits")),
+    ];
+    for (words, result, scenario) in commands {
+        let mut command = Command::new(program());
+        command.args(words).args(["-q", "--out"]).arg(&out);
+        let (code, _, stderr) = outcome(&command.output().expect("it starts"));
+        assert_eq!(code, 0, "{words:?}: {stderr}");
+        let text = std::fs::read_to_string(out.join(result)).expect("a result");
+        let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(found["provenance"]["seed"], 3, "{words:?}");
+        if let Some(name) = scenario {
+            let text =
+                std::fs::read_to_string(out.join(format!("{name}-scenario.toml"))).expect("a scenario");
+            assert!(text.contains("name = \"small\""), "{words:?}: {text}");
+        }
+    }
+}
+
+/// Every file below a folder, by its path from there, with its bytes.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        let path = entry.path();
+        let (path, name) = (entry.path(), PathBuf::from(entry.file_name()));
         if path.is_dir() {
-            found.extend(files(&path).into_iter().map(|(name, bytes)| (path.join(name), bytes)));
+            found.extend(files(&path).into_iter().map(|(below, bytes)| (name.join(below), bytes)));
         } else {
-            found.insert(PathBuf::from(entry.file_name()), std::fs::read(&path).expect("a file"));
+            found.insert(name, std::fs::read(&path).expect("a file"));
         }
     }
     found
-        .into_iter()
-        .map(|(name, bytes)| (PathBuf::from(name.file_name().unwrap_or_default()), bytes))
-        .collect()
 }
 
 #[test]

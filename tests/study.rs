@@ -151,7 +151,7 @@ fn clutter_is_removed_by_decision_and_by_every_fixed_d() {
         assert_eq!(fixed.len(), 3);
         let best = fixed.iter().copied().fold(0.0, f64::max);
         assert_eq!(fixed[row["best_d"].as_u64().expect("d") as usize - 1], best);
-        let difference = row["decided"]["mean"].as_f64().expect("decided") - best;
+        let difference = row["adaptive"]["mean"].as_f64().expect("adaptive") - best;
         assert!((row["difference"]["mean"].as_f64().expect("a mean") - difference).abs() < 1e-12, "{row}");
     }
     for name in ["clutter.json", "clutter.csv", "clutter.md"] {

@@ -134,7 +134,7 @@ def calibration(visit):
     page, curve = visit.page, visit.results.figures["calibration"]["curve"]
     if not curve:
         return
-    say = lambda p: {"rho": f"{p['rho']:g}", "KL": digits(p["kl"], 4), "KL without black": digits(p["kl_without_floor"], 4)}
+    say = lambda p: {"rho": f"{p['rho']:g}", "KL": digits(p["kl"], 4), "KL without the floor": digits(p["kl_without_floor"], 4)}
     least = min(curve, key=lambda p: p["kl"])
     within = "figure[data-figure=kl-curve]"
     visit.same("KL at first", visit.readout(within), say(least))

@@ -28,7 +28,7 @@ use crate::early_exit::{EXITS, EarlyExit};
 use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
-use crate::signal::clutter::{DECIDED, SvdRange};
+use crate::signal::clutter::{ADAPTIVE, SvdRange};
 use crate::signal::front_end::slow_time_steps;
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
@@ -180,7 +180,7 @@ fn in_time<T: Stft>(
     let total = layout.slots() as usize;
     // exits that a period reaches
     let mut slots: Vec<usize, EXITS> = Vec::new();
-    let mut kept = SvdRange { first: DECIDED, last: 8 }; // that of all exits
+    let mut kept = SvdRange { first: ADAPTIVE, last: 8 }; // that of all exits
     for exit in pipeline.exits() {
         let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
         kept = exit.model.preprocessing().kept;

@@ -2,7 +2,7 @@
 //!
 //! Eq. (Y) and y = 1^T Y of the paper. Since U U^H projects, y = w^H X~ with w = (I - U U^H) 1: only the 8 x 8 Gram
 //! matrix X~ X~^H and its leading eigenvectors are needed, and y is one inner product per slot. Which components are dropped is
-//! fixed, or decided per recording: those with a static slow-time signal ([`DECIDED`]).
+//! fixed, or decided per recording: those with a static slow-time signal ([`ADAPTIVE`]).
 
 use crate::dims::{BEATS, Beat, Complex};
 use crate::math::{roundf, sqrtf};
@@ -78,7 +78,7 @@ type Vector = SVector<Complex<f32>, BEATS>;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SvdRange {
-    /// The paper's d; 1 keeps the clutter, [`DECIDED`] drops what is static.
+    /// The paper's d; 1 keeps the clutter, [`ADAPTIVE`] drops what is static.
     pub first: u8,
     /// Upper cut; 8 keeps the weakest component.
     pub last: u8,
@@ -88,7 +88,7 @@ pub struct SvdRange {
 ///
 /// Of the energy lambda of a component's slow-time signal `u^H b[n]`, `|sum u^H b[n]|^2 / N` is that of its mean over N slots. It is
 /// clutter if that is more than [`STATIC_SHARE`] of it. Compared in integers.
-pub const DECIDED: u8 = 0;
+pub const ADAPTIVE: u8 = 0;
 
 /// Static share of a component's energy beyond which it is clutter, in 1/2048: 33 dB above all that moves.
 pub const STATIC_SHARE: i128 = 2047;
@@ -193,12 +193,12 @@ impl ClutterSolver {
         energy > 0 && ((re * re + im * im) << (2 * shift + 11)) > STATIC_SHARE * energy * slots as i128
     }
 
-    /// The projection, after the last step; `sum` over `slots` is that of the range samples where the first component is [`DECIDED`].
+    /// The projection, after the last step; `sum` over `slots` is that of the range samples where the first component is [`ADAPTIVE`].
     pub fn projection(&self, slots: usize, sum: &Sum) -> Projection {
         let ranks = self.ranks();
         let last = usize::from(self.kept.last);
         let mut first = usize::from(self.kept.first.max(1));
-        if self.kept.first == DECIDED {
+        if self.kept.first == ADAPTIVE {
             let is_clutter = |rank| (0..BEATS).any(|k| ranks[k] == rank && self.is_static(k, slots, sum));
             while first < last && is_clutter(first) {
                 first += 1;
@@ -234,7 +234,7 @@ pub(crate) fn add_slots(sum: &mut Sum, beats: &[Beat]) {
 pub fn clutter_projection(beats: &[Beat], kept: SvdRange) -> Projection {
     let (mut gram, mut sum) = (Gram::new(), Sum::default());
     beats.iter().for_each(|beat| gram.add(beat));
-    if kept.first == DECIDED {
+    if kept.first == ADAPTIVE {
         add_slots(&mut sum, beats);
     }
     let mut solver = ClutterSolver::new(&gram, kept);

@@ -4,7 +4,7 @@
 //! next recording may come while the image of the one before is being made.
 
 use super::clutter::{
-    ClutterSolver, DECIDED, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, Sum, SvdRange, UNIT_PROJECTION,
+    ADAPTIVE, ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, Sum, SvdRange, UNIT_PROJECTION,
     add_slots, largest_part, project, slow_time_shift,
 };
 use super::dechirp::ComplexI16;
@@ -92,7 +92,7 @@ const ROWS_A_STEP: usize = 16;
 
 /// Steps of a recording's slow time.
 pub(crate) const fn slow_time_steps(kept: SvdRange, slots: usize) -> usize {
-    let passes = if kept.first == DECIDED { 3 } else { 2 };
+    let passes = if kept.first == ADAPTIVE { 3 } else { 2 };
     SOLVER_STEPS + 1 + passes * slots.div_ceil(SLOTS_A_STEP)
 }
 
@@ -260,7 +260,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                     return None;
                 }
                 match self.settings.kept.first {
-                    DECIDED => Stage::Sum { from: 0, sum: Sum::default() },
+                    ADAPTIVE => Stage::Sum { from: 0, sum: Sum::default() },
                     _ => job.project(&Sum::default(), probe),
                 }
             }

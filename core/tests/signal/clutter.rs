@@ -70,7 +70,7 @@ fn a_constant_echo_is_removed_to_the_arithmetic() {
     // one static echo at full scale: rank one, so nothing may be left at d = 2
     let echo: Beat =
         core::array::from_fn(|i| Complex::new(20_000_000 - 900_000 * i as i32, 1_000_000 * i as i32));
-    for first in [2, DECIDED] {
+    for first in [2, ADAPTIVE] {
         let w = clutter_projection(&[echo; 300], SvdRange { first, last: 8 });
         let part = |w| largest_part(&[echo], w) as f64;
         let ratio = part(&w) / part(&UNIT_PROJECTION);
@@ -85,7 +85,7 @@ fn full_scale_recordings_do_not_overflow() {
     let mut gram = Gram::new();
     (0..GRAM_SLOTS).for_each(|_| gram.add(&loudest));
     assert!(gram.upper().iter().all(|entry| entry.re > 0));
-    for first in [2, DECIDED] {
+    for first in [2, ADAPTIVE] {
         let w = clutter_projection(&vec![loudest; GRAM_SLOTS], SvdRange { first, last: 8 });
         assert_ne!(w, UNIT_PROJECTION);
         assert!(largest_part(&[loudest], &w) < 1 << 38); // of 2^56 before
@@ -95,11 +95,11 @@ fn full_scale_recordings_do_not_overflow() {
 #[test]
 fn keeping_everything_sums_the_beat() {
     let beats = noise(7, 40);
-    for first in [1, DECIDED] {
+    for first in [1, ADAPTIVE] {
         assert_eq!(clutter_projection(&beats, SvdRange { first, last: 8 }), UNIT_PROJECTION);
     }
     // of nothing, and of silence, nothing is dropped
-    for first in [2, DECIDED] {
+    for first in [2, ADAPTIVE] {
         assert_eq!(clutter_projection(&[], SvdRange { first, last: 8 }), UNIT_PROJECTION);
         assert_eq!(clutter_projection(&[ZERO_BEAT; 9], SvdRange { first, last: 8 }), UNIT_PROJECTION);
     }
@@ -146,20 +146,20 @@ fn what_is_static_is_dropped_and_who_moves_is_kept_however_strong() {
         // whole turns, so that the walker has no mean
         for hz in [10.0 / 3.0, 50.0 / 3.0, 90.0] {
             let beats = scene(7, clutter_db, hz);
-            let decided = clutter_projection(&beats, SvdRange { first: DECIDED, last: 8 });
-            let one = |b: usize| decided[b].re;
+            let adaptive = clutter_projection(&beats, SvdRange { first: ADAPTIVE, last: 8 });
+            let one = |b: usize| adaptive[b].re;
             // the walker is whole; the wall is gone where it leads, and stays where it does not hide anybody
             assert!(
                 (one(5) - (1 << PROJECTION_BITS)).abs() < 1 << 20,
-                "{clutter_db} dB, {hz} Hz: {decided:?}"
+                "{clutter_db} dB, {hz} Hz: {adaptive:?}"
             );
             if clutter_db > 1.0 {
                 let fixed = clutter_projection(&beats, SvdRange { first: 2, last: 8 });
-                assert_eq!(decided, fixed, "{clutter_db} dB, {hz} Hz");
+                assert_eq!(adaptive, fixed, "{clutter_db} dB, {hz} Hz");
                 assert!(one(2).abs() < 1 << 20);
             }
             if clutter_db < -1.0 {
-                assert_eq!(decided, UNIT_PROJECTION, "{clutter_db} dB, {hz} Hz");
+                assert_eq!(adaptive, UNIT_PROJECTION, "{clutter_db} dB, {hz} Hz");
             }
         }
     }
@@ -173,10 +173,10 @@ fn the_static_share_is_held_against_its_threshold() {
         for (n, beat) in beats.iter_mut().enumerate() {
             beat[3].re = if n < turned { -1_000_000 } else { 1_000_000 };
         }
-        let w = clutter_projection(&beats, SvdRange { first: DECIDED, last: 8 });
+        let w = clutter_projection(&beats, SvdRange { first: ADAPTIVE, last: 8 });
         assert_eq!(w[3].re == 0, dropped, "{turned}: {w:?}");
         // an upper cut comes first
-        let w = clutter_projection(&beats, SvdRange { first: DECIDED, last: 1 });
+        let w = clutter_projection(&beats, SvdRange { first: ADAPTIVE, last: 1 });
         assert_eq!(w[3].re, 1 << PROJECTION_BITS);
     }
 }

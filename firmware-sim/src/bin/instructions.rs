@@ -21,7 +21,7 @@ mod firmware {
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
     use sdp3_core::probe::Probe;
-    use sdp3_core::signal::clutter::{DECIDED, Gram, SvdRange, clutter_projection};
+    use sdp3_core::signal::clutter::{ADAPTIVE, Gram, SvdRange, clutter_projection};
     use sdp3_core::signal::stft::{FixedStft, FloatStft, NativeStft, Stft};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{exit, println};
@@ -286,9 +286,9 @@ mod firmware {
         let whole = Size { channels: 16, stride: 2, blocks: 5, slots: 1000, window: 128, hop: 8 };
         let [shares, plain] = bench.both::<NativeStft>(whole, By::Winograd(1));
         work("network-step-largest", bench.largest_step(whole));
-        let [fixed, decided] = [2, DECIDED].map(|first| projection(first, bench.memory));
+        let [fixed, adaptive] = [2, ADAPTIVE].map(|first| projection(first, bench.memory));
         work("clutter-1000-slots", fixed);
-        work("clutter-1000-slots-decided", decided);
+        work("clutter-1000-slots-adaptive", adaptive);
         work("dechirp-slot", shares.mean("dechirp"));
         work("gram-slot", shares.mean("gram"));
         let single = Size { slots: 144, blocks: 1, ..whole };

@@ -1,6 +1,6 @@
-//! Clutter removal that is decided per recording against every fixed d, over the ratio of clutter to target.
+//! Clutter removal that adapts to each recording against every fixed d, over the ratio of clutter to target.
 //!
-//! For every ratio networks are trained and tested with `spectrogram.first_kept` = 0 (decided) and = 1, 2, 3, all else and all seeds
+//! For every ratio networks are trained and tested with `spectrogram.first_kept` = 0 (adaptive) and = 1, 2, 3, all else and all seeds
 //! equal. The room's gain makes the ratio ([`clutter_to_target_db`]); the person stays as it is.
 
 use super::cells::Cells;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// Clutter to target in dB.
 pub const RATIOS_DB: [f64; 7] = [-20.0, -10.0, 0.0, 10.0, 20.0, 30.0, 40.0];
 
-/// `spectrogram.first_kept`: decided, and the fixed ones.
+/// `spectrogram.first_kept`: adaptive, and the fixed ones.
 pub const FIRST_KEPT: [u8; 4] = [0, 1, 2, 3];
 
 /// A ratio and N_s.
@@ -29,12 +29,12 @@ pub struct Row {
     /// N_s.
     pub sensing_slots: u32,
     /// int8 accuracy where the core decides.
-    pub decided: Spread,
+    pub adaptive: Spread,
     /// int8 accuracy with d = 1, 2, 3.
     pub fixed: Vec<Spread>,
     /// The d with the highest mean accuracy.
     pub best_d: u8,
-    /// Decided less the best d, on the same recordings.
+    /// Adaptive less the best d, on the same recordings.
     pub difference: Difference,
 }
 
@@ -89,7 +89,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
     let mut rows = Vec::new();
     for ((ratio_db, scenario), arms) in conditions.iter().zip(&kept) {
         for (n, &sensing_slots) in scenario.frame.sensing_slots.iter().enumerate() {
-            let [decided, fixed @ ..] = arms.each_ref().map(|arm| marks(arm, n));
+            let [adaptive, fixed @ ..] = arms.each_ref().map(|arm| marks(arm, n));
             let accuracy = fixed.each_ref().map(|marks| spread(marks));
             let best = (0..fixed.len())
                 .rev()
@@ -98,10 +98,10 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
             rows.push(Row {
                 clutter_to_target_db: *ratio_db,
                 sensing_slots,
-                decided: spread(&decided),
+                adaptive: spread(&adaptive),
                 fixed: accuracy.to_vec(),
                 best_d: FIRST_KEPT[best + 1],
-                difference: difference(&decided, &fixed[best], request.seed),
+                difference: difference(&adaptive, &fixed[best], request.seed),
             });
         }
     }
@@ -118,7 +118,7 @@ fn csv(found: &Clutter) -> String {
     let header = [
         "clutter_to_target_db",
         "sensing_slots",
-        "decided",
+        "adaptive",
         "d1",
         "d2",
         "d3",
@@ -129,7 +129,7 @@ fn csv(found: &Clutter) -> String {
     ];
     let row = |r: &Row| {
         let mut cells = vec![r.clutter_to_target_db.to_string(), r.sensing_slots.to_string()];
-        cells.push(r.decided.mean.to_string());
+        cells.push(r.adaptive.mean.to_string());
         cells.extend(r.fixed.iter().map(|spread| spread.mean.to_string()));
         cells.push(r.best_d.to_string());
         cells.extend([r.difference.mean, r.difference.low, r.difference.high].map(|x| x.to_string()));
@@ -142,9 +142,9 @@ fn csv(found: &Clutter) -> String {
 pub fn table(request: &Request, found: &Clutter) -> String {
     let l = &request.scenario.learning;
     let mut text = format!(
-        "# Which components are clutter: decided or fixed\n\n{} GHz, {} recordings per class to train, {} test recordings a seed, {}, {} epochs, \
-         C = {}. int8 accuracy. The difference is decided less the best fixed d, in points, on the same recordings; in brackets its 95 % \
-         interval by bootstrap draws of seeds and recordings.\n\n| clutter to target (dB) | N_s | decided | d = 1 | d = 2 | d = 3 \
+        "# Clutter removal: adaptive or fixed\n\n{} GHz, {} recordings per class to train, {} test recordings a seed, {}, {} epochs, \
+         C = {}. int8 accuracy. The difference is adaptive less the best fixed d, in points, on the same recordings; in brackets its 95 % \
+         interval by bootstrap draws of seeds and recordings.\n\n| clutter to target (dB) | N_s | adaptive | d = 1 | d = 2 | d = 3 \
          | difference |\n|---|---|---|---|---|---|---|\n",
         request.scenario.radar.carrier_hz / 1e9,
         l.train_per_class,
@@ -161,7 +161,7 @@ pub fn table(request: &Request, found: &Clutter) -> String {
             "| {} | {} | {} | {} | {mean:+.1} [{low:+.1}, {high:+.1}] |\n",
             row.clutter_to_target_db,
             row.sensing_slots,
-            row.decided,
+            row.adaptive,
             fixed.join(" | "),
         );
     }

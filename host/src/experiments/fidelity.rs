@@ -29,7 +29,7 @@ use std::cell::OnceCell;
 pub const DOMAINS: [&str; 3] = ["dahc", "ray-tracing", "surrogate"];
 /// The paper's gaps to the experiment in accuracy: (carrier in GHz, DAHC, ray tracing).
 pub const PAPER: [(f64, f64, f64); 2] = [(3.5, 0.02, 0.0533), (60.0, 0.04, 0.067)];
-/// Memory of the surrogate's diffuse rays.
+/// AR(1) coefficient rho of the surrogate's diffuse rays.
 pub const SURROGATE_RHO: f64 = 0.995;
 /// What is added to a seed for the surrogate's own people.
 const OTHERS: u64 = 1 << 40;
@@ -120,9 +120,9 @@ fn counts(s: &Scenario, rho: f64, seed: u64, set: Set) -> Counts {
 
 /// Calibrates DAHC on the surrogate and compares ray tracing with it.
 fn intensities(request: &Request, context: RunContext) -> IntensityDivergence {
-    let [dahc, traced, stand] = [0, 1, 2].map(|d| domain(&request.scenario, d));
+    let [dahc, traced, surrogate] = [0, 1, 2].map(|d| domain(&request.scenario, d));
     let stage = context.progress.stage("calibrate", "DAHC on the surrogate");
-    let target = counts(&stand, SURROGATE_RHO, request.seed + OTHERS, Set::Surrogate);
+    let target = counts(&surrogate, SURROGATE_RHO, request.seed + OTHERS, Set::Surrogate);
     let (curve, simulated, best) = search(&target, |rho| {
         stage.step(EVALUATIONS);
         counts(&dahc, rho, request.seed, Set::Calibration)

@@ -3,7 +3,7 @@
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
 //! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise),
-//! [`ablation`] (one effect at a time), [`clutter`] (decided or fixed clutter removal over clutter to target).
+//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target).
 
 pub mod ablation;
 #[cfg(feature = "train")]
@@ -48,7 +48,7 @@ pub enum Study {
     Baselines,
     /// Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards.
     Ablation,
-    /// Accuracy with decided and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards.
+    /// Accuracy with adaptive and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards.
     Clutter,
 }
 

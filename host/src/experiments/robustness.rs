@@ -58,7 +58,7 @@ pub fn conditions() -> Vec<Condition> {
     }
     for first in [0, 1, 2, 3] {
         let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
-        let value = if first == 0 { "decided".into() } else { format!("{first}") };
+        let value = if first == 0 { "adaptive".into() } else { format!("{first}") };
         add("first component kept, d", value, true, Box::new(change));
     }
     for (value, child, adult) in [

@@ -170,13 +170,13 @@ impl Recogniser {
         let learning = &request.scenario.learning;
         let images = layout.simulated(seed, 0, train, context);
         let stage = context.progress.stage("train", &format!("three motions, seed {seed}"));
-        let watch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
+        let after_epoch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
             stage.step(u64::from(learning.epochs));
             Ok(())
         };
         let job = training::Job { seed: seed ^ 0x0073_7472, ..Default::default() };
         let images = [images];
-        let trained = train_all(&images, &[job], learning, Motion::ALL.len(), context.workers, &watch)?;
+        let trained = train_all(&images, &[job], learning, Motion::ALL.len(), context.workers, &after_epoch)?;
         let parameters = trained.into_iter().next().ok_or("no network was trained")?.parameters;
         let names = Motion::ALL.map(|m| m.name().to_owned());
         let (quantized, _) =
@@ -309,7 +309,7 @@ pub fn table(found: &SimToReal) -> String {
     let mut text = format!(
         "\n## From simulation to measurement\n\nNetworks that learned from {TRAIN} simulated seconds of each motion at the recordings' \
          carrier and from nothing measured. Of unseen simulated seconds they recognise {}; of measured ones {} (int8 {}), the ensemble of all seeds (sum of their \
-         their logits) **{:.3}**. A \
+         logits) **{:.3}**. A \
          window is one second, every half second; each is compared with the motion in its file's name, pauses and turns \
          included.\n\n| recording | motion | windows | right | int8 | ensemble |\n|---|---|---|---|---|---|\n",
         found.simulated, found.float, found.int8, found.ensemble

@@ -101,11 +101,12 @@ pub fn train(
         .collect();
     let stage = context.progress.stage("train", &format!("{} networks, seed {seed}", jobs.len()));
     let total = jobs.len() as u64 * u64::from(learning.epochs);
-    let watch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
+    let after_epoch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
         stage.step(total);
         Ok(())
     };
-    let trained = train_all(&images.images, &jobs, learning, Class::ALL.len(), context.workers, &watch)?;
+    let trained =
+        train_all(&images.images, &jobs, learning, Class::ALL.len(), context.workers, &after_epoch)?;
     stage.finish(&format!("{} networks, seed {seed}", trained.len()));
     let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
     let mut models = Vec::new();

@@ -37,12 +37,12 @@ pub struct Network {
 }
 
 /// Parameters by number, so that an optimiser's state finds its own again.
-pub(super) struct Maker<'a> {
+pub(super) struct ParameterBuilder<'a> {
     pub device: &'a Device,
     pub made: u64,
 }
 
-impl Maker<'_> {
+impl ParameterBuilder<'_> {
     pub fn parameter<const D: usize>(&mut self, values: &[f32], shape: [usize; D]) -> Param<Tensor<D>> {
         self.made += 1;
         let mut parameter = Param::from_data(TensorData::new(values.to_vec(), shape), self.device);
@@ -100,7 +100,7 @@ impl Network {
     /// The network with these parameters on this device; it trains where the device has autodiff.
     pub fn new(p: &Parameters, device: &Device) -> Network {
         let Architecture { channels: c, stem_stride, classes, .. } = p.architecture;
-        let mut make = Maker { device, made: 0 };
+        let mut make = ParameterBuilder { device, made: 0 };
         let mut block = |b: &BlockParameters| ResidualBlock {
             norm1: make.norm(&b.norm1),
             conv1: make.parameter(&b.conv1, [c, c, 3, 3]),

@@ -23,7 +23,7 @@ pub enum Rule {
 /// Shares of the widest range that [`Rule::LeastError`] tries.
 const SHARES: [f32; 8] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 
-/// An int8 grid: value `q` stands for `(q - zero) scale`; zero is on it.
+/// Affine int8 quantisation: value `q` means `(q - zero) scale`; 0 is representable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct QuantParams {
     /// Real size of one step.
@@ -65,9 +65,9 @@ impl QuantParams {
     }
 }
 
-/// One grid for every activation of a network.
+/// The quantisation of every activation of a network.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grids {
+pub struct ActivationQuant {
     /// After the input convolution and the pooling.
     pub stem: QuantParams,
     /// Per block: affine, conv1, conv2, add.
@@ -76,7 +76,7 @@ pub struct Grids {
     pub logits: QuantParams,
 }
 
-impl Grids {
+impl ActivationQuant {
     /// Parameters of an activation.
     pub fn of(&self, activation: Activation) -> QuantParams {
         match activation {
@@ -106,8 +106,8 @@ pub(super) fn position(activation: Activation, blocks: usize) -> usize {
     }
 }
 
-/// Chooses the grids by both rules, from what the network does on `images`.
-pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] {
+/// Chooses the activation_quant by both rules, from what the network does on `images`.
+pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, ActivationQuant); 2] {
     let blocks = network.architecture.blocks;
     let count = position(Activation::Logits, blocks) + 1;
     // records of an image lie in the order of `position`
@@ -130,24 +130,25 @@ pub fn calibrate(network: &FloatNetwork, images: &Images) -> [(Rule, Grids); 2] 
     let mut best: Vec<QuantParams> = errors
         .iter()
         .zip(&candidates)
-        .map(|(errors, grids)| {
+        .map(|(errors, activation_quant)| {
             let least = (0..SHARES.len()).fold(0, |best, i| if errors[i] < errors[best] { i } else { best });
-            grids[least]
+            activation_quant[least]
         })
         .collect();
-    let widest: Vec<QuantParams> = candidates.iter().map(|grids| grids[0]).collect();
+    let widest: Vec<QuantParams> = candidates.iter().map(|activation_quant| activation_quant[0]).collect();
     // The answer is never clipped: what would be lost there is the order of the classes.
     best[count - 1] = widest[count - 1];
-    [(Rule::MinMax, widest), (Rule::LeastError, best)].map(|(rule, grids)| (rule, assemble(&grids, blocks)))
+    [(Rule::MinMax, widest), (Rule::LeastError, best)]
+        .map(|(rule, activation_quant)| (rule, assemble(&activation_quant, blocks)))
 }
 
 /// One grid per [`position`], sorted into a network's places.
-pub(super) fn assemble(grids: &[QuantParams], blocks: usize) -> Grids {
-    let at = |activation| grids[position(activation, blocks)];
+pub(super) fn assemble(activation_quant: &[QuantParams], blocks: usize) -> ActivationQuant {
+    let at = |activation| activation_quant[position(activation, blocks)];
     let block = |b| {
         [Activation::BatchNorm(b), Activation::Conv1(b), Activation::Conv2(b), Activation::Add(b)].map(at)
     };
-    Grids {
+    ActivationQuant {
         stem: at(Activation::Stem),
         blocks: (0..blocks).map(block).collect(),
         logits: at(Activation::Logits),

@@ -181,9 +181,9 @@ mod tests {
         };
         let models = [DSN_200, DSN_1000].map(|bytes| Model::parse(bytes).expect("a model"));
         let exits: Vec<_> = models.iter().zip(&weights).map(exit).collect();
-        let courses = Policy::new(&found.slots, weights).courses(&found);
+        let exit_classes = Policy::new(&found.slots, weights).exit_classes(&found);
         let mut memory = OwnedMemory::for_model(&models[1]);
-        for (index, (logits, course)) in found.logits.iter().zip(courses).enumerate() {
+        for (index, (logits, of_exits)) in found.logits.iter().zip(exit_classes).enumerate() {
             let (class, n) = item(index as u32);
             assert_eq!(found.truth[index], class as u8);
             let mut pipeline = memory.early_exits(exits.clone(), 2.0).expect("exits that go together");
@@ -193,7 +193,7 @@ mod tests {
                 answers.extend(pipeline.classify(&mut ()));
             }
             let said: Vec<_> = answers.iter().map(|answer| (answer.class, answer.confidence)).collect();
-            assert_eq!(said, course);
+            assert_eq!(said, of_exits);
             let said: Vec<_> = answers.iter().map(|answer| answer.logits.to_vec()).collect();
             assert_eq!(&said, logits);
         }

@@ -8,7 +8,7 @@ use crate::error::Invalid;
 mod report;
 pub use report::{LayerReport, QuantizationReport};
 
-use super::calibration::{Grids, QuantParams, Rule, calibrate};
+use super::calibration::{ActivationQuant, QuantParams, Rule, calibrate};
 use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Images, Parameters, shuffled};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
@@ -54,24 +54,28 @@ pub fn quantize_folded(
         return Err(no_images());
     }
     let images = evenly_spaced(images, CALIBRATION_IMAGES);
-    let mut best: Option<(f64, Rule, Grids, Converted)> = None;
+    let mut best: Option<(f64, Rule, ActivationQuant, Converted)> = None;
     let mut int8_loss = Vec::new();
-    for (rule, grids) in calibrate(float, &images) {
-        let converted = convert(float, &grids)?;
-        let loss = converted.fake_quantised.evaluate(&images, |(), a, v| round_all(grids.of(a), v)).0.loss;
+    for (rule, activation_quant) in calibrate(float, &images) {
+        let converted = convert(float, &activation_quant)?;
+        let loss = converted
+            .fake_quantised
+            .evaluate(&images, |(), a, v| round_all(activation_quant.of(a), v))
+            .0
+            .loss;
         int8_loss.push((rule, loss));
         if best.as_ref().is_none_or(|b| loss < b.0) {
-            best = Some((loss, rule, grids, converted));
+            best = Some((loss, rule, activation_quant, converted));
         }
     }
-    let (_, rule, grids, converted) = best.ok_or_else(no_images)?;
+    let (_, rule, activation_quant, converted) = best.ok_or_else(no_images)?;
     let report = QuantizationReport {
         images: images.len(),
         rule,
         float_loss: float.classify(&images).loss,
         int8_loss,
         loss_before_qat: None,
-        layers: report::compare(float, &converted.fake_quantised, &grids, &images),
+        layers: report::compare(float, &converted.fake_quantised, &activation_quant, &images),
     };
     let network = QuantizedNetwork {
         preprocessing,
@@ -108,11 +112,13 @@ struct Converted {
     fake_quantised: FloatNetwork,
 }
 
-fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Invalid> {
-    let (stem, rounded_stem) = convert_layer("stem", &float.stem, QuantParams::IMAGE, grids.stem)?;
+fn convert(float: &FloatNetwork, activation_quant: &ActivationQuant) -> Result<Converted, Invalid> {
+    let (stem, rounded_stem) = convert_layer("stem", &float.stem, QuantParams::IMAGE, activation_quant.stem)?;
     let (mut blocks, mut rounded_blocks) = (Vec::new(), Vec::new());
-    let mut x = grids.stem;
-    for (b, (block, &[affine, conv1, conv2, add])) in float.blocks.iter().zip(&grids.blocks).enumerate() {
+    let mut x = activation_quant.stem;
+    for (b, (block, &[affine, conv1, conv2, add])) in
+        float.blocks.iter().zip(&activation_quant.blocks).enumerate()
+    {
         let name = |layer: &str| format!("block {b} {layer}");
         let (affine_layer, rounded_affine) = convert_layer(&name("affine"), &block.affine, x, affine)?;
         let (conv1_layer, rounded_conv1) = convert_layer(&name("conv1"), &block.conv1, affine, conv1)?;
@@ -130,7 +136,7 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Invalid> {
         });
         x = add;
     }
-    let (head, rounded_head) = convert_layer("head", &float.head, x, grids.logits)?;
+    let (head, rounded_head) = convert_layer("head", &float.head, x, activation_quant.logits)?;
     let fake_quantised = FloatNetwork {
         architecture: float.architecture,
         stem: rounded_stem,
@@ -140,10 +146,13 @@ fn convert(float: &FloatNetwork, grids: &Grids) -> Result<Converted, Invalid> {
     Ok(Converted { stem, blocks, head, fake_quantised })
 }
 
-/// The float network with the weights that int8 has on these grids.
+/// The float network with the weights that int8 has on these activation_quant.
 #[cfg(all(test, feature = "train"))]
-pub(super) fn fake_quantize(float: &FloatNetwork, grids: &Grids) -> Result<FloatNetwork, Invalid> {
-    convert(float, grids).map(|converted| converted.fake_quantised)
+pub(super) fn fake_quantize(
+    float: &FloatNetwork,
+    activation_quant: &ActivationQuant,
+) -> Result<FloatNetwork, Invalid> {
+    convert(float, activation_quant).map(|converted| converted.fake_quantised)
 }
 
 /// One layer with weights; also what its rounded weights and biases stand for.

@@ -12,7 +12,7 @@ use burn::tensor::ops::MaxPoolOptions;
 use burn::tensor::{Device, Tensor, TensorData};
 
 use super::burn_model::convolve;
-use super::calibration::{Grids, QuantParams};
+use super::calibration::{ActivationQuant, QuantParams};
 use super::float_network::{FloatNetwork, FoldedBlock, FoldedLayer};
 use super::parameters::{Architecture, Images, Parameters, shuffled};
 use super::quantization::{QuantizationReport, quantize, quantize_folded};
@@ -43,14 +43,19 @@ pub fn quantize_tuned(
     if report.cost() <= learning.qat_above {
         return Ok((network, report));
     }
-    let tuned = tune(&FloatNetwork::new(parameters), &report.grids(), images, learning);
+    let tuned = tune(&FloatNetwork::new(parameters), &report.activation_quant(), images, learning);
     let (better, mut second) = quantize_folded(&tuned, preprocessing, classes, images)?;
     second.loss_before_qat = Some(report.least_loss());
     if second.least_loss() < report.least_loss() { Ok((better, second)) } else { Ok((network, report)) }
 }
 
 /// The folded network after `learning.qat_images` images with every weight and activation rounded on the way.
-fn tune(float: &FloatNetwork, grids: &Grids, images: &Images, learning: &Learning) -> FloatNetwork {
+fn tune(
+    float: &FloatNetwork,
+    activation_quant: &ActivationQuant,
+    images: &Images,
+    learning: &Learning,
+) -> FloatNetwork {
     let device = Device::flex().autodiff();
     let mut network = Rounded::new(float, &device);
     let mut optimizer = AdamConfig::new().with_epsilon(1e-8).init();
@@ -63,7 +68,7 @@ fn tune(float: &FloatNetwork, grids: &Grids, images: &Images, learning: &Learnin
     });
     for (step, batch) in deck.take(steps).enumerate() {
         let (input, truth) = Batch::of(images, &batch, classes).tensors(&device);
-        let logits = network.forward(input, float.architecture, grids);
+        let logits = network.forward(input, float.architecture, activation_quant);
         let loss = (log_softmax(logits, 1) * truth).sum() / -(batch.len() as f64);
         let gradients = GradientsParams::from_grads(loss.backward(), &network);
         let rate = LEARNING_RATE * (1.0 - step as f64 / steps as f64);
@@ -155,11 +160,16 @@ impl Rounded {
     }
 
     /// Logits `[batch, classes]` of images `[batch, 1, rows, frames]`.
-    fn forward(&self, images: Tensor<4>, architecture: Architecture, grids: &Grids) -> Tensor<2> {
-        let x = round(self.stem.convolve(images, architecture.stem_stride), grids.stem);
+    fn forward(
+        &self,
+        images: Tensor<4>,
+        architecture: Architecture,
+        activation_quant: &ActivationQuant,
+    ) -> Tensor<2> {
+        let x = round(self.stem.convolve(images, architecture.stem_stride), activation_quant.stem);
         let mut x = max_pool2d(x, MaxPoolOptions::new([2, 2]));
-        let mut last = grids.stem;
-        for (block, &[affine, conv1, conv2, add]) in self.blocks.iter().zip(&grids.blocks) {
+        let mut last = activation_quant.stem;
+        for (block, &[affine, conv1, conv2, add]) in self.blocks.iter().zip(&activation_quant.blocks) {
             let channel = |t: Tensor<1>| t.reshape([1, architecture.channels, 1, 1]);
             let weights = channel(block.affine.weights.val().flatten(0, 1));
             let t = round(relu(x.clone() * weights + channel(block.affine.biases.val())), affine);
@@ -171,7 +181,7 @@ impl Rounded {
         let [batch, channels, height, width] = x.dims();
         let mean = x.reshape([batch, channels, height * width]).mean_dim(2).reshape([batch, channels]);
         let logits = round(mean, last).matmul(self.head.rounded().transpose());
-        round(logits + self.head.biases.val().unsqueeze(), grids.logits)
+        round(logits + self.head.biases.val().unsqueeze(), activation_quant.logits)
     }
 
     fn folded(&self, architecture: Architecture) -> FloatNetwork {
@@ -210,19 +220,23 @@ mod tests {
             let architecture = Architecture { channels: 8, blocks: 2, stem_stride, classes: 5 };
             let float = FloatNetwork::new(&trained_looking(architecture, 21));
             let images = stripes(frames, 2, 1);
-            let [_, (_, grids)] = calibrate(&float, &images);
-            let fake_quantised = fake_quantize(&float, &grids).unwrap();
-            let found = Rounded::new(&float, &device).forward(input(&images, &device), architecture, &grids);
+            let [_, (_, activation_quant)] = calibrate(&float, &images);
+            let fake_quantised = fake_quantize(&float, &activation_quant).unwrap();
+            let found = Rounded::new(&float, &device).forward(
+                input(&images, &device),
+                architecture,
+                &activation_quant,
+            );
             let found: Vec<f32> = found.into_data().iter::<f32>().collect();
             for (i, found) in found.chunks(5).enumerate() {
                 let expected = fake_quantised.forward(images.image(i), images.rows, &mut |a, v| {
                     if a != Activation::Input {
-                        v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
+                        v.iter_mut().for_each(|v| *v = activation_quant.of(a).round(*v));
                     }
                 });
                 // a sum that falls between two steps may go either way
                 for (a, b) in found.iter().zip(&expected) {
-                    assert!((a - b).abs() <= 3.01 * grids.logits.scale, "{found:?} {expected:?}");
+                    assert!((a - b).abs() <= 3.01 * activation_quant.logits.scale, "{found:?} {expected:?}");
                 }
             }
         }
@@ -254,21 +268,21 @@ mod tests {
         let trained = train(&images, &settings, 5, &job, 2, &|_, _| Ok(())).unwrap();
         let float = FloatNetwork::new(&trained.parameters);
         // int8's ranges, made sixteen times coarser: 16 levels for every activation but the answer
-        let [(_, mut grids), _] = calibrate(&float, &images);
+        let [(_, mut activation_quant), _] = calibrate(&float, &images);
         let coarse = |g: QuantParams| {
             let (low, high) = g.range();
             QuantParams { scale: (high - low) / 15.0, zero: g.zero }
         };
-        grids.stem = coarse(grids.stem);
-        grids.blocks.iter_mut().flatten().for_each(|g| *g = coarse(*g));
+        activation_quant.stem = coarse(activation_quant.stem);
+        activation_quant.blocks.iter_mut().flatten().for_each(|g| *g = coarse(*g));
         let loss = |network: &FloatNetwork| {
-            let fake_quantised = fake_quantize(network, &grids).unwrap();
+            let fake_quantised = fake_quantize(network, &activation_quant).unwrap();
             let round = |(): &mut (), a: Activation, v: &mut [f32]| {
-                v.iter_mut().for_each(|v| *v = grids.of(a).round(*v));
+                v.iter_mut().for_each(|v| *v = activation_quant.of(a).round(*v));
             };
             fake_quantised.evaluate(&images, round).0.loss
         };
-        let (before, after) = (loss(&float), loss(&tune(&float, &grids, &images, &settings)));
+        let (before, after) = (loss(&float), loss(&tune(&float, &activation_quant, &images, &settings)));
         assert!(after < 0.9 * before, "{before} {after}");
     }
 }

@@ -7,7 +7,7 @@ use super::operating_point::{Rule, choose};
 use super::region::Point;
 use super::theorem::Theorem;
 use super::{OptimizerError, bits_per_slot};
-use crate::network::early_exits::policy::{Course, Policy};
+use crate::network::early_exits::policy::{ExitClasses, Policy};
 use crate::network::evaluation::ExitLogits;
 use crate::results::{EarlyExitGain, EarlyExitRegionPoint, EarlyExitResult, StaticPoint};
 use crate::scenario::Scenario;
@@ -17,7 +17,7 @@ use crate::scenario::Scenario;
 pub struct Evaluated<'a> {
     /// Logits of every exit.
     pub exit_logits: &'a ExitLogits,
-    pub courses: &'a [Course],
+    pub exit_classes: &'a [ExitClasses],
 }
 
 /// For every static N_s: threshold and last exit that reach its accuracy on the calibration recordings with the fewest slots, and
@@ -26,8 +26,8 @@ pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<Ea
     let rows = (0..policy.exits.len()).filter_map(|exit| {
         let wanted = calibration.exit_logits.accuracy(exit);
         let (threshold, last) =
-            policy.cheapest(calibration.courses, &calibration.exit_logits.truth, wanted)?;
-        let early_exit = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
+            policy.cheapest(calibration.exit_classes, &calibration.exit_logits.truth, wanted)?;
+        let early_exit = policy.evaluate(test.exit_classes, &test.exit_logits.truth, threshold, last);
         let static_slots = policy.exits[exit].sensing_slots;
         Some(EarlyExitGain {
             static_slots,
@@ -51,7 +51,8 @@ pub fn region(
     let mut all = Vec::new();
     for last in 0..policy.exits.len() {
         for threshold in Policy::thresholds() {
-            let found = policy.play(calibration.courses, &calibration.exit_logits.truth, threshold, last);
+            let found =
+                policy.evaluate(calibration.exit_classes, &calibration.exit_logits.truth, threshold, last);
             all.push((found.sensing_slots, found.accuracy, threshold, last));
         }
     }
@@ -64,7 +65,7 @@ pub fn region(
     });
     front
         .map(|(_, _, threshold, last)| {
-            let point = policy.play(test.courses, &test.exit_logits.truth, threshold, last);
+            let point = policy.evaluate(test.exit_classes, &test.exit_logits.truth, threshold, last);
             let throughput_bit = theorem.throughput_bit(point.sensing_slots);
             EarlyExitRegionPoint { case, throughput_bit, point }
         })
@@ -84,9 +85,9 @@ pub fn outcome(
     test: &ExitLogits,
     rule: Rule,
 ) -> Result<EarlyExitResult, OptimizerError> {
-    let (fitted, courses) = (policy.courses(calibration), policy.courses(test));
-    let fitted = Evaluated { exit_logits: calibration, courses: &fitted };
-    let evaluated = Evaluated { exit_logits: test, courses: &courses };
+    let (fitted, exit_classes) = (policy.exit_classes(calibration), policy.exit_classes(test));
+    let fitted = Evaluated { exit_logits: calibration, exit_classes: &fitted };
+    let evaluated = Evaluated { exit_logits: test, exit_classes: &exit_classes };
     let (mut all, mut still) = (Vec::new(), Vec::new());
     for (case, slot_bit) in bits_per_slot(scenario, seed)? {
         let theorem = Theorem::new(scenario.frame.period_slots, &slot_bit);
@@ -108,7 +109,7 @@ pub fn outcome(
     let points: Vec<Point> = own.iter().map(point).collect();
     let chosen = choose(&points, rule).ok_or_else(|| OptimizerError::unreachable(rule, &points))?;
     let operating_point = own[chosen].clone();
-    let fused = |exit: usize| policy.play(evaluated.courses, &test.truth, 2.0, exit).accuracy;
+    let fused = |exit: usize| policy.evaluate(evaluated.exit_classes, &test.truth, 2.0, exit).accuracy;
     Ok(EarlyExitResult {
         calibrated_on: calibration.truth.len() as u32,
         tested: test.truth.len() as u32,

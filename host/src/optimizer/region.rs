@@ -136,6 +136,31 @@ mod tests {
     }
 
     #[test]
+    fn the_front_is_what_no_other_point_dominates() {
+        let mut random = Random::new(7, 0, 0, 0);
+        for count in [0, 1, 2, 5, 40] {
+            for _ in 0..50 {
+                // of so few values many are equal
+                let mut value = || (5.0 * random.uniform()).floor();
+                let mut point = || {
+                    let (accuracy, throughput_bit) = (value(), value());
+                    Point { sensing_slots: 0, shares: Vec::new(), accuracy, throughput_bit }
+                };
+                let points: Vec<Point> = (0..count).map(|_| point()).collect();
+                let dominated = |p: &Point| {
+                    points.iter().any(|q| {
+                        q.accuracy >= p.accuracy
+                            && q.throughput_bit >= p.throughput_bit
+                            && (q.accuracy > p.accuracy || q.throughput_bit > p.throughput_bit)
+                    })
+                };
+                let expected: Vec<bool> = points.iter().map(|p| !dominated(p)).collect();
+                assert_eq!(pareto(&points), expected, "{points:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_period_without_a_window_is_refused() {
         let mut scenario = Scenario::default();
         scenario.frame.period_slots = 400;

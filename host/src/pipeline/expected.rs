@@ -179,6 +179,10 @@ mod tests {
         twice.learning.epochs *= 2;
         assert!(of(&scenario, Work::Train, 1) < of(&scenario, run, 1));
         assert!(of(&scenario, Work::Train, 1) < of(&twice, Work::Train, 1));
+        assert!(of(&scenario, Work::Train, 1) < of(&scenario, Work::Study(1), 1));
+        assert_eq!(of(&scenario, Work::Study(3), 1), 3.0 * of(&scenario, Work::Study(1), 1));
+        // five classes of 10 recordings, 1000 slots each
+        assert!((of(&scenario, Work::EarlyExits(10), 1) / (50_000.0 * slot.raw_s) - 1.0).abs() < 1e-9);
         assert!((of(&scenario, Work::Train, 1) / of(&scenario, Work::Train, 4) - 4.0).abs() < 1e-9);
         let (quick, _) = Scenario::quick(None, &[]).unwrap();
         assert!(of(&quick, run, 2) < 0.3 * of(&scenario, run, 2));

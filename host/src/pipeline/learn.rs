@@ -101,7 +101,7 @@ impl Job {
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
         let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();
         stage.at(done, total);
-        let watch = |job: usize, state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| {
+        let after_epoch = |job: usize, state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| {
             record::write(&self.output, &name(slots[job]), &identities[job], &state())
                 .map_err(|e| e.to_string())?;
             if let Some(e) = epochs.last() {
@@ -114,7 +114,8 @@ impl Job {
             stage.step(total);
             Ok(())
         };
-        let trained = train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), self.workers, &watch)?;
+        let trained =
+            train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), self.workers, &after_epoch)?;
         let last = trained.last().and_then(|t| t.epochs.last());
         let (loss, accuracy) = last.map_or((f64::NAN, f64::NAN), |e| (e.loss, e.accuracy));
         stage.finish(&format!("{} networks, last loss {loss:.3}, accuracy {accuracy:.3}", trained.len()));

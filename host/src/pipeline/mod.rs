@@ -30,7 +30,6 @@ use crate::simulator::dataset;
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 
-pub use optimize::predict_file;
 pub use simulate::{Dataset, Measured, calibrate_table};
 
 /// What every stage needs.

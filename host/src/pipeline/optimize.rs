@@ -21,15 +21,6 @@ use std::path::Path;
 /// What makes int8 networks.
 pub(super) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
 
-/// The curves through the points of a file.
-///
-/// # Errors
-///
-/// A file that is none of points; too few of them.
-pub fn predict_file(file: &Path, seed: u64) -> Result<Prediction, Failure> {
-    Ok(predict(&points::read(file)?, seed).map_err(|e| format!("{}: {e}", file.display()))?)
-}
-
 impl Job {
     /// The learning curve through accuracies.
     ///
@@ -44,28 +35,32 @@ impl Job {
         Ok((prediction, curve))
     }
 
-    /// The curves through the accuracies of the run in the output folder.
+    /// The curves through the points of a file, or else the accuracies of the run: `predict.json` and a figure.
     ///
     /// # Errors
     ///
-    /// No run; too few points.
-    pub fn predict_run(&self) -> Result<Prediction, Failure> {
-        let run = self.run()?;
-        Ok(predict(&stored::points(&run.accuracy), self.given.seed.unwrap_or(run.seed))?)
+    /// No points, or too few of them; a folder that cannot be written.
+    pub fn prediction(self, file: Option<&Path>) -> Result<Prediction, Failure> {
+        let (job, points, origin) = self.with_points(file)?;
+        let prediction = predict(&points, job.seed).map_err(|e| format!("{origin}{e}"))?;
+        job.output.write_result("predict.json", &prediction)?;
+        job.draw("predict", &figures::learning_curve(&prediction, &[]).svg(Medium::SINGLE))?;
+        Ok(prediction)
     }
 
-    /// Writes and draws a prediction.
-    ///
-    /// # Errors
-    ///
-    /// A folder that cannot be written.
-    pub fn keep_prediction(&self, prediction: &Prediction) -> Result<(), Failure> {
-        self.output.write_result("predict.json", prediction)?;
-        self.draw("predict", &figures::learning_curve(prediction, &[]).svg(Medium::SINGLE))
+    /// The points of a file, and its name for messages; or else the accuracies of the run, with which the job goes on in the run's
+    /// scenario and with its seed.
+    fn with_points(self, file: Option<&Path>) -> Result<(Self, Vec<CurvePoint>, String), Failure> {
+        match file {
+            Some(file) => Ok((self, points::read(file)?, format!("{}: ", file.display()))),
+            None => {
+                let points = stored::points(&self.run()?.accuracy);
+                Ok((self.of_folder()?, points, String::new()))
+            }
+        }
     }
 
-    /// The learning curve through the points of a file, or else the accuracies of the run: the best one, or `model`'s. With the
-    /// run's accuracies the job goes on in the run's scenario, with its seed.
+    /// The best learning curve, or `model`'s, through the points of a file or else the accuracies of the run, and the job that goes on.
     ///
     /// # Errors
     ///
@@ -75,13 +70,7 @@ impl Job {
         file: Option<&Path>,
         model: Option<Model>,
     ) -> Result<(Self, Curve, Vec<CurvePoint>), Failure> {
-        let (job, points, origin) = match file {
-            Some(file) => (self, points::read(file)?, format!("{}: ", file.display())),
-            None => {
-                let points = stored::points(&self.run()?.accuracy);
-                (self.of_run()?, points, String::new())
-            }
-        };
+        let (job, points, origin) = self.with_points(file)?;
         let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
         let Some(model) = model else { return Ok((job, best_curve(&prediction), points)) };
         let found = prediction.models.iter().find(|m| m.name == model.name());
@@ -188,7 +177,7 @@ impl Job {
         per_class: u32,
         rule: Option<Rule>,
     ) -> Result<(EarlyExitResult, f64), Failure> {
-        self.scenario = self.trained_scenario()?;
+        self = self.of_folder()?;
         #[cfg(feature = "train")]
         self.say_expected(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho());
         let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;

@@ -16,7 +16,7 @@ impl Job {
     /// No run, or numbers that are not a plan.
     pub fn schedule(self) -> Result<Schedule, Failure> {
         let schedule = playback::play(&self.run()?.operating_point)?;
-        let job = self.of_run()?;
+        let job = self.of_folder()?;
         job.output.write_result("schedule.json", &schedule)?;
         job.draw_period(&schedule.timeline)?;
         Ok(schedule)
@@ -33,10 +33,8 @@ impl Job {
         settings: &Settings,
         threshold: Option<f64>,
     ) -> Result<(Campaign, f64), Failure> {
-        if self.has_run() {
-            self = self.of_run()?;
-        } else if settings.recognise_every > 0 {
-            self.scenario = self.trained_scenario()?;
+        if self.has_run() || settings.recognise_every > 0 {
+            self = self.of_folder()?;
         }
         settings.check(&self.scenario, threshold)?;
         self.record("schedule")?;

@@ -93,15 +93,15 @@ impl Job {
         Ok(Scenario::resolve(Some(&self.output.path("scenario.toml")), &self.given.set)?)
     }
 
-    /// The job in the scenario and with the seed of the run in the output folder, unless others are given.
+    /// The job in the scenario of the output folder and, if a run is there, with its seed, unless others are given.
     ///
     /// # Errors
     ///
-    /// No run; a scenario that is missing or cannot be.
-    pub fn of_run(self) -> Result<Self, Failure> {
+    /// A run that is none; a scenario that is missing or cannot be.
+    pub(super) fn of_folder(self) -> Result<Self, Failure> {
         let seed = match self.given.seed {
-            Some(seed) => seed,
-            None => self.run()?.seed,
+            None if self.has_run() => self.run()?.seed,
+            _ => self.seed,
         };
         Ok(Job { scenario: self.trained_scenario()?, seed, output: self.output.of_seed(seed), ..self })
     }

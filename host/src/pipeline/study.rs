@@ -74,6 +74,12 @@ impl Job {
             job.scenario.frame.sensing_slots = vec![self.scenario.largest_sensing_slots()];
         }
         job.say_expected(Work::Study(seeds * of_seed as u32), job.rho());
+        if study == Study::Baselines && cfg!(feature = "svm") {
+            self.progress.note(
+                "expected",
+                "the support vector machine's cross-validation takes longer than the networks",
+            );
+        }
     }
 
     /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`].

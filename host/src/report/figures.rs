@@ -28,7 +28,7 @@ pub fn kl_curve(c: &Calibration) -> Plot {
     let mut plot = Plot::new("KL divergence over 1 - rho", x, y);
     for (name, style, value) in [
         ("all intensities", STYLES[0], (|p| p.kl) as fn(&crate::results::KlPoint) -> f64),
-        ("without black", STYLES[1], |p| p.kl_without_floor),
+        ("without the floor", STYLES[1], |p| p.kl_without_floor),
     ] {
         let series = plot.series(name, style);
         let points: Vec<_> = c.curve.iter().map(|p| (at(p.rho), kl(value(p)))).collect();

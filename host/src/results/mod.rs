@@ -259,7 +259,7 @@ pub struct KlPoint {
     pub rho: f64,
     /// Divergence of the measured from the simulated intensities, in nats.
     pub kl: f64,
-    /// The same without the clipped-to-black level.
+    /// The same without intensity 0, which is at or below the dynamic range.
     pub kl_without_floor: f64,
 }
 

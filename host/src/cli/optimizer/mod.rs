@@ -6,7 +6,6 @@ use super::context::{Context, count, one_of};
 use crate::error::{Failure, Invalid};
 use crate::optimizer::Rule;
 use crate::optimizer::sweep::Sweep;
-use crate::pipeline;
 use crate::predictor::Model;
 use crate::report::{early_exits, tables};
 use crate::results::{Link, Optimum};
@@ -95,12 +94,7 @@ fn rule(args: &RuleArgs) -> Result<Option<Rule>, Failure> {
 }
 
 pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
-    // points of a file are read before a folder is made for the results
-    let prediction = match &args.points {
-        Some(file) => pipeline::predict_file(file, context.common.seed())?,
-        None => context.job()?.predict_run()?,
-    };
-    context.job()?.keep_prediction(&prediction)?;
+    let prediction = context.job()?.prediction(args.points.as_deref())?;
     context.print(&prediction, || tables::prediction(&prediction))?;
     Ok(true)
 }

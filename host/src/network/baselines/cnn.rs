@@ -4,7 +4,7 @@
 use super::{apart, folds, right};
 use crate::network::backbone::operation::backbone;
 use crate::network::backbone::{BlockKind, Shape, Workspace};
-use crate::network::burn_model::Maker;
+use crate::network::burn_model::ParameterBuilder;
 use crate::network::float_network::first_maximum;
 use crate::network::parameters::{Architecture, Images, Parameters, shuffled};
 use crate::network::training::TrainingError;
@@ -48,7 +48,7 @@ impl Cnn {
     fn new(architecture: Architecture, seed: u64, device: &Device) -> Cnn {
         let Architecture { channels: c, blocks, stem_stride, classes } = architecture;
         let initial = Parameters::initial(architecture, seed);
-        let mut make = Maker { device, made: 0 };
+        let mut make = ParameterBuilder { device, made: 0 };
         // there is no skip beside which a branch would have to start small
         let whole = (blocks as f32).sqrt();
         let blocks = initial.blocks.iter().map(|b| {

@@ -2,7 +2,7 @@
 
 use super::Policy;
 use super::calibration::weights;
-use super::policy::Course;
+use super::policy::ExitClasses;
 use crate::network::evaluation::{Networks, RefusedModel};
 use crate::network::spectrograms::{Collected, Recordings};
 use crate::results::{EarlyExitGallery, EarlyExitRecording, ExitClassification};
@@ -29,11 +29,12 @@ pub fn gallery(
     let exit_logits = networks.recordings(calibration, progress);
     let policy = Policy::new(&exit_logits.slots, weights(&exit_logits));
     let last = models.len() - 1;
-    let courses = policy.courses(&exit_logits);
-    let (threshold, last) = policy.cheapest(&courses, &exit_logits.truth, accuracy).unwrap_or((2.0, last));
+    let exit_classes = policy.exit_classes(&exit_logits);
+    let (threshold, last) =
+        policy.cheapest(&exit_classes, &exit_logits.truth, accuracy).unwrap_or((2.0, last));
     let found = networks.images(&shown.images);
-    let recording = |(n, course): (usize, Course)| {
-        let stop = (0..last).find(|&exit| course[exit].1 >= threshold as f32).unwrap_or(last);
+    let recording = |(n, of_exits): (usize, ExitClasses)| {
+        let stop = (0..last).find(|&exit| of_exits[exit].1 >= threshold as f32).unwrap_or(last);
         let exit = |(k, (class, confidence)): (usize, (u8, f32))| ExitClassification {
             sensing_slots: policy.exits[k].sensing_slots,
             frames: shown.images[k].frames as u32,
@@ -43,7 +44,7 @@ pub fn gallery(
         };
         EarlyExitRecording {
             truth: Class::ALL[usize::from(found.truth[n])].name().into(),
-            exits: course.into_iter().enumerate().map(exit).collect(),
+            exits: of_exits.into_iter().enumerate().map(exit).collect(),
             stops_after: policy.exits[stop].sensing_slots,
         }
     };
@@ -51,7 +52,7 @@ pub fn gallery(
         threshold,
         most_sensing_slots: policy.exits[last].sensing_slots,
         calibrated_on: exit_logits.truth.len() as u32,
-        recordings: policy.courses(&found).into_iter().enumerate().map(recording).collect(),
+        recordings: policy.exit_classes(&found).into_iter().enumerate().map(recording).collect(),
     }))
 }
 

@@ -34,8 +34,8 @@ pub fn tile<S: SimdI32, const P: usize>(
 
 impl Convolution<'_> {
     #[inline(always)]
-    fn rows<S: SimdI32, const QUADS: usize, const P: usize>(mut self, simd: S) {
-        let step = QUADS * (4 / S::INPUTS);
+    fn rows<S: SimdI32, const CHANNEL_GROUPS: usize, const P: usize>(mut self, simd: S) {
+        let step = CHANNEL_GROUPS * (4 / S::INPUTS);
         let (height, width) = self.size;
         let columns = width.next_multiple_of(P) + 2;
         let row = columns * step;
@@ -60,12 +60,12 @@ impl Convolution<'_> {
         }
     }
 
-    /// The convolution, for four times `QUADS` inputs.
+    /// The convolution, for four times `CHANNEL_GROUPS` inputs.
     #[inline(always)]
-    pub fn direct<S: SimdI32, const QUADS: usize>(self, simd: S) {
+    pub fn direct<S: SimdI32, const CHANNEL_GROUPS: usize>(self, simd: S) {
         match S::TILE {
-            4 => self.rows::<S, QUADS, 4>(simd),
-            _ => self.rows::<S, QUADS, 16>(simd),
+            4 => self.rows::<S, CHANNEL_GROUPS, 4>(simd),
+            _ => self.rows::<S, CHANNEL_GROUPS, 16>(simd),
         }
     }
 }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-use crate::network::calibration::{Grids, QuantParams, Rule, assemble, position};
+use crate::network::calibration::{ActivationQuant, QuantParams, Rule, assemble, position};
 use crate::network::float_network::{Activation, FloatNetwork};
 use crate::network::parameters::Images;
 
@@ -56,10 +56,10 @@ impl QuantizationReport {
         self.least_loss() - self.float_loss
     }
 
-    /// The grids that were kept.
-    pub fn grids(&self) -> Grids {
-        let grids: Vec<QuantParams> = self.layers.iter().map(|layer| layer.grid).collect();
-        assemble(&grids, (grids.len() - 4) / 4)
+    /// The activation_quant that were kept.
+    pub fn activation_quant(&self) -> ActivationQuant {
+        let activation_quant: Vec<QuantParams> = self.layers.iter().map(|layer| layer.grid).collect();
+        assemble(&activation_quant, (activation_quant.len() - 4) / 4)
     }
 
     /// The report as a table: range, step, error and clipped share of every activation.
@@ -88,7 +88,7 @@ impl QuantizationReport {
 pub(super) fn compare(
     float: &FloatNetwork,
     fake_quantised: &FloatNetwork,
-    grids: &Grids,
+    activation_quant: &ActivationQuant,
     images: &Images,
 ) -> Vec<LayerReport> {
     let blocks = float.architecture.blocks;
@@ -104,10 +104,10 @@ pub(super) fn compare(
         });
         fake_quantised.forward(images.image(i), images.rows, &mut |activation, values| {
             let at = position(activation, blocks);
-            tallies[at].round(grids.of(activation), values, &exact[at]);
+            tallies[at].round(activation_quant.of(activation), values, &exact[at]);
         });
     }
-    order.iter().zip(tallies).map(|(&activation, tally)| tally.report(activation, grids)).collect()
+    order.iter().zip(tallies).map(|(&activation, tally)| tally.report(activation, activation_quant)).collect()
 }
 
 /// Sums over all values of an activation.
@@ -133,8 +133,8 @@ impl Tally {
         self.values += values.len() as u64;
     }
 
-    fn report(&self, activation: Activation, grids: &Grids) -> LayerReport {
-        let grid = grids.of(activation);
+    fn report(&self, activation: Activation, activation_quant: &ActivationQuant) -> LayerReport {
+        let grid = activation_quant.of(activation);
         let (low, high) = grid.range();
         // An activation without error counts as one with the error of a double's last bit.
         let signal = self.signal.max(f64::MIN_POSITIVE);

@@ -39,7 +39,7 @@ pub enum TrainingError {
     Checkpoint(#[from] Undecodable),
     /// What the caller found wrong after an epoch.
     #[error("training: {0}")]
-    Watch(String),
+    EpochCallback(String),
     /// The operating system refused a thread.
     #[error("training thread: {0}")]
     Thread(String),
@@ -119,14 +119,15 @@ fn architecture(settings: &Learning, classes: usize) -> Architecture {
 }
 
 /// Sees the state after every epoch, from any thread; an error ends the training.
-pub type Watch<'a> = dyn Fn(&dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
+pub type EpochCallback<'a> = dyn Fn(&dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
 
-/// As [`Watch`], with the job's number first.
-pub type WatchAll<'a> = dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
+/// As [`EpochCallback`], with the job's number first.
+pub type EpochCallbacks<'a> =
+    dyn Fn(usize, &dyn Fn() -> Checkpoint, &[Epoch]) -> Result<(), String> + Sync + 'a;
 
 /// Trains one network per job and images, `workers` at a time, and returns them in order.
 ///
-/// `watch(job, checkpoint, epochs)` is called after every epoch, from any thread; an error of its ends the training.
+/// `after_epoch(job, checkpoint, epochs)` is called after every epoch, from any thread; an error of its ends the training.
 /// The results do not depend on `workers`.
 ///
 /// # Errors
@@ -137,7 +138,7 @@ pub fn train_all(
     settings: &Learning,
     classes: usize,
     workers: usize,
-    watch: &WatchAll,
+    after_epoch: &EpochCallbacks,
 ) -> Result<Vec<Trained>, TrainingError> {
     // The longest first, so that no worker is left with it at the end.
     let mut order: Vec<usize> = (0..jobs.len().min(images.len())).collect();
@@ -148,8 +149,9 @@ pub fn train_all(
         order.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
         while let Some(&j) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let watch = |state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| watch(j, state, epochs);
-            let trained = train(&images[j], settings, classes, &jobs[j], threads, &watch);
+            let after_epoch =
+                |state: &dyn Fn() -> Checkpoint, epochs: &[Epoch]| after_epoch(j, state, epochs);
+            let trained = train(&images[j], settings, classes, &jobs[j], threads, &after_epoch);
             *results[j].lock().unwrap_or_else(|e| e.into_inner()) = Some(trained);
         }
     };
@@ -169,24 +171,24 @@ pub fn train_all(
         .collect()
 }
 
-/// Trains one network on `threads` threads; `watch` is called after every epoch.
+/// Trains one network on `threads` threads; `after_epoch` is called after every epoch.
 ///
 /// The result does not depend on `threads`, nor on how often it was interrupted and resumed.
 ///
 /// # Errors
-/// Images with a size or labels that do not fit; a checkpoint of another training; what `watch` says; no thread.
+/// Images with a size or labels that do not fit; a checkpoint of another training; what `after_epoch` says; no thread.
 pub fn train(
     images: &Images,
     settings: &Learning,
     classes: usize,
     job: &Job,
     threads: usize,
-    watch: &Watch,
+    after_epoch: &EpochCallback,
 ) -> Result<Trained, TrainingError> {
     check(images, settings, classes)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
     let pool = pool.map_err(|e| TrainingError::Thread(e.to_string()))?;
-    pool.install(|| Learner::new(images, settings, classes, job)?.run(watch))
+    pool.install(|| Learner::new(images, settings, classes, job)?.run(after_epoch))
 }
 
 fn check(images: &Images, settings: &Learning, classes: usize) -> Result<(), TrainingError> {
@@ -257,10 +259,10 @@ impl<'a> Learner<'a> {
         })
     }
 
-    fn run(mut self, watch: &Watch) -> Result<Trained, TrainingError> {
+    fn run(mut self, after_epoch: &EpochCallback) -> Result<Trained, TrainingError> {
         while self.epochs.len() < self.settings.epochs as usize && !self.stopped() {
             self.epoch();
-            watch(&|| self.checkpoint(), &self.epochs).map_err(TrainingError::Watch)?;
+            after_epoch(&|| self.checkpoint(), &self.epochs).map_err(TrainingError::EpochCallback)?;
         }
         let parameters = match &self.best {
             Some(best) => best.parameters.parameters(self.architecture)?,

@@ -11,7 +11,7 @@ function klPanel() {
   const say = (point) => [
     ["rho", String(point.rho)],
     ["KL", digits(point.kl, 4)],
-    ["KL without black", digits(point.kl_without_floor, 4)],
+    ["KL without the floor", digits(point.kl_without_floor, 4)],
   ];
   walk(plotOf("kl-curve"), { label: "channel correlation", series, say, start: { s: 0, k: start } });
 }

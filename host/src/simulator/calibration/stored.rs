@@ -130,9 +130,9 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 }
                 let single = room.clone();
                 room.channel.interferer = interferer;
-                let stands = Bench::new(&room, seed, class, false, 1000);
+                let surrogate = Bench::new(&room, seed, class, false, 1000);
                 let bench = Bench::new(&single, seed, class, false, 1000);
-                let measured = stands.counts(PAPER_RHO, Set::Surrogate, SURROGATES);
+                let measured = surrogate.counts(PAPER_RHO, Set::Surrogate, SURROGATES);
                 let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;

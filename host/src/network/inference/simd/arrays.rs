@@ -1,6 +1,6 @@
 //! Sixteen lanes as an array, left to the compiler: the portable implementation, and the reference of the others.
 
-use super::{I32x16, Kernel, LANES, Requantizer, SimdI32, quad_words};
+use super::{I32x16, Kernel, LANES, Requantizer, SimdI32, group_words};
 
 /// Sixteen lanes as an array, with `INPUTS` 2 or 4 inputs in a word.
 #[derive(Debug, Clone, Copy)]
@@ -161,7 +161,7 @@ impl<const INPUTS: usize> SimdI32 for Arrays<INPUTS> {
     fn input_words(self, values: &[i8], words: &mut [i32]) {
         let (fours, _) = values.as_chunks::<4>();
         for (&four, words) in fours.iter().zip(words.chunks_exact_mut(4 / INPUTS)) {
-            quad_words::<INPUTS>(four, words);
+            group_words::<INPUTS>(four, words);
         }
     }
 }

@@ -143,7 +143,7 @@ pub trait SimdI32: Copy {
 
 /// Four values to 4 / [`SimdI32::INPUTS`] words.
 #[inline(always)]
-fn quad_words<const INPUTS: usize>(four: [i8; 4], words: &mut [i32]) {
+fn group_words<const INPUTS: usize>(four: [i8; 4], words: &mut [i32]) {
     let [a, b, c, d] = four.map(|v| i32::from(v) & 0xffff);
     match words {
         [one] if INPUTS == 4 => *one = i32::from_le_bytes(four.map(|v| v as u8 ^ 0x80)),

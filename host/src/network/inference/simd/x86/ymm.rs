@@ -1,7 +1,7 @@
 //! Two vectors of 256 bits as sixteen lanes: AVX2, with or without AVX-VNNI.
 
 use super::flipped;
-use crate::network::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32, quad_words};
+use crate::network::inference::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32, group_words};
 use std::arch::x86_64::*;
 use std::mem::transmute;
 
@@ -193,7 +193,7 @@ impl<const VNNI: bool> SimdI32 for Ymm<VNNI> {
         }
         let (rest, _) = rest.as_chunks::<4>();
         for (&four, words) in rest.iter().zip(rest_words.chunks_exact_mut(2)) {
-            quad_words::<2>(four, words);
+            group_words::<2>(four, words);
         }
     }
 }
