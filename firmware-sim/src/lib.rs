@@ -13,5 +13,7 @@ pub mod log;
 pub mod rt;
 #[cfg(target_os = "none")]
 pub mod semihosting;
+#[cfg(target_os = "none")]
+pub mod static_cell;
 #[cfg(all(feature = "target", target_os = "none"))]
 pub mod station;

@@ -4,7 +4,8 @@ use super::dechirp::{CHIRP_WORDS, ComplexI16, write_chirp};
 use super::range_gate::write_references;
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 use crate::dims::{BEATS, Beat, Complex, ZERO_BEAT};
-use crate::simd::conj_mac::{Sum, conj_mac};
+use crate::simd::conj_mac::Sum;
+use crate::simd::native_conj_mac;
 
 /// A configuration and the reference samples it needs.
 #[derive(Debug)]
@@ -54,10 +55,10 @@ impl<'b> FastTime<'b> {
         let sums = all.get_mut(..kept)?;
         match (self.config.gate, self.config.format) {
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
-            (None, _) => conj_mac(pairs, self.reference, block, sums),
+            (None, _) => native_conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {
                 for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples.max(1))) {
-                    conj_mac(pairs, reference, samples, core::slice::from_mut(sum));
+                    native_conj_mac(pairs, reference, samples, core::slice::from_mut(sum));
                 }
             }
             (Some(_), SampleFormat::Real) => {

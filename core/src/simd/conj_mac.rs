@@ -1,22 +1,13 @@
 //! Conjugate multiply-accumulate, the product of dechirping: samples times a conjugate reference, summed in blocks, exactly.
 //!
-//! [`portable`] is the reference of `arm`'s dual multiply-accumulates.
+//! [`portable`] is the reference of Arm's dual multiply-accumulates; [`super::native_conj_mac`] is the faster of the two.
 
 /// Complex samples: in-phase and quadrature.
 pub(crate) type ComplexI16 = [i16; 2];
 
-/// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, by the fastest way of the target.
+/// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, in portable Rust.
 ///
 /// |samples| |reference| below 2^31, blocks of at most 2^15 samples. Cost: four multiply-accumulates a sample.
-#[inline]
-pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
-    #[cfg(all(target_arch = "arm", arm_dsp))]
-    super::arm::conj_mac(samples, reference, block, sums);
-    #[cfg(not(all(target_arch = "arm", arm_dsp)))]
-    portable(samples, reference, block, sums);
-}
-
-/// [`conj_mac`] in portable Rust.
 #[inline]
 pub fn portable(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));

@@ -12,6 +12,12 @@ pub mod mulh;
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
 pub use arm::NativeDualMac;
+/// The fastest [`conj_mac::portable`] of the target.
+#[cfg(all(target_arch = "arm", arm_dsp))]
+pub use arm::conj_mac as native_conj_mac;
+/// The fastest [`conj_mac::portable`] of the target.
+#[cfg(not(all(target_arch = "arm", arm_dsp)))]
+pub use conj_mac::portable as native_conj_mac;
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub type NativeDualMac = dual_mac::Plain;

@@ -11,7 +11,7 @@ mod firmware {
     use sdp3_core::dsn::{Model, format::KEY_LEN};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::{Error, RadarModule, Retained, Shape, radar_memory};
-    use sdp3_firmware_sim::rt::static_cell::ConstStaticCell;
+    use sdp3_firmware_sim::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::station::{Module, power_on, serve, settings, slot, slot_interrupt};
 
     static MODEL: &[u8] = sdp3_testkit::models::DSN_200_SIGNED;

@@ -10,7 +10,7 @@ fn main() {
 #[path = "../porting.rs"]
 mod porting;
 #[cfg(target_os = "none")]
-use sdp3_firmware_sim::rt::static_cell;
+use sdp3_firmware_sim::static_cell;
 
 #[cfg(target_os = "none")]
 mod board {

@@ -254,29 +254,6 @@ impl<T> Single<T> {
     }
 }
 
-/// The interface of the crate `static_cell`, which needs an atomic exchange and has a panic path.
-pub mod static_cell {
-    use super::Single;
-
-    /// A value that the compiler makes in a static, and that is taken once.
-    pub struct ConstStaticCell<T>(Single<T>);
-
-    impl<T> ConstStaticCell<T> {
-        /// A static value.
-        pub const fn new(value: T) -> Self {
-            ConstStaticCell(Single::new(value))
-        }
-
-        /// The value; a second call ends the run.
-        pub fn take(&'static self) -> &'static mut T {
-            match self.0.take() {
-                Some(value) => value,
-                None => crate::semihosting::exit(2),
-            }
-        }
-    }
-}
-
 /// A value that a program gives to its interrupt handler, once, before it starts the interrupt.
 pub struct Owned<T> {
     value: UnsafeCell<Option<T>>,

@@ -2,36 +2,11 @@
 
 use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
-use super::{Scenario, SpectrogramSettings};
+use super::{Scenario, ScenarioError, SpectrogramSettings};
 use crate::error::Invalid;
 use sdp3_core::dims::FFT_LEN;
 use sdp3_core::signal::clutter::SvdRange;
 use sdp3_core::signal::front_end::Preprocessing;
-use std::path::PathBuf;
-
-/// Why a scenario cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ScenarioError {
-    /// The file cannot be read.
-    #[error("{file}: {source}")]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file is not TOML, or has a key or a type that a scenario does not have.
-    #[error("{file}: {message}")]
-    Syntax {
-        /// The file.
-        file: PathBuf,
-        /// Line, key and the keys there are.
-        message: String,
-    },
-    /// A field that may not be what it is.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-}
 
 impl Scenario {
     /// Largest N_s studied.
@@ -80,6 +55,7 @@ impl Scenario {
         let c = &mut rules;
         self.check_room(c);
         self.check_radar(c);
+        self.radar.check_front_end(c);
         c.within("channel.rho", self.channel.rho.unwrap_or(1.0), 0.0, 1.0);
         c.within("channel.k_factor_db", self.channel.k_factor_db, -20.0, 80.0);
         c.within("channel.clutter_gain_db", self.channel.clutter_gain_db, -60.0, 60.0);

@@ -1,19 +1,7 @@
 //! The analogue front end: what a scenario states of it, and a real module's values where it states nothing.
 
-use super::radar::{Format, Radar};
+use super::radar::{Format, FrontEnd, Radar};
 use super::rules::Rules;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-/// Values of the analogue front end where a scenario states none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum FrontEnd {
-    /// No phase noise, leakage, offset or compression; I and Q equal and in quadrature.
-    Ideal,
-    /// A real module's: a direct-conversion receiver below 10 GHz, a single-chip transceiver from there on.
-    Typical,
-}
 
 /// At and below this level there is no phase noise, in dBc/Hz.
 const NO_PHASE_NOISE: f64 = -200.0;

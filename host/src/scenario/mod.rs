@@ -7,6 +7,7 @@ mod annotated;
 pub mod builtin;
 mod channel;
 mod check;
+mod error;
 mod communication;
 mod defaults;
 mod front_end;
@@ -23,13 +24,13 @@ mod schema;
 pub use channel::{
     Advance, ArMode, Channel, Clusters, Doppler, Environment, Interior, Model, Polarisation, Tgn,
 };
-pub use check::ScenarioError;
+pub use error::ScenarioError;
 pub use communication::Communication;
-pub use front_end::{Effects, FrontEnd, Spectrum};
+pub use front_end::{Effects, Spectrum};
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;
 pub use people::{Class, Other, Target};
-pub use radar::{AntennaPattern, Dechirp, Format, Radar};
+pub use radar::{AntennaPattern, Dechirp, Format, FrontEnd, Radar};
 pub use read::syntax_message;
 pub use room::{Furniture, Material, Room, Surface};
 pub use rules::Rule;

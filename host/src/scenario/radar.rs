@@ -3,7 +3,6 @@
 //! Sweep and converter are free: [`Radar::config`] is what the radar module and every model file know of them.
 
 use super::Scenario;
-use super::front_end::FrontEnd;
 use super::rules::Rules;
 use schemars::JsonSchema;
 use sdp3_core::config::{self, RadarConfig, RangeGate, SampleFormat};
@@ -40,6 +39,16 @@ pub enum AntennaPattern {
     Element,
     /// A measured table, `radar.antenna_table`.
     Table,
+}
+
+/// Values of the analogue front end where a scenario states none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrontEnd {
+    /// No phase noise, leakage, offset or compression; I and Q equal and in quadrature.
+    Ideal,
+    /// A real module's: a direct-conversion receiver below 10 GHz, a single-chip transceiver from there on.
+    Typical,
 }
 
 /// The radar at the base station: position, sweep, converter and front end.
@@ -248,7 +257,6 @@ impl Scenario {
         }
         c.within("radar.noise_figure_db", r.noise_figure_db, 0.0, 40.0);
         c.within("radar.headroom_db", r.headroom_db, 0.0, 60.0);
-        r.check_front_end(c);
     }
 
     /// What depends on where the sweep is dechirped and on the gate.

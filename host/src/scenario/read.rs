@@ -1,6 +1,6 @@
 //! Reading a scenario: a file or a built-in one, with single fields set over it; every refusal names its origin.
 
-use super::check::ScenarioError;
+use super::error::ScenarioError;
 use super::overrides::Override;
 use super::{Scenario, builtin};
 use crate::store::limited;

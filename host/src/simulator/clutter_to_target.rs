@@ -5,8 +5,7 @@
 
 use super::body::motion::Person;
 use super::body::{norm, sub};
-use super::channel::dahc::mean_power;
-use super::channel::room::static_paths;
+use super::channel::room::{received_power, static_paths};
 use super::channel::{BLOCKS, Blocks, Sensor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{Class, Scenario};
@@ -25,7 +24,7 @@ pub fn clutter_to_target_db(scenario: &Scenario) -> f64 {
     mean.iter().for_each(|one| sensor.add(&mut sum, &one.path));
     let k = libm::pow(10.0, -scenario.channel.k_factor_db / 10.0);
     let interfering = sum.iter().map(|z| z.norm_sqr()).sum::<f64>() / BLOCKS as f64;
-    let clutter = interfering + k * mean_power(&mean, &sensor.antenna);
+    let clutter = interfering + k * received_power(&mean, &sensor.antenna);
     let duration_s = f64::from(scenario.largest_sensing_slots()) * scenario.interval_s();
     let mut target = 0.0;
     for index in 0..WALKS {

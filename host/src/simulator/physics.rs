@@ -1,8 +1,8 @@
 //! Physics of a default recording, each statement with its number: `tests/physics` prints them.
 
 use super::channel::antenna::Antenna;
-use super::channel::dahc::{Dahc, mean_power};
-use super::channel::room::{mean_power as isotropic_room, static_paths};
+use super::channel::dahc::Dahc;
+use super::channel::room::{isotropic_power, received_power, static_paths};
 use super::channel::target::{Target, mean_cross_section};
 use super::channel::{BLOCKS, Blocks, ChannelModel, Scene, Sensor, model, wavelength};
 use crate::numerics::random::Random;
@@ -96,7 +96,7 @@ fn the_fluctuation_is_the_k_factor_below_the_mean() {
         assert_eq!(scenario.channel.mode, ArMode::Rician, "{}", scenario.name);
         let radar = scenario.radar.position_m;
         let sensor = Sensor::of(&scenario);
-        let power_of_mean = mean_power(&static_paths(&scenario, radar, radar), &sensor.antenna);
+        let power_of_mean = received_power(&static_paths(&scenario, radar, radar), &sensor.antenna);
         let (mut fluctuation, draws, slots) = (0.0, 200, 50);
         for index in 0..draws {
             let [room, _] = apart(&scenario, index, slots);
@@ -129,7 +129,7 @@ fn energy_is_each_models_own() {
             channel.paths(&scene, &mut paths);
             sum += decibels(paths.iter().map(|p| p.gain.norm_sqr()).sum::<f64>()) / draws as f64;
         }
-        let off = sum - decibels(isotropic_room(&scenario));
+        let off = sum - decibels(isotropic_power(&scenario));
         println!("{}: median power of the room {off:+.2} dB of its law (limit 1.5)", name.name());
         assert!(off.abs() < 1.5, "{name:?}: {off}");
     }

@@ -3,17 +3,17 @@
 use super::injection::{Expected, HARMFUL, HARMLESS, KINDS};
 use super::radio::Radio;
 use super::reports::Reports;
+use super::shared::{FIRST_EXIT, INTERRUPTS, QUIET, RETAINED, SHAPE, VALUES, maximum};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use heapless::{Vec, spsc::Queue};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::digest::Digest;
-use sdp3_core::dsn::{Model, Shape};
+use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::radar::{Event, ProcessingContext, Progress, RadarModule, Settings};
 use sdp3_core::radar_memory;
 use sdp3_core::scheduler::{SensingLayout, USERS};
-use sdp3_core::supervision::retained::Retained;
 use sdp3_firmware_sim::rt::{
     Owned, Single, foreground_instructions, instructions, paint_stack, stack_used, start_counter,
     start_ticks, wait,
@@ -22,43 +22,26 @@ use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::signals::noise;
 
-// the larger of the two in everything
-const SHAPE: Shape = Shape::of(DSN_1000).expect("a model");
-pub const VALUES: usize = SHAPE.slot_values();
-/// Sensing slots of the first of two exits.
-pub const FIRST_EXIT: u32 = 200;
 
 static MEMORY: Single<radar_memory!(SHAPE)> = Single::new(<radar_memory!(SHAPE)>::new());
-#[allow(unsafe_code)] // a section that start-up leaves alone; the emulator's memory is zero at first
-#[unsafe(link_section = ".uninit.retained")]
-pub static RETAINED: Retained = Retained::new();
 static EXPECTED: Single<Queue<Expected, 32>> = Single::new(Queue::new());
 /// Noise, of which a slot's samples are a part.
 static NOISE: Single<[i16; 4 * VALUES]> = Single::new([0; 4 * VALUES]);
 static RADIO: Owned<Radio> = Owned::new();
-/// Interrupts so far.
-pub static PLAYED: AtomicU32 = AtomicU32::new(0);
 
 /// Slots to play.
 static TOTAL: AtomicU32 = AtomicU32::new(0);
 
-/// Slots within which a report comes, and without a fault at the end.
-pub const QUIET: u32 = 300;
 /// N and N_s of the layouts that are drawn; the last leaves too few sensing slots for any recording.
 const LAYOUTS: [(u32, u32); 7] =
     [(4000, 1000), (4400, 1000), (4000, 1000), (4100, 1010), (1200, 250), (1000, 220), (900, 150)];
 /// Kinds of processing steps.
 const STEPS: [&str; 4] = ["step", "fault", "period", "classification"];
 
-/// Largest count so far.
-pub fn most(worst: &mut u32, count: u64) {
-    *worst = (*worst).max(count as u32);
-}
-
 #[allow(unsafe_code)] // the symbol that the timer's interrupt calls
 #[unsafe(no_mangle)]
 extern "C" fn firmware_tick() {
-    if PLAYED.load(Relaxed) < TOTAL.load(Relaxed) {
+    if INTERRUPTS.load(Relaxed) < TOTAL.load(Relaxed) {
         RADIO.with(Radio::slot);
     }
 }
@@ -173,7 +156,7 @@ extern "C" fn firmware_main() -> ! {
     let (mut worst, mut steps, mut sum) = ([0_u32; STEPS.len()], 0_u64, 0_u64);
     start_ticks(slot);
     loop {
-        let over = PLAYED.load(Relaxed) >= total;
+        let over = INTERRUPTS.load(Relaxed) >= total;
         let before = foreground_instructions();
         let progress = processing.poll();
         let count = (foreground_instructions() - before).saturating_sub(overhead);
@@ -188,7 +171,7 @@ extern "C" fn firmware_main() -> ! {
             Progress::Event(Event::Period(_)) => 2,
             Progress::Event(Event::Classification { .. }) => 3,
         };
-        most(&mut worst[kind], count);
+        maximum(&mut worst[kind], count);
         (steps, sum) = (steps + 1, sum + count);
         while let Some(entry) = entries.dequeue() {
             reports.missed += u32::from(reports.open.push(entry).is_err());
@@ -208,7 +191,7 @@ extern "C" fn firmware_main() -> ! {
 
 fn report(radio: &Radio, reports: &Reports, worst: &[u32; STEPS.len()], mean: u64) -> ! {
     let kinds = [
-        ("slots", PLAYED.load(Relaxed)),
+        ("slots", INTERRUPTS.load(Relaxed)),
         ("late", radio.late),
         ("latest-decision", radio.latest),
         ("lost", reports.lost),

@@ -23,3 +23,5 @@ mod injection;
 mod radio;
 #[cfg(target_os = "none")]
 mod reports;
+#[cfg(target_os = "none")]
+mod shared;

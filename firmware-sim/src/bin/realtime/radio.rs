@@ -1,7 +1,7 @@
 //! The radio under the timer interrupt: slot numbers, samples, and the faults that are injected into them.
 
-use super::firmware::{FIRST_EXIT, PLAYED, QUIET, RETAINED, VALUES, most};
 use super::injection::{Expected, HARMFUL, HARMLESS, Injection, Injection::*, KINDS, Report, corrupt};
+use super::shared::{FIRST_EXIT, INTERRUPTS, QUIET, RETAINED, VALUES, maximum};
 use core::sync::atomic::Ordering::Relaxed;
 use heapless::spsc::Producer;
 use rand_core::Rng;
@@ -57,13 +57,13 @@ pub struct Radio {
 
 impl Radio {
     fn expect(&mut self, report: Report) {
-        let since = PLAYED.load(Relaxed);
+        let since = INTERRUPTS.load(Relaxed);
         let _ = self.expected.enqueue(Expected { report, since }); // a report without its entry is found as wrong
     }
 
     /// What is injected into this slot, if that is possible now.
     fn draw(&mut self, sensed: bool) -> Option<Injection> {
-        let now = PLAYED.load(Relaxed);
+        let now = INTERRUPTS.load(Relaxed);
         if !self.faults || now < self.next || now + QUIET > self.total {
             return None;
         }
@@ -94,7 +94,7 @@ impl Radio {
         }
         self.injection = None;
         self.untouched &= HARMLESS.contains(&kind);
-        self.next = PLAYED.load(Relaxed) + 30 + self.rng.next_u32() % 200;
+        self.next = INTERRUPTS.load(Relaxed) + 30 + self.rng.next_u32() % 200;
     }
 
     fn samples_ready(&mut self) {
@@ -102,7 +102,7 @@ impl Radio {
         self.slots.samples_ready();
         let count = (instructions() - before).saturating_sub(self.overhead);
         self.both += count;
-        most(&mut self.worst_ready, count);
+        maximum(&mut self.worst_ready, count);
     }
 
     /// The number that the radio gives this slot, with what goes wrong before it.
@@ -165,7 +165,7 @@ impl Radio {
         let before = instructions();
         let action = self.slots.begin(number);
         let count = (instructions() - before).saturating_sub(self.overhead);
-        most(&mut self.latest, lateness());
+        maximum(&mut self.latest, lateness());
         let mut report = None;
         let slot_use = match action {
             SlotAction::Sense(buffer) => {
@@ -181,7 +181,7 @@ impl Radio {
         };
         self.both += count;
         let kind = injection.map_or(KINDS, |kind| kind as usize);
-        self.worst_begin.get_mut(kind).into_iter().for_each(|worst| most(worst, count));
+        self.worst_begin.get_mut(kind).into_iter().for_each(|worst| maximum(worst, count));
         self.uses.value([slot_use]);
         if injection == Some(Delayed) {
             self.samples_ready();
@@ -209,8 +209,8 @@ impl Radio {
         if let Some(kind) = injection {
             self.injected(kind);
         }
-        most(&mut self.worst_both, self.both);
-        PLAYED.store(PLAYED.load(Relaxed) + 1, Relaxed);
+        maximum(&mut self.worst_both, self.both);
+        INTERRUPTS.store(INTERRUPTS.load(Relaxed) + 1, Relaxed);
         self.late += u32::from(entered > LATE || pending());
     }
 }

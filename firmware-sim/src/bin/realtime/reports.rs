@@ -1,7 +1,7 @@
 //! Every report of a fault must be of one that was injected, and every injected fault must be reported in time.
 
-use super::firmware::PLAYED;
 use super::injection::{Expected, Report};
+use super::shared::INTERRUPTS;
 use core::sync::atomic::Ordering::Relaxed;
 use heapless::Vec;
 use sdp3_core::digest::Digest;
@@ -41,7 +41,7 @@ impl Reports {
                 } else {
                     self.wrong += 1;
                     self.lost += u32::from(matches!(fault, Fault::Overrun | Fault::MissingSamples));
-                    let now = PLAYED.load(Relaxed);
+                    let now = INTERRUPTS.load(Relaxed);
                     println(format_args!("not injected: {fault:?} in slot {now}"));
                 }
                 match fault {
@@ -65,7 +65,7 @@ impl Reports {
                 let found = report.changes.lost + report.changes.sensing_lost;
                 if found != losses {
                     self.wrong += 1;
-                    let now = PLAYED.load(Relaxed);
+                    let now = INTERRUPTS.load(Relaxed);
                     println(format_args!("{losses} slots lost, {found} reported, in slot {now}"));
                 }
             }
@@ -84,7 +84,7 @@ impl Reports {
 
     /// Entries that have waited too long are of faults that were not reported.
     pub fn age(&mut self, waited: u32) {
-        let now = PLAYED.load(Relaxed);
+        let now = INTERRUPTS.load(Relaxed);
         // a loss is reported at the end of the period
         let old = |entry: &Expected| entry.report != Report::Lost && now - entry.since >= waited;
         while let Some(at) = self.open.iter().position(old) {

@@ -4,8 +4,7 @@
 //! special, and a row of the kernel is one run of successive words. Cost: 9 inputs / 2 or 9 inputs / 4 vector products
 //! a pixel and sixteen outputs.
 
-use super::layer::{Convolution, requantize, reserve, store};
-use super::packing::OutputGroup;
+use super::layer::{Convolution, OutputGroup, requantize, reserve, store};
 use super::simd::{LANES, SimdI32};
 
 /// Sums of `P` successive pixels: three runs of `run` words, `row` words apart; a pixel is `step` words.

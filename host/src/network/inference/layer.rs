@@ -1,9 +1,24 @@
 //! What the vector convolutions share: the padded input as words, and the way from sums back to int8.
 
-use super::packing::{OutputGroup, by_winograd};
-use super::simd::{Kernel, LANES, Requantizer, SimdI32};
+use super::simd::{I32x16, Kernel, LANES, Requantizer, SimdI32};
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::per_channel::PerChannelQuant;
+
+/// Sixteen output channels of a convolution.
+#[derive(Debug)]
+pub struct OutputGroup {
+    /// What the sums start with.
+    pub start: I32x16,
+    pub requantizer: Requantizer,
+    /// Words of weights in the order of the input's words: `[kernel row, kernel column and input]`, or
+    /// `[point, input]` of [`super::winograd_f4`].
+    pub weights: Vec<I32x16>,
+}
+
+/// Whether a convolution runs by [`super::winograd_f4`]: inputs in sixteens, of 16 bits.
+pub fn by_winograd(inputs: usize, word_inputs: usize) -> bool {
+    word_inputs == 2 && inputs.is_multiple_of(LANES)
+}
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
 pub struct Convolution<'a> {

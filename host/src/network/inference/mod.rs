@@ -10,8 +10,8 @@ mod simd;
 mod stem;
 mod winograd_f4;
 
-use layer::Convolution;
-use packing::{ChannelPhase, OutputGroup, PackedAdd};
+use layer::{Convolution, OutputGroup};
+use packing::{ChannelPhase, PackedAdd};
 use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};

@@ -4,6 +4,7 @@
 //! no vector form covers are not packed: a shift outside -20 to -1, or a sum that could leave +-2^30. Training and
 //! TFLite's converter make none.
 
+use super::layer::{OutputGroup, by_winograd};
 use super::simd::{I32x16, LANES, MAX_ACCUMULATOR, Requantizer};
 use super::winograd_f4;
 use sdp3_core::dsn::add::Add;
@@ -11,17 +12,6 @@ use sdp3_core::dsn::batch_norm::BatchNormRelu;
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::per_channel::PerChannelQuant;
 use std::array::from_fn;
-
-/// Sixteen output channels of a convolution.
-#[derive(Debug)]
-pub struct OutputGroup {
-    /// What the sums start with.
-    pub start: I32x16,
-    pub requantizer: Requantizer,
-    /// Words of weights in the order of the input's words: `[kernel row, kernel column and input]`, or
-    /// `[point, input]` of [`winograd_f4`].
-    pub weights: Vec<I32x16>,
-}
 
 /// Sixteen successive values of a batch normalisation.
 #[derive(Debug)]
@@ -48,11 +38,6 @@ pub struct PackedTerm {
     pub half: bool,
     /// Of an input that is not halved.
     pub requantizer: Requantizer,
-}
-
-/// Whether a convolution runs by [`winograd_f4`]: inputs in sixteens, of 16 bits.
-pub fn by_winograd(inputs: usize, word_inputs: usize) -> bool {
-    word_inputs == 2 && inputs.is_multiple_of(LANES)
 }
 
 /// A convolution, for words of `word_inputs` inputs.

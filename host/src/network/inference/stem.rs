@@ -1,8 +1,7 @@
 //! The input convolution with its pooling on vectors.
 
 use super::direct::tile;
-use super::layer::{requantize, reserve, store};
-use super::packing::OutputGroup;
+use super::layer::{OutputGroup, requantize, reserve, store};
 use super::simd::{Kernel, LANES, SimdI32};
 use sdp3_core::dsn::conv::{Conv, pad_before, same};
 

@@ -143,7 +143,7 @@ fn sixteens_of_inputs_of_16_bits_run_by_winograd() {
         (32, 4, false),
     ] {
         assert_eq!(
-            packing::by_winograd(inputs, in_a_word),
+            layer::by_winograd(inputs, in_a_word),
             by_winograd,
             "{inputs} inputs, {in_a_word} in a word"
         );

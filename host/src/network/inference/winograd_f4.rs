@@ -11,8 +11,7 @@
 //! Cost per 16 outputs of 16 pixels: 36 inputs / 2 vector products instead of 144 inputs / 2, and 11 one-dimensional
 //! transforms.
 
-use super::layer::{Convolution, requantize, reserve, store};
-use super::packing::OutputGroup;
+use super::layer::{Convolution, OutputGroup, requantize, reserve, store};
 use super::simd::{LANES, SimdI32};
 use std::array::from_fn;
 

@@ -11,7 +11,7 @@ use super::ieee80211ax::taps;
 use super::ieee80211ay::{Ray, rays};
 use super::obstruction::{Obstruction, SPACING, share};
 use super::response::Response;
-use super::room::{StaticPath, static_paths};
+use super::room::{StaticPath, received_power, static_paths};
 use super::target::direct;
 use super::{Blocks, ChannelModel, Path, Scene, Sensor, wavelength};
 use crate::numerics::random::Random;
@@ -47,15 +47,6 @@ fn clusters(scenario: &Scenario, ends: (Vec3, Vec3), random: &mut Random) -> (Ve
     (all, Innovation::Gaussian)
 }
 
-/// Power that the mean of the room has at a receiver, relative to what isotropic antennas send.
-pub fn mean_power(mean: &[StaticPath], antenna: &Antenna) -> f64 {
-    let power = |one: &StaticPath| {
-        let weight = antenna.weight(&one.path);
-        one.path.gain.norm_sqr() * weight * weight
-    };
-    mean.iter().map(power).sum()
-}
-
 impl Dahc {
     /// Draws a room between two points.
     pub fn new(scenario: &Scenario, ends: (Vec3, Vec3), rho: f64, mut random: Random) -> Self {
@@ -70,7 +61,7 @@ impl Dahc {
             }
             let power: f64 = rays.iter().map(|ray| ray.amplitude * ray.amplitude).sum();
             let k = libm::pow(10.0, scenario.channel.k_factor_db / 10.0);
-            let scale = (mean_power(&mean, &antenna) / (k * power)).sqrt();
+            let scale = (received_power(&mean, &antenna) / (k * power)).sqrt();
             for ray in &mut rays {
                 ray.amplitude *= scale;
                 (ray.departure, ray.arrival) = (antenna.boresight(), antenna.boresight());

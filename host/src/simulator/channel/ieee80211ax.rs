@@ -7,10 +7,10 @@
 
 use super::autoregressive::{Ar1Process, Innovation};
 use super::ieee80211ay::Ray;
-use super::room::{conference_room, free_space, mean_power};
+use super::room::{conference_room, isotropic_power};
 use super::target::direct;
 use super::tgn::{table, tap_powers};
-use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, wavelength};
+use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, free_space, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{Advance, ArMode, Channel, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, dot, sub};
@@ -20,7 +20,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 /// the radar, the room's mean.
 fn mean_gain(scenario: &Scenario, (from, to): (Vec3, Vec3)) -> f64 {
     if from == to {
-        return mean_power(scenario);
+        return isotropic_power(scenario);
     }
     let table = table(scenario.channel.tgn);
     let scene = Scene { slot: 0, time_s: 0.0, from, to, people: &[] };

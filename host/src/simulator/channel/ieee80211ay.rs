@@ -4,9 +4,9 @@
 //! its central one ([`bundle`]), and a polarisation matrix per cluster. The room's phases are drawn once; a person is one more cluster of
 //! fixed phase. Losses, blockage and polarisation are those of the conference room between two stations in every environment.
 
-use super::room::{LOSS_DB, Reflection, conference_room, free_space};
+use super::room::{LOSS_DB, Reflection, conference_room};
 use super::target::direct;
-use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, phasor, wavelength};
+use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, free_space, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{Environment, Polarisation, Scenario};
 use crate::simulator::body::{Vec3, norm, scale};

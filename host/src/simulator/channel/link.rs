@@ -80,8 +80,7 @@ pub fn knows_walls(scenario: &Scenario) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::room::free_space;
-    use super::super::wavelength;
+    use super::super::{free_space, wavelength};
     use super::*;
     use crate::scenario::{Clusters, Model};
 

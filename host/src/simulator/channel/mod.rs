@@ -52,7 +52,7 @@ use target::Target;
 
 pub type Complex64 = Complex<f64>;
 
-/// One way a wave takes at one instant.
+/// One path of a wave at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
     /// Complex amplitude ratio between isotropic antennas, the carrier's phase included.
@@ -133,6 +133,11 @@ pub trait ChannelModel: Send {
             paths.iter().for_each(|path| sensor.add(beat, path));
         }
     }
+}
+
+/// Amplitude ratio of free space between isotropic antennas: lambda / (4 pi d).
+pub fn free_space(length_m: f64, lambda: f64) -> f64 {
+    lambda / (4.0 * PI * length_m)
 }
 
 /// The model of `scenario` for a link between two points, with the AR(1) coefficient `rho` where it has one.

@@ -4,7 +4,7 @@
 //! phases follow from exact distances in every slot. At the border of two segments their powers are cross-faded. Terminals
 //! move, scatterers do not: a person stays, within a segment, where the segment began.
 
-use super::room::mean_power;
+use super::room::isotropic_power;
 use super::target::direct;
 use super::tr38901::{Office, Parameters, between, direction};
 use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
@@ -55,7 +55,7 @@ impl Drifting {
         Drifting {
             office: Office::new(parameters, &mut random),
             carrier_hz: scenario.radar.carrier_hz,
-            room_power: mean_power(scenario),
+            room_power: isotropic_power(scenario),
             phase: std::f64::consts::TAU * random.uniform(),
             before: None,
             now: None,

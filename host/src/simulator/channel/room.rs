@@ -8,7 +8,7 @@ use super::antenna::Antenna;
 use super::material::slab;
 use super::shadowing::{self, Leg};
 use super::target::{mean_cross_section, scattered};
-use super::{Complex64, Path, Scene, carrier_phase};
+use super::{Complex64, Path, Scene, carrier_phase, free_space};
 use crate::scenario::{ArMode, Furniture, Interior, SPEED_OF_LIGHT, Scenario, Surface};
 use crate::simulator::body::{Vec3, norm, scale, sub};
 
@@ -239,7 +239,7 @@ pub const LOSS_DB: [(f64, f64); 2] = [(-10.0, 4.0), (-16.0, 5.0)];
 
 /// Power ratio of all reflections at their mean losses, isotropic antennas: the large-scale law of a monostatic radar in
 /// every stochastic model here.
-pub fn mean_power(scenario: &Scenario) -> f64 {
+pub fn isotropic_power(scenario: &Scenario) -> f64 {
     let radar = &scenario.radar;
     let lambda = super::wavelength(radar.carrier_hz);
     conference_room(scenario.room.size_m, radar.position_m, radar.position_m)
@@ -249,6 +249,15 @@ pub fn mean_power(scenario: &Scenario) -> f64 {
             amplitude * amplitude
         })
         .sum()
+}
+
+/// Power that the mean of the room has at a receiver, relative to what isotropic antennas send.
+pub fn received_power(mean: &[StaticPath], antenna: &Antenna) -> f64 {
+    let power = |one: &StaticPath| {
+        let weight = antenna.weight(&one.path);
+        one.path.gain.norm_sqr() * weight * weight
+    };
+    mean.iter().map(power).sum()
 }
 
 /// Where a person is expected who sets the converter's full scale, in m.
@@ -262,12 +271,12 @@ pub fn expected_power(scenario: &Scenario) -> f64 {
     let antenna = Antenna::of(scenario);
     let rician = scenario.channel.mode == ArMode::Rician;
     if antenna.is_constant() && !rician {
-        return mean_power(scenario);
+        return isotropic_power(scenario);
     }
     let radar = scenario.radar.position_m;
     let lambda = super::wavelength(scenario.radar.carrier_hz);
     let room = if rician {
-        let mean = super::dahc::mean_power(&static_paths(scenario, radar, radar), &antenna);
+        let mean = received_power(&static_paths(scenario, radar, radar), &antenna);
         mean * (1.0 + libm::pow(10.0, -scenario.channel.k_factor_db / 10.0))
     } else {
         let power = |r: &Reflection| {
@@ -285,11 +294,6 @@ pub fn expected_power(scenario: &Scenario) -> f64 {
 pub fn mean_amplitude(reflection: &Reflection, lambda: f64) -> f64 {
     let (mean, _) = LOSS_DB[usize::from(reflection.order.clamp(1, 2)) - 1];
     free_space(reflection.length_m, lambda) * libm::pow(10.0, mean / 20.0)
-}
-
-/// lambda / (4 pi d).
-pub fn free_space(length_m: f64, lambda: f64) -> f64 {
-    lambda / (4.0 * std::f64::consts::PI * length_m)
 }
 
 #[cfg(test)]

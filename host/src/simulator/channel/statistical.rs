@@ -9,8 +9,8 @@
 //! J0(2 pi f_d t); f_d = v / lambda at TGn's 1.2 km/h. With `redrawn` the model knows distributions alone: wherever an antenna or a person has
 //! moved it answers with a fresh draw.
 
-use super::room::{free_space, mean_power};
-use super::{ChannelModel, Complex64, Path, Scene, phasor, wavelength};
+use super::room::isotropic_power;
+use super::{ChannelModel, Complex64, Path, Scene, free_space, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{Doppler, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::Vec3;
@@ -94,7 +94,7 @@ impl SalehValenzuela {
     pub fn new(scenario: &Scenario, _: (Vec3, Vec3), random: &mut Random) -> Self {
         let mut model = SalehValenzuela {
             lambda: wavelength(scenario.radar.carrier_hz),
-            room_power: mean_power(scenario),
+            room_power: isotropic_power(scenario),
             shadowing: libm::pow(10.0, 3.0 * random.gaussian() / 20.0),
             doppler: scenario.channel.doppler,
             seed: random.bits(),

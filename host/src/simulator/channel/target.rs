@@ -3,7 +3,7 @@
 //! Eq. (uit) with the radar equation's amplitude, lambda sqrt(sigma) / ((4 pi)^1.5 D^2), the phase of the exact distance and
 //! the delay 2 D / c; on the way to a receiver the two distances differ. Mean echo: 3GPP TR 38.901 clause 7.9.2, human model 1.
 
-use super::{Path, Scene, carrier_phase, phasor};
+use super::{Path, Scene, carrier_phase, free_space, phasor};
 use crate::numerics::random::Random;
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::motion::Person;
@@ -101,7 +101,7 @@ pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
         return None;
     }
     let length = scene.distance_m().max(NEAREST_M);
-    let gain = carrier_phase(length, lambda) * super::room::free_space(length, lambda);
+    let gain = carrier_phase(length, lambda) * free_space(length, lambda);
     let arrival = scale(sub(scene.from, scene.to), 1.0 / length);
     let departure = scale(arrival, -1.0);
     Some(Path { gain, delay_s: length / SPEED_OF_LIGHT, departure, arrival })

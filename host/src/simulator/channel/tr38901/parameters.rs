@@ -3,9 +3,8 @@
 
 use crate::numerics::random::Random;
 use crate::simulator::body::{Vec3, sub};
-use crate::simulator::channel::room::free_space;
 use crate::simulator::channel::target::NEAREST_M;
-use crate::simulator::channel::wavelength;
+use crate::simulator::channel::{free_space, wavelength};
 
 /// Large-scale parameters, in the order of the fields: DS, ASD, ASA, SF, K, ZSD, ZSA.
 pub const LSPS: usize = 7;
