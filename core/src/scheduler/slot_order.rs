@@ -61,7 +61,7 @@ pub(crate) struct SlotOrder {
     windows: [Window; USERS],
     users: u32,
     slots: u32,
-    played: u32,
+    elapsed: u32,
 }
 
 impl SlotOrder {
@@ -70,7 +70,7 @@ impl SlotOrder {
         let slots = shares.iter().copied().fold(0, u32::saturating_add);
         let mut windows = [Window::first(0, 0); USERS];
         windows.iter_mut().zip(shares).for_each(|(window, &share)| *window = Window::first(share, slots));
-        SlotOrder { windows, users: shares.len().min(USERS) as u32, slots, played: 0 }
+        SlotOrder { windows, users: shares.len().min(USERS) as u32, slots, elapsed: 0 }
     }
 
     /// The user of the next slot; `None` if no user has a slot left. Cost: O(K), one division.
@@ -78,11 +78,11 @@ impl SlotOrder {
     pub fn next(&mut self) -> Option<usize> {
         let (mut first, mut due) = (None, u32::MAX);
         for (k, window) in self.windows.iter().enumerate().take(self.users as usize) {
-            if window.opens <= self.played && window.due < due {
+            if window.opens <= self.elapsed && window.due < due {
                 (first, due) = (Some(k), window.due);
             }
         }
-        self.played += 1;
+        self.elapsed += 1;
         let window = first.and_then(|k| self.windows.get_mut(k))?;
         if window.served >= window.share {
             return None;
@@ -109,6 +109,6 @@ impl State for SlotOrder {
         f.words(visit);
         g.words(visit);
         h.words(visit);
-        [&mut self.users, &mut self.slots, &mut self.played].into_iter().for_each(visit);
+        [&mut self.users, &mut self.slots, &mut self.elapsed].into_iter().for_each(visit);
     }
 }

@@ -23,9 +23,9 @@ mod firmware {
     use sdp3_core::signal::clutter::Gram;
     use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
     use sdp3_core::values::{Sink, Stage, Values};
-    use sdp3_firmware_sim::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::rt::{instructions, paint_stack, stack_used, start_counter};
     use sdp3_firmware_sim::semihosting::{File, arguments, exit, println};
+    use sdp3_firmware_sim::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::{log, semihosting};
 
     /// The largest configuration: a slot of 2048 complex samples and as many references, 1000 slots, 110 frames, 16 channels behind a

@@ -16,9 +16,9 @@ mod firmware {
     use sdp3_core::digest::Digest;
     use sdp3_core::radar::Event;
     use sdp3_core::{Progress, RadarModule, Retained, Shape, SlotAction, radar_memory};
-    use sdp3_firmware_sim::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::rt::{paint_stack, stack_used};
     use sdp3_firmware_sim::semihosting::{arguments, exit, println};
+    use sdp3_firmware_sim::static_cell::ConstStaticCell;
     use sdp3_firmware_sim::station::settings;
     use sdp3_testkit::models::DSN_200;
     use sdp3_testkit::signals::noise;

@@ -71,7 +71,6 @@ pub fn simulate(context: &Context, args: SimulateArgs) -> Result<bool, Failure> 
     let mut job = context.job()?;
     let SimulateArgs { per_class, channel, classes, raw, sigmf, shard } = args;
     job.scenario.channel.model = channel.unwrap_or(job.scenario.channel.model);
-    let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
     let written = job.simulate(Dataset { per_class, classes, raw, sigmf, shard })?;
     context.print(&written, String::new)?;
     Ok(true)

@@ -4,12 +4,9 @@ use super::context::{Context, Preset};
 use super::job::{self, RunArgs};
 use super::simulator::measurement;
 use super::training::{self, QuantizeArgs, StudyArgs, TrainArgs};
-use crate::error::{Failure, Invalid};
-use crate::experiments::Study;
-use crate::experiments::ablation::DEVELOPMENT_SEED;
+use crate::error::Failure;
 use crate::network::recipe::Recipe;
 use crate::network::training::Backend;
-use crate::pipeline::Job;
 use crate::pipeline::main_job::MainJob;
 use crate::pipeline::train::Train;
 use crate::recordings::Stated;
@@ -55,24 +52,9 @@ pub fn quantize(context: &Context, args: &QuantizeArgs) -> Result<bool, Failure>
 }
 
 pub fn study(context: &Context, args: &StudyArgs) -> Result<bool, Failure> {
-    if args.measured.is_some() && args.name != Study::Fidelity {
-        return Err("command line: --measured belongs to the study fidelity".into());
-    }
     let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, ..Stated::default() };
     let measured = args.measured.as_deref().map(|folder| (folder, &stated));
-    let job = match args.name {
-        Study::Ablation | Study::Clutter => {
-            let seed = context.common.seed.unwrap_or(DEVELOPMENT_SEED);
-            if seed < DEVELOPMENT_SEED {
-                let legal = format!("at least {DEVELOPMENT_SEED}: smaller seeds are those of tests");
-                return Err(Invalid::option("--seed", seed, legal).into());
-            }
-            let job = context.job()?;
-            Job { seed, output: job.output.of_seed(seed), ..job }
-        }
-        _ => context.job()?,
-    };
-    let (request, found) = job.study(args.name, args.seeds, measured)?;
+    let (request, found) = context.job()?.study(args.name, args.seeds, measured)?;
     context.print(&found, || found.table(&request))?;
     Ok(true)
 }

@@ -1,6 +1,7 @@
 //! Numerical methods that several modules use: random numbers, interpolation, special functions.
 
 pub(crate) mod bessel;
+pub(crate) mod bisection;
 pub(crate) mod differentiation;
 pub(crate) mod filter;
 pub(crate) mod fresnel;

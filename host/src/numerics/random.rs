@@ -90,6 +90,33 @@ impl Random {
         }
     }
 
+    /// Gamma distribution of a shape, with rate 1: Marsaglia and Tsang (2000).
+    pub fn gamma(&mut self, shape: f64) -> f64 {
+        let raised = if shape < 1.0 { shape + 1.0 } else { shape };
+        let d = raised - 1.0 / 3.0;
+        let c = 1.0 / (9.0 * d).sqrt();
+        let drawn = loop {
+            let x = self.gaussian();
+            let v = (1.0 + c * x) * (1.0 + c * x) * (1.0 + c * x);
+            let u = 1.0 - self.uniform();
+            if v > 0.0 && libm::log(u) < 0.5 * x * x + d - d * v + d * libm::log(v) {
+                break d * v;
+            }
+        };
+        let lowered = if shape < 1.0 { libm::pow(1.0 - self.uniform(), 1.0 / shape) } else { 1.0 };
+        drawn * lowered
+    }
+
+    /// Poisson distribution by Knuth's product of uniforms, for means up to some hundred. Cost: O(mean).
+    pub fn poisson(&mut self, mean: f64) -> u32 {
+        let (least, mut product, mut count) = (libm::exp(-mean), self.uniform(), 0);
+        while product > least {
+            product *= self.uniform();
+            count += 1;
+        }
+        count
+    }
+
     fn tail(&mut self) -> f64 {
         loop {
             let x = -libm::log(1.0 - self.uniform()) / TAIL;
@@ -125,6 +152,28 @@ mod tests {
         for (count, p) in beyond.iter().zip([0.317_310_5, 0.045_500_3, 0.002_699_8, 6.334e-5]) {
             let sigma = (n * p).sqrt();
             assert!((f64::from(*count) - n * p).abs() < 5.0 * sigma, "{count} of {}", n * p);
+        }
+    }
+
+    #[test]
+    fn gamma_and_poisson_have_their_means_and_variances() {
+        let mut random = Random::new(1, 2, 3, 5);
+        let n = 200_000;
+        let mut moments = |draw: &dyn Fn(&mut Random) -> f64| {
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for _ in 0..n {
+                let x = draw(&mut random);
+                (sum, squares) = (sum + x, squares + x * x);
+            }
+            let mean = sum / f64::from(n);
+            (mean, squares / f64::from(n) - mean * mean)
+        };
+        for expected in [0.4, 1.0, 2.5, 12.0] {
+            let found = [moments(&|r| r.gamma(expected)), moments(&|r| f64::from(r.poisson(expected)))];
+            for (mean, variance) in found {
+                assert!((mean / expected - 1.0).abs() < 0.015, "{mean} {expected}");
+                assert!((variance / expected - 1.0).abs() < 0.03, "{variance} {expected}");
+            }
         }
     }
 

@@ -7,6 +7,7 @@
 //! sub-carrier reaches b with less than the whole power, the rest is of no use and stays unspent.
 
 use super::water_filling::{self, Allocation};
+use crate::numerics::bisection::bisect;
 
 /// What limits the bits of a sub-carrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,14 +84,7 @@ fn multiplier(mut high: f64, spent: impl Fn(f64) -> f64) -> f64 {
     while spent(low) <= 1.0 {
         (low, high) = (low / 16.0, low);
     }
-    // bisection to neighbouring numbers
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return high;
-        }
-        if spent(middle) > 1.0 { low = middle } else { high = middle }
-    }
+    bisect(low, high, |multiplier| spent(multiplier) > 1.0).1
 }
 
 #[cfg(test)]

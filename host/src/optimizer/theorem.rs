@@ -3,6 +3,7 @@
 //! T_s Theta^-1(A) + [sum over users of T_s / r_k] R = N T_s, r_k being user k's bits in one slot: R falls linearly in
 //! N_s. Theta need not be concave; the weighted sum is maximised over every interval between zeros of its derivative.
 
+use crate::numerics::bisection::bisect;
 use crate::predictor::{evaluate, slope};
 use crate::results::Curve;
 
@@ -52,11 +53,7 @@ impl Theorem {
         for step in 0..STEPS {
             let (mut low, mut high) = (node(step), node(step + 1));
             if rise(low) > 0.0 && rise(high) < 0.0 {
-                // bisection to neighbouring numbers
-                for _ in 0..200 {
-                    let middle = 0.5 * (low + high);
-                    if rise(middle) > 0.0 { low = middle } else { high = middle }
-                }
+                (low, high) = bisect(low, high, |n| rise(n) > 0.0);
             }
             for candidate in [low, high] {
                 if value(candidate) > value(best) {

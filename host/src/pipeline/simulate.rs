@@ -29,7 +29,8 @@ pub struct Measured {
 pub struct Dataset {
     /// Recordings of each class.
     pub per_class: u32,
-    pub classes: Vec<Class>,
+    /// Absent: all.
+    pub classes: Option<Vec<Class>>,
     /// Whether the parts hold the raw slots too.
     pub raw: bool,
     /// Whether the raw slots are written as SigMF too.
@@ -68,6 +69,7 @@ impl Job {
         self.warn_of_rho();
         let Dataset { per_class, classes, raw, sigmf, shard } = dataset;
         let stage = self.progress.stage("simulate", "recordings");
+        let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
         let work = Work::new(&self.scenario, self.rho(), self.seed, per_class, classes, raw, sigmf);
         let written = work.write(shard, &self.output, &|done, all| stage.at(done, all))?;
         let state = if written.manifest.is_some() { "complete" } else { "not yet complete" };

@@ -2,9 +2,9 @@
 
 use super::Job;
 use super::expected::Work;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::experiments::ablation::effects::{CARRIERS, EFFECTS};
-use crate::experiments::ablation::{self, Ablation};
+use crate::experiments::ablation::{self, Ablation, DEVELOPMENT_SEED};
 use crate::experiments::baselines::{self, Baselines};
 use crate::experiments::cells::Cells;
 use crate::experiments::clutter::{self, Clutter};
@@ -82,18 +82,28 @@ impl Job {
         }
     }
 
-    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`].
+    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`]. Those on which settings are
+    /// chosen, [`Study::Ablation`] and [`Study::Clutter`], have seeds from [`DEVELOPMENT_SEED`] on.
     ///
     /// # Errors
     ///
-    /// A folder of another study; whatever a training or a recording says.
+    /// `measured` for another study; a smaller seed; a folder of another study; whatever a training or a recording says.
     pub fn study(
         mut self,
         study: Study,
         seeds: u32,
         measured: Option<(&Path, &Stated)>,
     ) -> Result<(Request, Found), Failure> {
+        if measured.is_some() && study != Study::Fidelity {
+            return Err("command line: --measured belongs to the study fidelity".into());
+        }
         if matches!(study, Study::Ablation | Study::Clutter) {
+            self.seed = self.given.seed.unwrap_or(DEVELOPMENT_SEED);
+            if self.seed < DEVELOPMENT_SEED {
+                let legal = format!("at least {DEVELOPMENT_SEED}: smaller seeds are those of tests");
+                return Err(Invalid::option("--seed", self.seed, legal).into());
+            }
+            self.output = self.output.of_seed(self.seed);
             let (scenario, sizes) = Scenario::comparison(self.given.scenario.as_deref(), &self.given.set)?;
             self.scenario = scenario;
             if !sizes.is_empty() {

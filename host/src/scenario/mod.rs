@@ -7,9 +7,9 @@ mod annotated;
 pub mod builtin;
 mod channel;
 mod check;
-mod error;
 mod communication;
 mod defaults;
+mod error;
 mod front_end;
 mod learning;
 mod overrides;
@@ -24,8 +24,8 @@ mod schema;
 pub use channel::{
     Advance, ArMode, Channel, Clusters, Doppler, Environment, Interior, Model, Polarisation, Tgn,
 };
-pub use error::ScenarioError;
 pub use communication::Communication;
+pub use error::ScenarioError;
 pub use front_end::{Effects, Spectrum};
 pub use learning::{Learning, Optimizer, Schedule};
 pub use overrides::Override;

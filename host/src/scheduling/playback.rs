@@ -96,7 +96,7 @@ pub fn recognise(
     let mut found = None;
     for _ in 0..point.period_slots {
         if station.begin() == SlotUse::Sensing {
-            found = station.sensed(signal.next()?).or(found);
+            found = station.on_samples(signal.next()?).or(found);
         }
     }
     let found = found?;

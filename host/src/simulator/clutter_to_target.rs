@@ -33,9 +33,9 @@ pub fn clutter_to_target_db(scenario: &Scenario) -> f64 {
         let person = Person::draw(Class::AdultWalking, &scenario.target, size, radar, &mut random);
         for n in 0..MOMENTS {
             for primitive in person.primitives(f64::from(n) / f64::from(MOMENTS) * duration_s) {
-                let way = sub(primitive.centre, radar);
-                let sigma = primitive.cross_section(radar) * sensor.antenna.amplitude(way).powi(4);
-                target += lambda * lambda * sigma / (libm::pow(4.0 * PI, 3.0) * norm(way).powi(4));
+                let offset = sub(primitive.centre, radar);
+                let sigma = primitive.cross_section(radar) * sensor.antenna.amplitude(offset).powi(4);
+                target += lambda * lambda * sigma / (libm::pow(4.0 * PI, 3.0) * norm(offset).powi(4));
             }
         }
     }

@@ -167,9 +167,9 @@ fn a_person_is_as_bright_as_its_mean_cross_section() {
             let mut random = Random::new(101, 0, 0, index);
             let size = scenario.room.size_m;
             let person = Person::draw(Class::AdultWalking, &scenario.target, size, radar, &mut random);
-            let way = sub(person.primitives(0.0)[1].centre, radar);
-            let sigma = mean_cross_section(person.truth.height_m, 0.0) * antenna.amplitude(way).powi(4);
-            expected += lambda * lambda * sigma / (libm::pow(4.0 * PI, 3.0) * norm(way).powi(4));
+            let offset = sub(person.primitives(0.0)[1].centre, radar);
+            let sigma = mean_cross_section(person.truth.height_m, 0.0) * antenna.amplitude(offset).powi(4);
+            expected += lambda * lambda * sigma / (libm::pow(4.0 * PI, 3.0) * norm(offset).powi(4));
         }
         let off = decibels(found / expected);
         println!(

@@ -22,7 +22,6 @@ use sdp3_firmware_sim::semihosting::{arguments, exit, println};
 use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::signals::noise;
 
-
 static MEMORY: Single<radar_memory!(SHAPE)> = Single::new(<radar_memory!(SHAPE)>::new());
 static EXPECTED: Single<Queue<Expected, 32>> = Single::new(Queue::new());
 /// Noise, of which a slot's samples are a part.

@@ -105,7 +105,7 @@ impl Environment {
         let Some(load) = settings.load else { return };
         for k in 0..USERS {
             if self.present[k] {
-                let bits = f64::from(poisson(&mut self.random, PACKETS)) * load * self.fair_bit / PACKETS;
+                let bits = f64::from(self.random.poisson(PACKETS)) * load * self.fair_bit / PACKETS;
                 self.queue[k] += bits;
                 self.offered[k] += bits;
             }
@@ -158,14 +158,4 @@ impl Environment {
 
 fn draw(all: &[f64], random: &mut Random) -> f64 {
     all[(random.uniform() * all.len() as f64) as usize]
-}
-
-/// Knuth's product of uniforms; small means only.
-fn poisson(random: &mut Random, mean: f64) -> u32 {
-    let (least, mut product, mut count) = (libm::exp(-mean), random.uniform(), 0);
-    while product > least {
-        product *= random.uniform();
-        count += 1;
-    }
-    count
 }

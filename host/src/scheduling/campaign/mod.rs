@@ -92,10 +92,10 @@ impl Loop<'_, '_> {
         }
     }
 
-    fn lose(&mut self, slot: SlotUse) {
+    fn on_lost(&mut self, slot: SlotUse) {
         match self {
             Loop::Schedule(scheduler) => scheduler.on_lost(),
-            Loop::Station(radar) => radar.station.lose(slot),
+            Loop::Station(radar) => radar.station.on_lost(slot),
         }
     }
 }
@@ -199,7 +199,7 @@ fn play(
             }
             if lost {
                 let before = slots.scheduler().sensing_left();
-                slots.lose(slot);
+                slots.on_lost(slot);
                 ended |= slots.scheduler().sensing_left() != before;
             }
             if slots.scheduler().position() == 0 {

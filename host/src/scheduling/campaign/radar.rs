@@ -33,7 +33,7 @@ impl<'m, 'b> Station<'m, 'b> {
     }
 
     /// Takes the samples of a sensing slot. The classification that stops ends the period's sensing.
-    pub fn sensed(&mut self, slot: &[i16]) -> Option<Classification> {
+    pub fn on_samples(&mut self, slot: &[i16]) -> Option<Classification> {
         self.pipeline.push(slot, &mut ()).ok()?;
         let classification = self.pipeline.classify(&mut ())?;
         if classification.stop {
@@ -44,7 +44,7 @@ impl<'m, 'b> Station<'m, 'b> {
 
     /// The slot that [`Station::begin`] gave last was lost. A recording with a gap restarts, or ends the period's sensing if too few
     /// slots are left for the first exit.
-    pub fn lose(&mut self, slot: SlotUse) {
+    pub fn on_lost(&mut self, slot: SlotUse) {
         self.scheduler.on_lost();
         if slot == SlotUse::Sensing && !self.pipeline.stopped() {
             self.pipeline.reset();
@@ -101,7 +101,7 @@ impl<'m, 'b> Radar<'m, 'b> {
         let Some(slot) = signal.iter().nth(*sensed) else { return };
         *sensed += 1;
         recognitions.slots += 1;
-        if let Some(classification) = self.station.sensed(slot) {
+        if let Some(classification) = self.station.on_samples(slot) {
             self.found = Some(classification);
         }
     }

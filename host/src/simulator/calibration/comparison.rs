@@ -1,11 +1,11 @@
 //! A measured signal beside simulated ones: on the same windows, by intensities and by spectra.
 
-use super::bench::Bench;
 use super::conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
 use super::divergence::{Counts, divergence};
 use super::intensity::{Intensity, LEVELS, histogram};
 use super::resample::resample;
 use super::room_fit::{DRAWS, FEWEST_WINDOWS, RoomFit as SpectralFits, STREAM, fit, interval};
+use super::sensor::SensorSimulation;
 use super::spectrum::{Bands, Conditioning, Spectrum};
 use super::{PEOPLE, beats_of};
 use crate::error::Invalid;
@@ -68,7 +68,7 @@ fn slow_time(signal: &Signal, radar: &Radar) -> Result<Slow, Invalid> {
     })
 }
 
-/// A measured signal, conditioned and counted, and the bench that simulated ones are compared on.
+/// A measured signal, conditioned and counted, and the sensor that simulated ones are compared on.
 pub struct Comparison {
     pub at_carrier: Scenario,
     pub signal: Vec<Complex64>,
@@ -133,12 +133,12 @@ impl Comparison {
     }
 
     /// Simulated people who move as `class` says, as the signal shows its own.
-    pub fn bench(&self, seed: u64, class: Class) -> Bench<'_> {
-        let mut bench = Bench::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
-        bench.intensity = Intensity::new(WINDOW, HOP);
-        bench.hop = HOP;
-        bench.single_cell = self.single_cell;
-        bench
+    pub fn sensor(&self, seed: u64, class: Class) -> SensorSimulation<'_> {
+        let mut sensor = SensorSimulation::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
+        sensor.intensity = Intensity::new(WINDOW, HOP);
+        sensor.hop = HOP;
+        sensor.single_cell = self.single_cell;
+        sensor
     }
 
     /// Spectra of the windows with motion.
@@ -155,16 +155,16 @@ impl Comparison {
     }
 
     /// The room by three models; `None` of a channel without a mean. `curve` is what was simulated for the KL curve, rho = 1 last.
-    pub fn room(&self, bench: &Bench, curve: &[Counts]) -> Option<RoomFit> {
-        let fitted = fit_spectra(bench, &self.spectra(&spectrum_of(bench)), ECHOES)?;
+    pub fn room(&self, sensor: &SensorSimulation, curve: &[Counts]) -> Option<RoomFit> {
+        let fitted = fit_spectra(sensor, &self.spectra(&spectrum_of(sensor)), ECHOES)?;
         let still = curve.len() - 1;
-        let noisy = white_noise(bench, &self.counts, curve[still]);
+        let noisy = white_noise(sensor, &self.counts, curve[still]);
         let least = |measured: &Counts, simulated: &[Counts]| {
             simulated.iter().map(|counts| divergence(measured, counts, 0)).fold(f64::INFINITY, f64::min)
         };
         let models = [curve, &noisy, &curve[still..]];
         let draw = |draw: u64| -> [f64; 2] {
-            let mut random = Random::new(bench.seed, STREAM, 1, draw);
+            let mut random = Random::new(sensor.seed, STREAM, 1, draw);
             let n = self.each.len();
             let chosen = (0..n).map(|_| (random.uniform() * n as f64) as usize);
             let measured = total(&self.each, chosen);
@@ -198,36 +198,36 @@ impl Comparison {
     }
 }
 
-/// Spectra of a bench's signals.
-pub fn spectrum_of(bench: &Bench) -> Spectrum {
-    let rate_hz = 1.0 / bench.scenario.interval_s();
-    let conditioning = if bench.real { Conditioning::AcCoupled(rate_hz) } else { Conditioning::MeanRemoved };
-    Spectrum::new(bench.slots as usize, conditioning)
+/// Spectra of a sensor's signals.
+pub fn spectrum_of(sensor: &SensorSimulation) -> Spectrum {
+    let rate_hz = 1.0 / sensor.scenario.interval_s();
+    let conditioning = if sensor.real { Conditioning::AcCoupled(rate_hz) } else { Conditioning::MeanRemoved };
+    Spectrum::new(sensor.slots as usize, conditioning)
 }
 
 /// The three models on spectra of windows; `None` of a channel without a mean.
-pub fn fit_spectra(bench: &Bench, windows: &[Bands], people: u32) -> Option<SpectralFits> {
-    let channel = &bench.scenario.channel;
+pub fn fit_spectra(sensor: &SensorSimulation, windows: &[Bands], people: u32) -> Option<SpectralFits> {
+    let channel = &sensor.scenario.channel;
     if channel.model != Model::Dahc || channel.mode != ArMode::Rician {
         return None;
     }
     let with = |k_factor_db| {
-        let mut scenario = bench.scenario.clone();
+        let mut scenario = sensor.scenario.clone();
         scenario.channel.k_factor_db = k_factor_db;
         scenario
     };
     // without a fluctuation, and with one as strong as the mean
     let (none, strong) = (with(NO_FLUCTUATION_DB), with(0.0));
-    let spectrum = spectrum_of(bench);
-    let of = |index| spectrum.of(&bench.slow_time(&none, 1.0, Set::Calibration, index));
+    let spectrum = spectrum_of(sensor);
+    let of = |index| spectrum.of(&sensor.slow_time(&none, 1.0, Set::Calibration, index));
     let people: Vec<Bands> = (0..people).into_par_iter().map(of).collect();
-    let mean_power = bench.added_power([&none, &strong], 0.0, PEOPLE / 4);
-    Some(fit(&spectrum, windows, &people, mean_power, bench.seed))
+    let mean_power = sensor.added_power([&none, &strong], 0.0, PEOPLE / 4);
+    Some(fit(&spectrum, windows, &people, mean_power, sensor.seed))
 }
 
 /// What static rooms with white noise of growing power show: in steps of 4 dB, then around the best in halves of it.
-fn white_noise(bench: &Bench, measured: &Counts, still: Counts) -> Vec<Counts> {
-    let signals = |index| (bench.signal(1.0, Set::Calibration, index), bench.noise(index));
+fn white_noise(sensor: &SensorSimulation, measured: &Counts, still: Counts) -> Vec<Counts> {
+    let signals = |index| (sensor.signal(1.0, Set::Calibration, index), sensor.noise(index));
     let people: Vec<_> = (0..PEOPLE).into_par_iter().map(signals).collect();
     let power = |y: &[Complex64]| y.iter().map(|z| z.norm_sqr()).sum::<f64>();
     let echo: f64 = people.iter().map(|(echo, _)| power(echo)).sum();
@@ -237,7 +237,7 @@ fn white_noise(bench: &Bench, measured: &Counts, still: Counts) -> Vec<Counts> {
         let sum = |(echo, noise): &(Vec<Complex64>, Vec<Complex64>)| {
             echo.iter().zip(noise).map(|(z, n)| z + n * gain).collect()
         };
-        bench.counted(people.par_iter().map(sum))
+        sensor.counted(people.par_iter().map(sum))
     };
     let mut found = vec![still];
     let mut best = (divergence(measured, &found[0], 0), -80.0);

@@ -4,8 +4,8 @@
 //! writes it again: the paper's experiments and the measured recordings as they were found, and what the hybrid channel of one
 //! person needs to stand for a room with a second one.
 
-use super::bench::Bench;
 use super::divergence::search;
+use super::sensor::SensorSimulation;
 use super::{PEOPLE, SURROGATES};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
@@ -130,10 +130,10 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 }
                 let single = room.clone();
                 room.channel.interferer = interferer;
-                let surrogate = Bench::new(&room, seed, class, false, 1000);
-                let bench = Bench::new(&single, seed, class, false, 1000);
+                let surrogate = SensorSimulation::new(&room, seed, class, false, 1000);
+                let sensor = SensorSimulation::new(&single, seed, class, false, 1000);
                 let measured = surrogate.counts(PAPER_RHO, Set::Surrogate, SURROGATES);
-                let (curve, _, best) = search(&measured, |rho| bench.counts(rho, Set::Calibration, PEOPLE));
+                let (curve, _, best) = search(&measured, |rho| sensor.counts(rho, Set::Calibration, PEOPLE));
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;
                 entry.push(Stored {

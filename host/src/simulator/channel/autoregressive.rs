@@ -115,7 +115,7 @@ impl Ar1Process {
         }
     }
 
-    /// Appends the room's ways as they are now.
+    /// Appends the room's paths as they are now.
     pub fn paths(&self, paths: &mut Vec<Path>) {
         let path = |(state, ray): (&Complex64, &Ray)| Path {
             gain: *state,

@@ -1,17 +1,17 @@
 //! Diffraction around screens by Kirchhoff's integral.
 //!
 //! The wave behind a rectangular screen is the free wave less what passes where the screen stands (Babinet):
-//! 1 - (j / 2) F_w F_h with F = integral of exp(-j pi t^2 / 2) between two edges, at v = +-2 sqrt(D / lambda) where the way around an edge
+//! 1 - (j / 2) F_w F_h with F = integral of exp(-j pi t^2 / 2) between two edges, at v = +-2 sqrt(D / lambda) where the path around an edge
 //! is D longer, the parameter of Recommendation ITU-R P.526-15. Its clause 4.1 is the case of a half plane: J(0) = 6 dB. What an
 //! edge adds is weighted by the cosines of the angles at which it is seen from both ends (Rayleigh and Sommerfeld's obliquity factors): it
 //! vanishes as the screen comes to stand beside an end. The delay stays that of the
-//! straight way, which at bandwidths below some GHz cannot be distinguished from the way around an edge.
+//! straight path, which at bandwidths below some GHz cannot be distinguished from the path around an edge.
 
 use super::Complex64;
 use super::shadowing::{Leg, Screen};
 use crate::numerics::fresnel::fresnel;
 
-/// The integral up to an edge `h` aside of the way, `d1` and `d2` from its ends, in m.
+/// The integral up to an edge `h` aside of the path, `d1` and `d2` from its ends, in m.
 fn edge(h: f64, [d1, d2]: [f64; 2], lambda: f64) -> Complex64 {
     let [a, b] = [d1, d2].map(|d| (d * d + h * h).sqrt());
     let v = 2.0 * ((a + b - d1 - d2).max(0.0) / lambda).sqrt();
@@ -29,12 +29,12 @@ fn passed(screen: &Screen, leg: Leg, lambda: f64, diffraction: bool) -> Complex6
         let hidden = [c.across, c.heights].iter().all(|[low, high]| *low <= 0.0 && *high >= 0.0);
         return if hidden { Complex64::default() } else { one };
     }
-    let ends = [c.at / c.tilt, (c.way - c.at) / c.tilt];
+    let ends = [c.at / c.tilt, (c.leg_m - c.at) / c.tilt];
     let between = |[low, high]: [f64; 2]| edge(high, ends, lambda) - edge(low, ends, lambda);
     one - between(c.across) * between(c.heights) * Complex64::new(0.0, 0.5)
 }
 
-/// What a way of several legs keeps behind all screens.
+/// What a path of several legs keeps behind all screens.
 pub fn kept(screens: &[Screen], legs: &[Leg], lambda: f64, diffraction: bool) -> Complex64 {
     let of = |leg: &Leg| screens.iter().map(|s| passed(s, *leg, lambda, diffraction)).product::<Complex64>();
     legs.iter().map(of).product()

@@ -106,8 +106,8 @@ fn polarised(polarisation: Polarisation, r: &Reflection, loss: f64, random: &mut
     if positive { loss } else { -loss }
 }
 
-/// A direction turned by an azimuth and an elevation.
-pub fn turned([x, y, z]: Vec3, [azimuth, elevation]: [f64; 2]) -> Vec3 {
+/// A direction rotated by an azimuth and an elevation.
+pub fn rotated([x, y, z]: Vec3, [azimuth, elevation]: [f64; 2]) -> Vec3 {
     let az = libm::atan2(y, x) + azimuth;
     let el = libm::asin(z.clamp(-1.0, 1.0)) + elevation;
     let across = libm::cos(el);
@@ -166,8 +166,8 @@ pub fn rays(scenario: &Scenario, (from, to): (Vec3, Vec3), random: &mut Random) 
             rays.push(Ray {
                 amplitude: amplitude * offset.amplitude,
                 delay_s,
-                departure: turned(reflection.departure, offset.angle),
-                arrival: turned(reflection.arrival, offset.angle),
+                departure: rotated(reflection.departure, offset.angle),
+                arrival: rotated(reflection.arrival, offset.angle),
                 fixed: offset.central.then(|| carrier_phase(reflection.length_m, lambda).arg()),
             });
         }
@@ -234,8 +234,8 @@ impl ChannelModel for ConferenceRoom {
             for (offset, phase) in bundle {
                 let delay_s = reflection.delay_s() + offset.delay_s;
                 if delay_s >= 0.0 {
-                    let arrival = turned(reflection.arrival, offset.angle);
-                    let departure = turned(reflection.departure, offset.angle);
+                    let arrival = rotated(reflection.arrival, offset.angle);
+                    let departure = rotated(reflection.departure, offset.angle);
                     let gain = gain * phase * offset.amplitude;
                     paths.push(Path { gain, delay_s, departure, arrival });
                 }

@@ -5,12 +5,12 @@
 //! people. A screen's loss is the knife-edge formula of four edges that 3GPP took over as blockage model B ([`super::shadowing`]).
 //!
 //! Stochastic part: fifteen clusters of twenty rays with the distributions of ITU-R M.2135's indoor hotspot in line of sight. Their delay spread is
-//! that of the traced ways, their directions lie around traced ways, and their power lies the mean K factor of 7 dB below them.
+//! that of the traced paths, their directions lie around traced paths, and their power lies the mean K factor of 7 dB below them.
 //!
 //! The map knows no motion of scatterers: a person echoes where it first stood. An empty box has no edges: the recursive diffraction at corners of
 //! D1.4 has nothing to do here.
 
-use super::ieee80211ay::turned;
+use super::ieee80211ay::rotated;
 use super::room::StaticPath;
 use super::roughness::Traced;
 use super::shadowing::{Screen, transmission};
@@ -52,16 +52,16 @@ pub struct MapBased {
     person: f64,
 }
 
-/// Power and rms delay spread in s of ways.
-fn spread<'a>(ways: impl Iterator<Item = &'a Path> + Clone) -> (f64, f64) {
-    let moment = |n: i32| ways.clone().map(|p| p.gain.norm_sqr() * p.delay_s.powi(n)).sum::<f64>();
+/// Power and rms delay spread in s of paths.
+fn spread<'a>(paths: impl Iterator<Item = &'a Path> + Clone) -> (f64, f64) {
+    let moment = |n: i32| paths.clone().map(|p| p.gain.norm_sqr() * p.delay_s.powi(n)).sum::<f64>();
     let (power, mean) = (moment(0), moment(1) / moment(0));
     (power, (moment(2) / power - mean * mean).max(0.0).sqrt())
 }
 
-/// The stochastic rays of a room with these traced ways, the first arriving at `first` s.
-fn stochastic(ways: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path> {
-    let (traced, delay_spread) = spread(ways.iter().map(|way| &way.path));
+/// The stochastic rays of a room with these traced paths, the first arriving at `first` s.
+fn stochastic(paths: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path> {
+    let (traced, delay_spread) = spread(paths.iter().map(|path| &path.path));
     let mut delays: Vec<f64> =
         (0..CLUSTERS).map(|_| -DELAY_RATIO * delay_spread * libm::log(1.0 - random.uniform())).collect();
     let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
@@ -75,15 +75,15 @@ fn stochastic(ways: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path>
     let mut rays = Vec::with_capacity(CLUSTERS * RAYS);
     for (delay, power) in delays.iter().zip(&powers) {
         let mut rest = traced * random.uniform();
-        let around = ways.iter().find(|way| {
-            rest -= way.path.gain.norm_sqr();
+        let around = paths.iter().find(|path| {
+            rest -= path.path.gain.norm_sqr();
             rest <= 0.0
         });
-        let Some(StaticPath { path: around, .. }) = around.or(ways.last()) else { continue };
+        let Some(StaticPath { path: around, .. }) = around.or(paths.last()) else { continue };
         for _ in 0..RAYS {
             let mut turn = |direction: Vec3| {
                 let angle = [0; 2].map(|_| RAY_SPREAD_DEG * PI / 180.0 * random.laplacian());
-                turned(direction, angle)
+                rotated(direction, angle)
             };
             let (departure, arrival) = (turn(around.departure), turn(around.arrival));
             let gain = phasor(TAU * random.uniform()) * (power * scale).sqrt();
@@ -112,13 +112,13 @@ impl MapBased {
         let mut screens: Vec<Screen> = traced.map.furniture.iter().filter_map(Screen::furniture).collect();
         screens.extend(objects.iter().map(screen));
         let lambda = wavelength(scenario.radar.carrier_hz);
-        let ways = traced.ways(ends, |legs| transmission(&screens, legs, lambda).into());
+        let paths = traced.paths(ends, |legs| transmission(&screens, legs, lambda).into());
         let distance = norm(sub(ends.1, ends.0)) / SPEED_OF_LIGHT;
-        let shortest = ways.iter().map(|way| way.path.delay_s).fold(f64::INFINITY, f64::min);
+        let shortest = paths.iter().map(|path| path.path.delay_s).fold(f64::INFINITY, f64::min);
         let first = if ends.0 == ends.1 { shortest } else { distance };
         MapBased {
             lambda,
-            rays: stochastic(ways, first, &mut random),
+            rays: stochastic(paths, first, &mut random),
             traced,
             ends,
             objects,
@@ -145,7 +145,7 @@ impl ChannelModel for MapBased {
         if let Some(path) = direct(scene, lambda) {
             paths.push(Path { gain: path.gain * kept(&[ends]), ..path });
         }
-        for StaticPath { path, legs } in self.traced.ways(ends, |legs| by(&self.screens, legs).into()) {
+        for StaticPath { path, legs } in self.traced.paths(ends, |legs| by(&self.screens, legs).into()) {
             paths.push(Path { gain: path.gain * by(&people, legs), ..*path });
         }
         for &(place, root, phase) in &self.objects {
@@ -175,12 +175,12 @@ mod tests {
     #[test]
     fn clusters_have_the_delay_spread_and_the_k_factor_of_the_map() {
         let mut traced = Traced::new(&Scenario::default());
-        let ways = traced.ways(ENDS, |_| 1.0.into());
-        let (power, delay_spread) = spread(ways.iter().map(|way| &way.path));
+        let paths = traced.paths(ENDS, |_| 1.0.into());
+        let (power, delay_spread) = spread(paths.iter().map(|path| &path.path));
         let (mut sum, mut found) = (0.0, 0.0);
         let n = 4000;
         for index in 0..n {
-            let rays = stochastic(ways, 0.0, &mut Random::new(1, 0, 0, index));
+            let rays = stochastic(paths, 0.0, &mut Random::new(1, 0, 0, index));
             let (power, delay_spread) = spread(rays.iter());
             sum += power / n as f64;
             found += delay_spread / n as f64;

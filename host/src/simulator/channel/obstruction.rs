@@ -1,4 +1,4 @@
-//! What people do to the ways of the hybrid channel while they move: shadows on the room and on each other, limbs behind the torso.
+//! What people do to the paths of the hybrid channel while they move: shadows on the room and on each other, limbs behind the torso.
 //!
 //! Amplitudes are computed at every eighth sensing slot and lie on straight lines in between: a body moves by less than a tenth of its
 //! width in that time.
@@ -12,12 +12,12 @@ use crate::simulator::body::primitives::PRIMITIVES;
 /// Sensing slots between two nodes.
 pub const SPACING: u32 = 8;
 
-/// Amplitudes that ways keep at one time.
+/// Amplitudes that paths keep at one time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Amplitudes {
     /// The direct path to a receiver.
     pub direct: f64,
-    /// Each constant way of the room.
+    /// Each constant path of the room.
     pub room: Vec<f64>,
     /// Each primitive of each person.
     pub people: Vec<[f64; PRIMITIVES]>,
@@ -109,7 +109,7 @@ impl Obstruction {
                 true => 1.0,
                 false => transmission(&screens, &[(scene.from, scene.to)], self.lambda),
             },
-            room: room.iter().map(|way| transmission(&screens, &way.legs, self.lambda)).collect(),
+            room: room.iter().map(|path| transmission(&screens, &path.legs, self.lambda)).collect(),
             people: scene.people.iter().enumerate().map(of).collect(),
         }
     }

@@ -168,9 +168,9 @@ impl Limit {
 /// Frequencies at which a response is sampled, in Hz.
 const FREQUENCIES: [f64; 4] = [-3.75e6, -1.25e6, 1.25e6, 3.75e6];
 
-/// One look at a link.
+/// A snapshot of a link.
 #[derive(Debug, Clone, Copy)]
-struct Look {
+struct Snapshot {
     response: [Complex64; FREQUENCIES.len()],
     power: f64,
     spread: f64,
@@ -178,7 +178,7 @@ struct Look {
     angle: Vec3,
 }
 
-fn look(paths: &[Path]) -> Look {
+fn snapshot(paths: &[Path]) -> Snapshot {
     let power: f64 = paths.iter().map(|p| p.gain.norm_sqr()).sum();
     let mean = |f: &dyn Fn(&Path) -> f64| -> f64 {
         paths.iter().map(|p| p.gain.norm_sqr() * f(p)).sum::<f64>() / power.max(f64::MIN_POSITIVE)
@@ -188,7 +188,7 @@ fn look(paths: &[Path]) -> Look {
     let angle = std::array::from_fn(|axis| mean(&|p| p.arrival[axis]));
     let response =
         FREQUENCIES.map(|f| paths.iter().map(|p| p.gain * phasor(-TAU * f * p.delay_s)).sum::<Complex64>());
-    Look { response, power, spread, delay, angle }
+    Snapshot { response, power, spread, delay, angle }
 }
 
 /// Correlation coefficient of paired numbers; 1 where neither varies.
@@ -208,44 +208,44 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
 /// Large- and small-scale consistency: receivers walk 0.6 m at 1 m/s, a slot every millimetre.
 fn consistency(scenario: &Scenario, seed: u64) -> (f64, f64) {
     let station = scenario.radar.position_m;
-    let walks: Vec<(Vec<Look>, Look, Look)> = (0..USERS)
+    let walks: Vec<(Vec<Snapshot>, Snapshot, Snapshot)> = (0..USERS)
         .into_par_iter()
         .map(|index| {
             let mut random = Random::new(seed, STREAM, 0, index);
             let start = receiver(scenario, &mut random);
             let angle = TAU * random.uniform();
-            let way = [libm::cos(angle), libm::sin(angle), 0.0];
+            let direction = [libm::cos(angle), libm::sin(angle), 0.0];
             let mut channel = model(scenario, station, start, RHO, random);
-            let looks: Vec<Look> = (0..600)
+            let snapshots: Vec<Snapshot> = (0..600)
                 .map(|slot| {
-                    let to = std::array::from_fn(|k| start[k] + 1e-3 * f64::from(slot) * way[k]);
-                    see(
+                    let to = std::array::from_fn(|k| start[k] + 1e-3 * f64::from(slot) * direction[k]);
+                    observe(
                         &mut *channel,
                         &Scene { slot, time_s: f64::from(slot) * 1e-3, from: station, to, people: &[] },
                     )
                 })
                 .collect();
-            let (first, last) = (local(&looks[..100]), local(&looks[500..]));
+            let (first, last) = (local(&snapshots[..100]), local(&snapshots[500..]));
             // the first slots show one and the same draw of every model's start
-            (looks[200..230].to_vec(), first, last)
+            (snapshots[200..230].to_vec(), first, last)
         })
         .collect();
-    let pairs = |f: &dyn Fn(&Look) -> f64| -> Vec<(f64, f64)> {
+    let pairs = |f: &dyn Fn(&Snapshot) -> f64| -> Vec<(f64, f64)> {
         walks.iter().map(|(_, first, last)| (f(first), f(last))).collect()
     };
     let large = correlation(&pairs(&|l| libm::log10(l.power)));
-    let neighbours = |f: &dyn Fn(&Look) -> f64| -> f64 {
+    let neighbours = |f: &dyn Fn(&Snapshot) -> f64| -> f64 {
         let pairs: Vec<(f64, f64)> = walks
             .iter()
-            .flat_map(|(looks, ..)| {
-                looks.windows(2).map(|pair| (f(&pair[0]), f(&pair[1]))).collect::<Vec<_>>()
+            .flat_map(|(snapshots, ..)| {
+                snapshots.windows(2).map(|pair| (f(&pair[0]), f(&pair[1]))).collect::<Vec<_>>()
             })
             .collect();
         correlation(&pairs)
     };
     let (mut product, mut power) = (Complex64::default(), 0.0);
-    for (looks, ..) in &walks {
-        for pair in looks.windows(2) {
+    for (snapshots, ..) in &walks {
+        for pair in snapshots.windows(2) {
             // each walk counts alike, near or far
             let energy: f64 = pair.iter().flat_map(|l| l.response).map(|h| h.norm_sqr()).sum::<f64>() / 2.0;
             let inner: Complex64 =
@@ -276,17 +276,18 @@ fn receiver(scenario: &Scenario, random: &mut Random) -> Vec3 {
     }
 }
 
-fn see(channel: &mut dyn ChannelModel, scene: &Scene) -> Look {
+fn observe(channel: &mut dyn ChannelModel, scene: &Scene) -> Snapshot {
     let mut paths = Vec::new();
     channel.paths(scene, &mut paths);
-    look(&paths)
+    snapshot(&paths)
 }
 
 /// Means over a stretch, which average the fading out.
-fn local(looks: &[Look]) -> Look {
-    let n = looks.len() as f64;
-    let mut mean = looks[0];
-    mean.power = looks.iter().map(|l| l.response.iter().map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>() / n;
+fn local(snapshots: &[Snapshot]) -> Snapshot {
+    let n = snapshots.len() as f64;
+    let mut mean = snapshots[0];
+    mean.power =
+        snapshots.iter().map(|l| l.response.iter().map(|h| h.norm_sqr()).sum::<f64>()).sum::<f64>() / n;
     mean
 }
 
@@ -315,7 +316,7 @@ fn slow_time(scenario: &Scenario, people: &[Target], random: Random, settle: u32
     signal
 }
 
-/// Power at Doppler frequency `hz`: a Blackman-windowed, zero-padded look.
+/// Power at Doppler frequency `hz`: a Blackman-windowed, zero-padded snapshot.
 fn spectrum(signal: &[Complex64], interval_s: f64) -> Vec<(f64, f64)> {
     let n = 4096;
     let mut x: Vec<Complex64> = signal

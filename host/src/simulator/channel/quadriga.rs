@@ -1,6 +1,6 @@
 //! `quadriga`: drifting clusters after QuaDRiGa.
 //!
-//! The clusters of TR 38.901 become scatterers at fixed places (the last bounce) for half a metre of the way; delays, angles and
+//! The clusters of TR 38.901 become scatterers at fixed places (the last bounce) for half a metre of the receiver's track; delays, angles and
 //! phases follow from exact distances in every slot. At the border of two segments their powers are cross-faded. Terminals
 //! move, scatterers do not: a person stays, within a segment, where the segment began.
 
@@ -19,7 +19,7 @@ const FADE_M: f64 = 0.1;
 /// Rays of a cluster that become scatterers.
 const RAYS: usize = 20;
 
-/// One scatterer: its place, the length of the way from the transmitter to it beyond the straight one, amplitude and phase.
+/// One scatterer: its place, the length of the path from the transmitter to it beyond the straight one, amplitude and phase.
 #[derive(Debug, Clone)]
 struct Scatterer {
     place: Vec3,
@@ -28,7 +28,7 @@ struct Scatterer {
     phase: f64,
 }
 
-/// The clusters of one stretch of the way.
+/// The clusters of one segment of the track.
 #[derive(Debug, Clone)]
 struct Segment {
     begun: Vec3,
@@ -85,7 +85,7 @@ impl Drifting {
         } else {
             super::ieee80211ay::unit(sub(scene.from, scene.to))
         };
-        // a monostatic radar's first way is 2 m long
+        // a monostatic radar's first path is 2 m long
         let shortest = if scene.monostatic() { 2.0 } else { distance };
         let mut scatterers = Vec::with_capacity(drop.clusters.len() * RAYS);
         for (n, cluster) in drop.clusters.iter().enumerate() {
@@ -123,14 +123,14 @@ impl Drifting {
             }));
         }
         for s in &segment.scatterers {
-            let way = sub(s.place, scene.to);
+            let offset = sub(s.place, scene.to);
             let back = between(s.place, scene.to);
             let length = between(s.place, scene.from) + s.detour_m + back;
             paths.push(Path {
                 gain: carrier_phase(length, lambda) * phasor(s.phase) * (s.amplitude * ramp),
                 delay_s: length / SPEED_OF_LIGHT,
                 departure: scale(sub(s.place, scene.from), 1.0 / between(s.place, scene.from).max(1e-6)),
-                arrival: scale(way, 1.0 / back.max(1e-6)),
+                arrival: scale(offset, 1.0 / back.max(1e-6)),
             });
         }
         for person in scene.people {

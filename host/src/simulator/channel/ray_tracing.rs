@@ -23,11 +23,11 @@ pub struct RayTracing {
     diffraction: bool,
     shadowing: bool,
     occlusion: bool,
-    /// The surfaces of every way between an end and a person: none, one, and with double bounce two.
+    /// The surfaces of every path between an end and a person: none, one, and with double bounce two.
     bounces: Vec<Vec<Plane>>,
 }
 
-/// A way between an end and a person: the end's image, what screens leave of it and what the torso leaves of each primitive.
+/// A path between an end and a person: the end's image, what screens leave of it and what the torso leaves of each primitive.
 struct Approach {
     image: Vec3,
     kept: Complex64,
@@ -57,7 +57,7 @@ impl RayTracing {
         }
     }
 
-    /// The ways between an end and a person.
+    /// The paths between an end and a person.
     fn approaches(
         &self,
         end: Vec3,
@@ -84,7 +84,7 @@ impl RayTracing {
         self.bounces.iter().map(one).collect()
     }
 
-    /// A person's echoes by every pair of ways with no more reflections than `bounces` has.
+    /// A person's echoes by every pair of paths with no more reflections than `bounces` has.
     fn echoes(&self, scene: &Scene, person: &Target, screens: &[Screen], paths: &mut Vec<Path>) {
         let primitives = person.primitives(scene.time_s);
         let out = self.approaches(scene.from, &primitives, screens);
@@ -127,7 +127,7 @@ impl ChannelModel for RayTracing {
         }
         let (people, resting) = screens.split_at(screens.len() - self.furniture.len());
         let by = |screens, legs: &[_]| kept(screens, legs, lambda, diffraction);
-        for StaticPath { path, legs } in self.traced.ways(ends, |legs| by(resting, legs)) {
+        for StaticPath { path, legs } in self.traced.paths(ends, |legs| by(resting, legs)) {
             paths.push(Path { gain: path.gain * by(people, legs), ..*path });
         }
         for (number, person) in scene.people.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The room as a box: reflections by the image method, and how materials reflect.
 //!
-//! A reflected way is the straight way from the transmitter's image. Fresnel's coefficients take the angle at which that
+//! A reflected path is the straight path from the transmitter's image. Fresnel's coefficients take the angle at which that
 //! straight line meets each wall. A bare room has the permittivities of the NIST Q-D software at 60 GHz, as the paper's baseline; a
 //! furnished one slabs of ITU-R P.2040's materials at the carrier ([`super::material`]).
 
@@ -57,9 +57,9 @@ pub fn image(p: Vec3, (axis, plane): Plane) -> Vec3 {
 fn reflection(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Reflection {
     let source = planes.iter().fold(from, |p, &plane| image(p, plane));
     let sink = planes.iter().rev().fold(to, |p, &plane| image(p, plane));
-    let way = sub(source, to);
-    let length_m = norm(way).max(1e-6);
-    let arrival = scale(way, 1.0 / length_m);
+    let offset = sub(source, to);
+    let length_m = norm(offset).max(1e-6);
+    let arrival = scale(offset, 1.0 / length_m);
     Reflection {
         length_m,
         order: planes.len() as u8,
@@ -107,7 +107,7 @@ pub fn orders(size: Vec3, order: u8) -> Vec<Vec<Plane>> {
     found
 }
 
-/// A way through the room that never changes.
+/// A path through the room that never changes.
 #[derive(Debug, Clone)]
 pub struct StaticPath {
     /// Amplitude between isotropic antennas, delay and directions.
@@ -169,8 +169,8 @@ impl Map {
         planes.iter().map(bounce).product()
     }
 
-    /// Every way between two points by reflections up to second order and by the furniture.
-    pub fn ways(&self, from: Vec3, to: Vec3) -> Vec<StaticPath> {
+    /// Every path between two points by reflections up to second order and by the furniture.
+    pub fn paths(&self, from: Vec3, to: Vec3) -> Vec<StaticPath> {
         let lambda = super::wavelength(self.carrier_hz);
         let mut found: Vec<StaticPath> = Vec::new();
         for planes in orders(self.size, 2) {
@@ -196,7 +196,7 @@ impl Map {
 
 /// The mean of the hybrid channel's room between two points.
 pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath> {
-    let mut paths = Map::furnished(scenario).ways(from, to);
+    let mut paths = Map::furnished(scenario).paths(from, to);
     if scenario.channel.clutter_gain_db != 0.0 {
         let gain = libm::pow(10.0, scenario.channel.clutter_gain_db / 20.0);
         paths.iter_mut().for_each(|one| one.path.gain *= gain);
@@ -204,7 +204,7 @@ pub fn static_paths(scenario: &Scenario, from: Vec3, to: Vec3) -> Vec<StaticPath
     paths
 }
 
-/// The straight legs of a reflected way. Two planes of different axes have the same image in either order, but only one order has its
+/// The straight legs of a reflected path. Two planes of different axes have the same image in either order, but only one order has its
 /// points on the walls.
 pub fn legs(size: Vec3, planes: &[Plane], from: Vec3, to: Vec3) -> Vec<Leg> {
     let trace = |planes: &[Plane]| {
@@ -290,7 +290,7 @@ pub fn expected_power(scenario: &Scenario) -> f64 {
     room + lambda * lambda * mean_cross_section(1.75, 0.0) / distance4
 }
 
-/// Free-space amplitude of a way times its mean reflection loss.
+/// Free-space amplitude of a path times its mean reflection loss.
 pub fn mean_amplitude(reflection: &Reflection, lambda: f64) -> f64 {
     let (mean, _) = LOSS_DB[usize::from(reflection.order.clamp(1, 2)) - 1];
     free_space(reflection.length_m, lambda) * libm::pow(10.0, mean / 20.0)
@@ -318,10 +318,10 @@ mod tests {
     fn ways_are_the_conference_rooms_and_those_of_the_floor() {
         let (to, mut scenario) = ([2.1, 3.3, 1.4], Scenario::default());
         scenario.room.furniture.clear();
-        let ways = static_paths(&scenario, RADAR, to);
-        assert_eq!(ways.len(), 24);
+        let paths = static_paths(&scenario, RADAR, to);
+        assert_eq!(paths.len(), 24);
         for r in conference_room(SIZE, RADAR, to) {
-            assert!(ways.iter().any(|way| (way.path.delay_s - r.delay_s()).abs() < 1e-20), "{r:?}");
+            assert!(paths.iter().any(|path| (path.path.delay_s - r.delay_s()).abs() < 1e-20), "{r:?}");
         }
     }
 

@@ -63,9 +63,9 @@ impl Roughness {
         Roughness { s, tiles }
     }
 
-    /// Every tile's way between two points.
-    pub fn ways(&self, map: &Map, from: Vec3, to: Vec3, lambda: f64) -> Vec<StaticPath> {
-        let way = |tile: &Tile| {
+    /// Every tile's path between two points.
+    pub fn paths(&self, map: &Map, from: Vec3, to: Vec3, lambda: f64) -> Vec<StaticPath> {
+        let path = |tile: &Tile| {
             let (there, back) = (sub(tile.centre, from), sub(to, tile.centre));
             // nearer than half a side a tile is no point
             let [r_i, r_s] = [there, back].map(|v| norm(v).max(0.5 * SIDE_M));
@@ -85,11 +85,11 @@ impl Roughness {
             };
             StaticPath { path, legs: vec![(from, tile.centre), (tile.centre, to)] }
         };
-        self.tiles.iter().map(way).collect()
+        self.tiles.iter().map(path).collect()
     }
 }
 
-/// A room's ways between two points, reflected and scattered, kept until an end moves.
+/// A room's paths between two points, reflected and scattered, kept until an end moves.
 #[derive(Debug, Clone)]
 pub struct Traced {
     pub map: Map,
@@ -106,15 +106,15 @@ impl Traced {
         Traced { lambda: wavelength(scenario.radar.carrier_hz), roughness, map, known: None }
     }
 
-    /// Between two ends; `kept` is what resting screens leave of a way.
-    pub fn ways(&mut self, ends: (Vec3, Vec3), kept: impl Fn(&[Leg]) -> Complex64) -> &[StaticPath] {
+    /// Between two ends; `kept` is what resting screens leave of a path.
+    pub fn paths(&mut self, ends: (Vec3, Vec3), kept: impl Fn(&[Leg]) -> Complex64) -> &[StaticPath] {
         if self.known.as_ref().is_none_or(|(known, _)| *known != ends) {
-            let mut ways = self.map.ways(ends.0, ends.1);
-            ways.extend(self.roughness.ways(&self.map, ends.0, ends.1, self.lambda));
-            ways.iter_mut().for_each(|way| way.path.gain *= kept(&way.legs));
-            self.known = Some((ends, ways));
+            let mut paths = self.map.paths(ends.0, ends.1);
+            paths.extend(self.roughness.paths(&self.map, ends.0, ends.1, self.lambda));
+            paths.iter_mut().for_each(|path| path.path.gain *= kept(&path.legs));
+            self.known = Some((ends, paths));
         }
-        self.known.as_ref().map_or(&[], |(_, ways)| ways)
+        self.known.as_ref().map_or(&[], |(_, paths)| paths)
     }
 }
 
@@ -141,7 +141,7 @@ mod tests {
                     let angle = TAU * f64::from(j) / f64::from(n);
                     let across = 5.0 * (1.0 - z * z).sqrt();
                     let to = [1.5 + across * libm::cos(angle), 2.25 + across * libm::sin(angle), 5.0 * z];
-                    let power = roughness.ways(&map, from, to, lambda)[0].path.gain.norm_sqr();
+                    let power = roughness.paths(&map, from, to, lambda)[0].path.gain.norm_sqr();
                     // what an isotropic antenna receives is lambda^2 / 4 pi of the density
                     scattered += power * 4.0 * PI / (lambda * lambda) * 25.0 * TAU / f64::from(n * n);
                 }

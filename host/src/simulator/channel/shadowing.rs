@@ -1,7 +1,7 @@
 //! People in the way of waves: a body as a screen that diffracts around its four edges.
 //!
 //! 3GPP TR 38.901 clause 7.6.4.2 (blockage model B): amplitude 1 - (F_h1 + F_h2)(F_w1 + F_w2) with F = atan(+-pi/2 sqrt(pi/lambda
-//! (D1 + D2 - r))) / pi for each edge, D1 and D2 its distances from the ends of the way and r the way's length, seen from the side
+//! (D1 + D2 - r))) / pi for each edge, D1 and D2 its distances from the ends of the path and r the path's length, seen from the side
 //! (h) and from above (w). The screen is as wide and as high as a human blocker of Table 7.6.4.2-5, 0.3 m by 1.7 m, scaled with the
 //! height of the body.
 
@@ -13,7 +13,7 @@ use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
 use crate::simulator::body::{Vec3, add, scale, sub};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A screen that stands upright across a way.
+/// A screen that stands upright across a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screen {
     /// Where it stands in m.
@@ -24,14 +24,14 @@ pub struct Screen {
     pub width: f64,
 }
 
-/// A way's straight leg between two points.
+/// A path's straight leg between two points.
 pub type Leg = (Vec3, Vec3);
 
 /// Where a leg passes a screen, in m.
 #[derive(Debug, Clone, Copy)]
 pub struct Crossing {
     /// Length of the leg seen from above.
-    pub way: f64,
+    pub leg_m: f64,
     /// How far along it the screen stands.
     pub at: f64,
     /// The edges of its width, across the leg.
@@ -46,16 +46,16 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// F of the two edges of one view: the way from `a` to `b`, the edges at distance `at` along it and `low` and `high` across it.
-fn edges(way: f64, at: f64, low: f64, high: f64, lambda: f64) -> f64 {
+/// F of the two edges of one view: the leg from `a` to `b`, the edges at distance `at` along it and `low` and `high` across it.
+fn edges(leg_m: f64, at: f64, low: f64, high: f64, lambda: f64) -> f64 {
     let magnitude = |edge: f64| {
-        let excess = length([at, edge]) + length([way - at, edge]) - way;
+        let excess = length([at, edge]) + length([leg_m - at, edge]) - leg_m;
         libm::atan(FRAC_PI_2 * (PI / lambda * excess.max(0.0)).sqrt()) / PI
     };
     let (low_f, high_f) = (magnitude(low), magnitude(high));
     match (low <= 0.0, high >= 0.0) {
         (true, true) => low_f + high_f,
-        // the way passes beside the screen: the nearer edge counts against the farther
+        // the path passes beside the screen: the nearer edge counts against the farther
         (true, false) => low_f - high_f,
         _ => high_f - low_f,
     }
@@ -79,23 +79,23 @@ impl Screen {
     /// Where a leg passes the screen; `None` where the screen does not stand beside it, or one of the leg's ends is the screen's place.
     pub fn crossing(&self, (a, b): Leg) -> Option<Crossing> {
         let [dx, dy, dz] = sub(b, a);
-        let way = length([dx, dy]);
-        if way < 1e-3 {
+        let leg_m = length([dx, dy]);
+        if leg_m < 1e-3 {
             return None;
         }
-        let (ex, ey) = (dx / way, dy / way);
+        let (ex, ey) = (dx / leg_m, dy / leg_m);
         let (px, py) = (self.place[0] - a[0], self.place[1] - a[1]);
         let at = px * ex + py * ey;
-        if !(1e-6..=way - 1e-6).contains(&at) {
+        if !(1e-6..=leg_m - 1e-6).contains(&at) {
             return None;
         }
         let across = py * ex - px * ey;
         // from the side: heights over the leg where it passes, at right angles to it
-        let slope = dz / way;
+        let slope = dz / leg_m;
         let tilt = 1.0 / (1.0 + slope * slope).sqrt();
         let passing = a[2] + slope * at;
         Some(Crossing {
-            way,
+            leg_m,
             at,
             across: [across - self.width / 2.0, across + self.width / 2.0],
             tilt,
@@ -106,9 +106,9 @@ impl Screen {
     /// Amplitude that a leg keeps, and how far behind the screen it ends in m; 1 where the screen does not stand beside it.
     fn passed(&self, leg: Leg, lambda: f64) -> (f64, f64) {
         let Some(c) = self.crossing(leg) else { return (1.0, 0.0) };
-        let wide = edges(c.way, c.at, c.across[0], c.across[1], lambda);
-        let high = edges(c.way / c.tilt, c.at / c.tilt, c.heights[0], c.heights[1], lambda);
-        ((1.0 - wide * high).clamp(0.0, 1.0), c.way - c.at)
+        let wide = edges(c.leg_m, c.at, c.across[0], c.across[1], lambda);
+        let high = edges(c.leg_m / c.tilt, c.at / c.tilt, c.heights[0], c.heights[1], lambda);
+        ((1.0 - wide * high).clamp(0.0, 1.0), c.leg_m - c.at)
     }
 
     /// Amplitude that a leg keeps.
@@ -117,7 +117,7 @@ impl Screen {
     }
 }
 
-/// Amplitude that a way of several legs keeps behind everybody.
+/// Amplitude that a path of several legs keeps behind everybody.
 pub fn transmission(screens: &[Screen], legs: &[Leg], lambda: f64) -> f64 {
     let of = |leg: &Leg| screens.iter().map(|screen| screen.transmission(*leg, lambda)).product::<f64>();
     legs.iter().map(of).product()
@@ -159,7 +159,7 @@ pub fn others(scene: &Scene, screens: &[Screen], person: usize, t: f64, lambda: 
     kept
 }
 
-/// The point at a share of the way between two points.
+/// The point at a share of the path between two points.
 pub fn between(a: Vec3, b: Vec3, share: f64) -> Vec3 {
     add(a, scale(sub(b, a), share))
 }

@@ -83,15 +83,15 @@ impl Target {
 /// A wave scattered at `centre` with the root of the cross section `root` in m.
 pub fn scattered(scene: &Scene, centre: Vec3, root: f64, lambda: f64, phase: f64) -> Path {
     let there = norm(sub(centre, scene.from)).max(NEAREST_M);
-    let way = sub(centre, scene.to);
-    let back = norm(way).max(NEAREST_M);
+    let offset = sub(centre, scene.to);
+    let back = norm(offset).max(NEAREST_M);
     let amplitude = lambda * root / (libm::pow(4.0 * PI, 1.5) * there * back);
     let length = there + back;
     Path {
         gain: carrier_phase(length, lambda) * phasor(phase) * amplitude,
         delay_s: length / SPEED_OF_LIGHT,
         departure: scale(sub(centre, scene.from), 1.0 / there),
-        arrival: scale(way, 1.0 / back),
+        arrival: scale(offset, 1.0 / back),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The radar's background channel (7.9.4.2): three reference points around it, each a link without line of sight.
 //!
 //! A radar nearer to the height of a base station (3 m) than to that of a terminal (1 m, Table 7.2-2) has the parameters of a base
-//! station. Arrivals are as departures: a wave comes back from where it went. Its way has the length to the point.
+//! station. Arrivals are as departures: a wave comes back from where it went. Its path has the length to the point.
 
 use super::parameters::Parameters;
 use super::polarisation::received;
@@ -32,21 +32,9 @@ pub struct Setting {
     pub polarisation: Polarisation,
 }
 
-/// Gamma distribution by Marsaglia and Tsang (2000).
-fn gamma([shape, rate, offset]: Gamma, random: &mut Random) -> f64 {
-    let raised = if shape < 1.0 { shape + 1.0 } else { shape };
-    let d = raised - 1.0 / 3.0;
-    let c = 1.0 / (9.0 * d).sqrt();
-    let drawn = loop {
-        let x = random.gaussian();
-        let v = (1.0 + c * x) * (1.0 + c * x) * (1.0 + c * x);
-        let u = 1.0 - random.uniform();
-        if v > 0.0 && libm::log(u) < 0.5 * x * x + d - d * v + d * libm::log(v) {
-            break d * v;
-        }
-    };
-    let lowered = if shape < 1.0 { libm::pow(1.0 - random.uniform(), 1.0 / shape) } else { 1.0 };
-    drawn * lowered / rate + offset
+/// Draws from a shifted gamma distribution.
+fn draw([shape, rate, offset]: Gamma, random: &mut Random) -> f64 {
+    random.gamma(shape) / rate + offset
 }
 
 /// Step 2: the reference points, a third of a turn apart.
@@ -54,8 +42,8 @@ pub fn reference_points(radar: Vec3, random: &mut Random) -> [Vec3; 3] {
     let [distance, height] = if radar[2] < STATION_HEIGHT_M { TERMINAL } else { STATION };
     let turn = TAU * random.uniform();
     std::array::from_fn(|r| {
-        let (away, angle) = (gamma(distance, random), turn + TAU / 3.0 * r as f64);
-        [radar[0] + away * libm::cos(angle), radar[1] + away * libm::sin(angle), gamma(height, random)]
+        let (away, angle) = (draw(distance, random), turn + TAU / 3.0 * r as f64);
+        [radar[0] + away * libm::cos(angle), radar[1] + away * libm::sin(angle), draw(height, random)]
     })
 }
 

@@ -5,7 +5,7 @@ use super::polarisation::{Matrix, transposed};
 /// A ray of a cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Delay behind the first way in s.
+    /// Delay behind the first path in s.
     pub delay_s: f64,
     /// Share of the power.
     pub power: f64,

@@ -35,7 +35,7 @@ pub use office::Office;
 pub use parameters::Parameters;
 
 use super::field::Field;
-use super::ieee80211ay::turned;
+use super::ieee80211ay::rotated;
 use super::shadowing::{Screen, others, transmission};
 use super::target::direct;
 use super::{Blocks, ChannelModel, Path, Scene, Sensor, carrier_phase, wavelength};
@@ -57,7 +57,7 @@ const FAR_M: f64 = 1e4;
 
 /// Direction of a ray: offsets from the direct path's azimuth and elevation.
 pub fn direction(towards: Vec3, [azimuth, elevation]: [f64; 2]) -> Vec3 {
-    turned(towards, [azimuth, elevation])
+    rotated(towards, [azimuth, elevation])
 }
 
 /// Length of a vector between two points in m.

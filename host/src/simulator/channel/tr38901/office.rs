@@ -26,7 +26,7 @@ struct ClusterFields {
 /// One cluster at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cluster {
-    /// Delay behind the first way in s.
+    /// Delay behind the first path in s.
     pub delay_s: f64,
     /// Share of the power; a drop's shares and its direct share sum to 1.
     pub power: f64,

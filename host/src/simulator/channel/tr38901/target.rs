@@ -2,7 +2,7 @@
 //!
 //! A person is one scattering point, 1.5 m high in an adult of 1.75 m, with the aspect-dependent cross section of human model 2 (7.9.2.1)
 //! and a polarisation matrix (7.9.2.2). Both links are drops that begin where it first stands: afterwards the direct path follows it exactly,
-//! and the phase of every other way turns as it moves along the way's directions there. The radar's two links are one.
+//! and the phase of every other path turns as it moves along the path's directions there. The radar's two links are one.
 //!
 //! Rays are coupled by option 2 of step 9: a direct ray with every ray of the other link, and clusters' rays in pairs at random.
 
@@ -26,7 +26,7 @@ use std::f64::consts::PI;
 const SCATTER_DB: f64 = 3.94;
 /// Mean and deviation of a person's cross-polarisation power ratio in dB (Table 7.9.2.2-1).
 const XPR_DB: (f64, f64) = (19.81, 4.25);
-/// A way this far below the strongest is dropped, in dB (step 10, option 2).
+/// A path this far below the strongest is dropped, in dB (step 10, option 2).
 const WEAKEST_DB: f64 = -40.0;
 /// Height of the scattering point over that of the body: 1.5 m of 1.75 m (7.9.3).
 const POINT: f64 = 1.5 / 1.75;
@@ -107,9 +107,9 @@ impl Leg {
     }
 }
 
-/// A way by way of the person that is not direct in both links.
+/// A path by way of the person that is not direct in both links.
 #[derive(Debug, Clone)]
-struct Way {
+struct CascadedPath {
     /// Share of the power times the cross section in m^2.
     section: f64,
     coefficient: Complex64,
@@ -129,7 +129,7 @@ pub struct Cascade {
     back: Leg,
     /// The share of the direct path in the power with its random factor, and its coefficient.
     direct: (f64, Complex64),
-    ways: Vec<Way>,
+    paths: Vec<CascadedPath>,
 }
 
 /// The three matrices in a row, normalised (eq. 7.9.4-4).
@@ -154,7 +154,7 @@ impl Cascade {
             false => Leg::draw((start, scene.to), possible, setting, random),
         };
         let mut cascade =
-            Cascade { setting, start, there, back, direct: (0.0, Complex64::default()), ways: Vec::new() };
+            Cascade { setting, start, there, back, direct: (0.0, Complex64::default()), paths: Vec::new() };
         cascade.couple(person, scene, random);
         cascade
     }
@@ -167,9 +167,9 @@ impl Cascade {
             let matrix = cascaded(&b.matrix, &polarisation::draw(XPR_DB, random), &a.matrix);
             self.direct = (a.power * b.power * scatter(random), received(&matrix));
         }
-        let mut ways = Vec::new();
+        let mut paths = Vec::new();
         let mut add = |a: &Ray, b: &Ray, factor: f64, matrix: &Matrix| {
-            ways.push(self.way(person, scene, [a, b], factor, received(matrix)));
+            paths.push(self.cascaded_path(person, scene, [a, b], factor, received(matrix)));
         };
         if let Some(a) = mine {
             for b in &self.back.link.rays {
@@ -177,7 +177,7 @@ impl Cascade {
                 let matrix = cascaded(&b.matrix, &own, &a.matrix);
                 add(&a, b, factor, &matrix);
                 if scene.monostatic() {
-                    // the same way in the other direction
+                    // the same path in the other direction
                     let reversed = Ray { arrival: b.departure, departure: b.arrival, ..*b };
                     add(&reversed, &a, factor, &transposed(&matrix));
                 }
@@ -198,9 +198,9 @@ impl Cascade {
             add(a, b, factor, &cascaded(&b.matrix, &own, &a.matrix));
         }
         let direct = self.direct.0 * cross_section(person, self.towards_ends(scene, self.start));
-        let most = ways.iter().map(|way| way.section).fold(direct, f64::max);
-        ways.retain(|way| way.section >= most * libm::pow(10.0, WEAKEST_DB / 10.0));
-        self.ways = ways;
+        let most = paths.iter().map(|path| path.section).fold(direct, f64::max);
+        paths.retain(|path| path.section >= most * libm::pow(10.0, WEAKEST_DB / 10.0));
+        self.paths = paths;
     }
 
     /// Unit vectors from a place of the person towards both ends.
@@ -208,19 +208,19 @@ impl Cascade {
         [scene.from, scene.to].map(|end| unit(sub(end, place)))
     }
 
-    fn way(
+    fn cascaded_path(
         &self,
         person: &Target,
         scene: &Scene,
         [a, b]: [&Ray; 2],
         factor: f64,
         coefficient: Complex64,
-    ) -> Way {
+    ) -> CascadedPath {
         let [from, to] = self.towards_ends(scene, self.start);
         let sides = [direction(from, a.arrival), direction(to, b.departure)];
         let excess = self.there.link.excess_s + self.back.link.excess_s;
         let length = between(scene.from, self.start) + between(self.start, scene.to);
-        Way {
+        CascadedPath {
             section: a.power * b.power * factor * cross_section(person, sides),
             coefficient,
             delay_s: a.delay_s + b.delay_s + excess + length / SPEED_OF_LIGHT,
@@ -251,13 +251,13 @@ impl Cascade {
             });
         }
         let moved = sub(place, self.start);
-        for way in &self.ways {
-            let longer = -dot(way.sides[0], moved) - dot(way.sides[1], moved);
+        for path in &self.paths {
+            let longer = -dot(path.sides[0], moved) - dot(path.sides[1], moved);
             paths.push(Path {
-                gain: carrier_phase(longer, lambda) * way.coefficient * (loss * way.section).sqrt(),
-                delay_s: way.delay_s + longer / SPEED_OF_LIGHT,
-                departure: way.departure,
-                arrival: way.arrival,
+                gain: carrier_phase(longer, lambda) * path.coefficient * (loss * path.section).sqrt(),
+                delay_s: path.delay_s + longer / SPEED_OF_LIGHT,
+                departure: path.departure,
+                arrival: path.arrival,
             });
         }
     }
@@ -332,7 +332,7 @@ mod tests {
         let lambda = wavelength(3.5e9);
         let sigma = cross_section(&person, [unit(sub(radar, place)); 2]);
         for (los, from, to) in [(true, -0.5, 0.5), (false, -28.0, -23.0)] {
-            let (mut off, mut direct, mut ways, n) = (0.0, 0.0, 0, 4000);
+            let (mut off, mut direct, mut count, n) = (0.0, 0.0, 0, 4000);
             for index in 0..n {
                 let mut random = Random::new(796, 1, 0, index);
                 let cascade = Cascade::new(&person, &scene, los, SETTING, &mut random);
@@ -343,7 +343,7 @@ mod tests {
                     + 10.0 * libm::log10(lambda * lambda / (4.0 * PI) / sigma);
                 let power: f64 = paths.iter().map(|path| path.gain.norm_sqr()).sum();
                 off += power * libm::pow(10.0, law / 10.0) / n as f64;
-                ways += paths.len();
+                count += paths.len();
                 if los {
                     direct += paths[0].gain.norm_sqr() / power / n as f64;
                     let length = paths[0].delay_s * SPEED_OF_LIGHT;
@@ -353,9 +353,9 @@ mod tests {
             let off = 10.0 * libm::log10(off);
             // pairs of option 2 have the share 1 / (rays of a link) of all pairs' power
             println!(
-                "number: 38.901 sensing, a person's channel, line of sight {los}: {off:+.2} dB of the calibration's coupling loss ({}), {:.0} ways, {direct:.2} of the power direct",
+                "number: 38.901 sensing, a person's channel, line of sight {los}: {off:+.2} dB of the calibration's coupling loss ({}), {:.0} paths, {direct:.2} of the power direct",
                 if los { "0 dB" } else { "option 2: -25 dB" },
-                ways as f64 / n as f64
+                count as f64 / n as f64
             );
             assert!((from..to).contains(&off), "{off}");
         }
@@ -370,14 +370,14 @@ mod tests {
             let cascade = Cascade::new(&person, &scene, possible, SETTING, &mut Random::new(7, 1, 0, 0));
             assert_eq!(cascade.there.link, cascade.back.link.reversed());
             assert_eq!(cascade.direct.0 > 0.0, possible);
-            // every way exists in the other direction too: as much power leaves in a direction as comes from it
+            // every path exists in the other direction too: as much power leaves in a direction as comes from it
             if possible {
-                let sum = |f: fn(&Way) -> Vec3| -> f64 {
-                    let one = |way: &Way| way.section * f(way)[0];
-                    cascade.ways.iter().map(one).sum()
+                let sum = |f: fn(&CascadedPath) -> Vec3| -> f64 {
+                    let one = |path: &CascadedPath| path.section * f(path)[0];
+                    cascade.paths.iter().map(one).sum()
                 };
-                let (out, home) = (sum(|way| way.departure), sum(|way| way.arrival));
-                let whole: f64 = cascade.ways.iter().map(|way| way.section).sum();
+                let (out, home) = (sum(|path| path.departure), sum(|path| path.arrival));
+                let whole: f64 = cascade.paths.iter().map(|path| path.section).sum();
                 assert!((out - home).abs() < 0.05 * whole, "{out} {home} {whole}");
             }
         }

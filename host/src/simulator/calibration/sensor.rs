@@ -19,8 +19,8 @@ pub const SETTLE_SLOTS: u32 = 300;
 /// Stream number of white noise.
 const NOISE_STREAM: u64 = 207;
 
-/// How simulated signals are made to look like the measured one.
-pub struct Bench<'a> {
+/// Simulates people as the sensor of a measured signal shows them.
+pub struct SensorSimulation<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
     pub class: Class,
@@ -33,13 +33,13 @@ pub struct Bench<'a> {
     pub hop: usize,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> SensorSimulation<'a> {
     /// Complex recordings of `slots` sensing slots as the scenario's front end shows them; real ones if asked.
     pub fn new(scenario: &'a Scenario, seed: u64, class: Class, real: bool, slots: u32) -> Self {
         let settings = &scenario.spectrogram;
         let hop = usize::from(settings.hop);
         let intensity = Intensity::new(usize::from(settings.window), hop);
-        Bench { scenario, seed, class, real, single_cell: false, slots, intensity, hop }
+        SensorSimulation { scenario, seed, class, real, single_cell: false, slots, intensity, hop }
     }
 
     /// A person's slow-time signal before conditioning, with what settles before the window: one range sample of a sensor that has one
@@ -124,20 +124,20 @@ impl<'a> Bench<'a> {
 }
 
 /// The spectrogram of a signal.
-pub fn picture(bench: &Bench, title: &str, signal: &[Complex64]) -> Spectrogram {
-    let decibels = bench.intensity.decibels(signal, bench.real);
+pub fn picture(sensor: &SensorSimulation, title: &str, signal: &[Complex64]) -> Spectrogram {
+    let decibels = sensor.intensity.decibels(signal, sensor.real);
     let rows = decibels.first().map_or(0, Vec::len);
-    let row_hz = 1.0 / (256.0 * bench.scenario.interval_s());
+    let row_hz = 1.0 / (256.0 * sensor.scenario.interval_s());
     let pixel =
         |row: usize| decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8);
     Spectrogram {
         title: title.to_owned(),
         rows: rows as u32,
         frames: decibels.len() as u32,
-        first_row_hz: if bench.real { 0.0 } else { -128.0 * row_hz },
+        first_row_hz: if sensor.real { 0.0 } else { -128.0 * row_hz },
         row_hz,
-        frame_s: bench.hop as f64 * bench.scenario.interval_s(),
-        carrier_hz: bench.scenario.radar.carrier_hz,
+        frame_s: sensor.hop as f64 * sensor.scenario.interval_s(),
+        carrier_hz: sensor.scenario.radar.carrier_hz,
         range_db: RANGE_DB,
         intensities: (0..rows).flat_map(pixel).collect(),
     }
