@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::results::Cell;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::PEOPLE;
-use crate::simulator::calibration::bench::SETTLE_SLOTS;
+use crate::simulator::calibration::sensor::SETTLE_SLOTS;
 use crate::simulator::calibration::divergence::EVALUATIONS;
 use crate::simulator::dataset::{Set, beats, recording};
 use indicatif::HumanDuration;
