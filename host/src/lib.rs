@@ -27,6 +27,7 @@ pub mod predictor;
 mod progress;
 pub mod recordings;
 mod report;
+pub mod reproduce;
 pub mod results;
 pub mod scenario;
 mod scheduling;

@@ -8,7 +8,7 @@ use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::Exchanged;
 use crate::results::{
     Calibration, Campaign, ChannelTable, Checked, EarlyExitResult, Files, Listed, Merged, Optimum,
-    Prediction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
+    Prediction, Reproduction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -22,7 +22,7 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 29] = published![
+pub const PUBLISHED: [(&str, &str); 30] = published![
     "calibrate",
     "channels",
     "early-exits",
@@ -39,6 +39,7 @@ pub const PUBLISHED: [(&str, &str); 29] = published![
     "predict",
     "quantize",
     "report",
+    "reproduce",
     "run",
     "scenario",
     "scenario-check",
@@ -121,6 +122,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         "model-verify" => schema_for!(ModelCheck),
         "optimize" => schema_for!(Optimized),
         "predict" => schema_for!(Prediction),
+        "reproduce" => schema_for!(Vec<Reproduction>),
         "run" => schema_for!(Run),
         "scenario-check" => schema_for!(Checked),
         "scenario-list" => schema_for!(Vec<Listed>),

@@ -2,7 +2,6 @@
 
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
-use sdp3_core::simd::conj_mac::portable;
 use sdp3_core::simd::native_conj_mac;
 
 #[test]

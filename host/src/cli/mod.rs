@@ -97,6 +97,15 @@ pub enum Command {
   sdp3 study ablation --seeds 5 --out ablation
   sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
     Study(training::StudyArgs),
+    /// Make the paper's tables and figures again, beside its numbers, each with a verdict.
+    ///
+    /// Everything is made twice: with the settings as printed and with the scenario's. Writes a result, a figure and, when all items
+    /// are there, one page, reproduction.md. After an interruption the same command resumes.
+    #[command(after_help = "Examples:
+  sdp3 reproduce
+  sdp3 reproduce region learning-curve --out paper
+  sdp3 reproduce --size paper --seed 1001 --shard 2/8 --out paper")]
+    Reproduce(training::ReproduceArgs),
     /// Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster.
     ///
     /// Every cell simulates, trains, quantises and tests. After an interruption the same command resumes. The shard is --shard's,
@@ -216,7 +225,7 @@ impl Cli {
     /// How to go on after an interruption.
     pub fn resumption(&self) -> &'static str {
         match self.command {
-            Some(Command::Simulate(_) | Command::Study(_) | Command::Sweep(_)) => {
+            Some(Command::Simulate(_) | Command::Study(_) | Command::Reproduce(_) | Command::Sweep(_)) => {
                 "the same command goes on where it was"
             }
             None | Some(Command::Run(_) | Command::Train(_)) => {
@@ -238,9 +247,13 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         #[cfg(feature = "train")]
         Command::Study(args) => trainer::study(context, &args),
         #[cfg(feature = "train")]
+        Command::Reproduce(args) => trainer::reproduce(context, args),
+        #[cfg(feature = "train")]
         Command::Quantize(args) => trainer::quantize(context, &args),
         #[cfg(not(feature = "train"))]
-        Command::Run(_) | Command::Train(_) | Command::Study(_) => crate::pipeline::untrained("train"),
+        Command::Run(_) | Command::Train(_) | Command::Study(_) | Command::Reproduce(_) => {
+            crate::pipeline::untrained("train")
+        }
         #[cfg(not(feature = "train"))]
         Command::Quantize(_) => crate::pipeline::untrained("quantize"),
         Command::Simulate(args) => simulator::simulate(context, args),

@@ -3,13 +3,16 @@
 use super::context::{Context, Preset};
 use super::job::{self, RunArgs};
 use super::simulator::measurement;
-use super::training::{self, QuantizeArgs, StudyArgs, TrainArgs};
+use super::training::{self, QuantizeArgs, ReproduceArgs, StudyArgs, TrainArgs};
 use crate::error::Failure;
 use crate::network::recipe::Recipe;
 use crate::network::training::Backend;
 use crate::pipeline::main_job::MainJob;
+use crate::pipeline::reproduce::Reproduce;
 use crate::pipeline::train::Train;
 use crate::recordings::Stated;
+use crate::reproduce::Item;
+use crate::results::Reproduction;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
@@ -48,6 +51,22 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
 pub fn quantize(context: &Context, args: &QuantizeArgs) -> Result<bool, Failure> {
     let files = context.job()?.quantize_networks(args.data.as_deref())?;
     context.print_files(&files)?;
+    Ok(true)
+}
+
+pub fn reproduce(context: &Context, args: ReproduceArgs) -> Result<bool, Failure> {
+    let ReproduceArgs { mut items, size, seeds, measured, carrier, shard } = args;
+    let measured = measured.map(|folder| (folder, Stated { carrier_hz: carrier, ..Stated::default() }));
+    if items.is_empty() {
+        items = Item::ALL.to_vec();
+    }
+    let found = context.job()?.reproduce(&Reproduce { items, size, seeds, measured, shard })?;
+    context.print(&found, || {
+        let line = |r: &Reproduction| {
+            format!("{:22} as printed: {}; here: {}", r.item, r.verdict_as_printed, r.verdict)
+        };
+        found.iter().map(line).collect::<Vec<_>>().join("\n")
+    })?;
     Ok(true)
 }
 

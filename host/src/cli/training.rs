@@ -1,7 +1,9 @@
 //! The options of `train`, `quantize` and `study`, the same in a build that cannot train.
 
 use super::context::{Preset, count};
+use crate::dataset::Shard;
 use crate::experiments::Study;
+use crate::reproduce::{Item, Size};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -53,6 +55,29 @@ pub struct QuantizeArgs {
     /// The dataset they were trained on, to measure ranges on; absent: training recordings are simulated.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+}
+
+/// Tables and figures of the paper to make again.
+#[derive(Debug, Clone, Args)]
+pub struct ReproduceArgs {
+    /// Which; absent: all.
+    #[arg(value_enum, value_name = "ITEM")]
+    pub items: Vec<Item>,
+    /// How large.
+    #[arg(long, value_enum, default_value_t = Size::Quick)]
+    pub size: Size,
+    /// Seeds, from --seed upwards (from 101 where --seed is absent); absent: one of a quick size, else five.
+    #[arg(long, value_parser = count(1..=1000))]
+    pub seeds: Option<u32>,
+    /// A folder of measured recordings to set beside the experiment (`kl-divergence`), in any depth, with the motion in their names.
+    #[arg(long, value_name = "FOLDER")]
+    pub measured: Option<PathBuf>,
+    /// Carrier in Hz of recordings that do not say theirs.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub carrier: Option<f64>,
+    /// Do only the I-th of N shards of the computations, and put nothing together.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
 }
 
 /// A study to make.

@@ -168,18 +168,23 @@ fn matrix(request: &Request, cells: &Cells, rho: f64, context: RunContext) -> Re
     Ok(found)
 }
 
-/// Divergences from a measured recording, or why there are none.
-fn measured_intensities(
-    request: &Request,
+/// Divergences from a measured recording.
+///
+/// # Errors
+///
+/// A recording that cannot be calibrated on.
+pub fn measured_intensities(
+    s: &Scenario,
     recording: &Measured,
+    seed: u64,
     context: RunContext,
 ) -> Result<IntensityDivergence, Invalid> {
-    let (s, class, signal) = (&request.scenario, recording.motion.class(), &recording.signal);
+    let (class, signal) = (recording.motion.class(), &recording.signal);
     let stage = context.progress.stage("calibrate", &recording.name);
-    let found = calibrate_measured(s, signal, class, request.seed, &|done, all| stage.at(done, all))?;
+    let found = calibrate_measured(s, signal, class, seed, &|done, all| stage.at(done, all))?;
     let mut traced = s.clone();
     traced.channel.model = Model::RayTracing;
-    let (ray_tracing, rays) = divergence_measured(&traced, signal, class, request.seed, 1.0)?;
+    let (ray_tracing, rays) = divergence_measured(&traced, signal, class, seed, 1.0)?;
     stage.finish(&format!("{}: rho = {}", recording.name, found.rho));
     Ok(IntensityDivergence {
         rho: found.rho,
@@ -209,7 +214,8 @@ pub fn study(
     let mut measured = Vec::new();
     for recording in &recordings {
         let found = cells.get(&format!("intensities-{}", recording.key), || {
-            Ok(measured_intensities(request, recording, context).map_err(|e| e.to_string()))
+            Ok(measured_intensities(&request.scenario, recording, request.seed, context)
+                .map_err(|e| e.to_string()))
         })?;
         match found {
             Ok(intensities) => measured.push(MeasuredIntensities {

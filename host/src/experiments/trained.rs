@@ -2,14 +2,15 @@
 
 use super::RunContext;
 use crate::error::Failure;
+use crate::network::checkpoint::Checkpoint;
 use crate::network::evaluation::test;
 use crate::network::interchange::header;
 use crate::network::parameters::Parameters;
 use crate::network::spectrograms::{Collected, Part, Recordings};
-use crate::network::training::{self, train_all};
+use crate::network::training::{self, EpochCallbacks, train_all};
 use crate::network::tuning::quantize_tuned;
-use crate::results::Accuracy;
-use crate::scenario::{Class, Scenario};
+use crate::results::{Accuracy, Epoch};
+use crate::scenario::{Class, Learning, Scenario};
 use crate::simulator::calibration::rho_of;
 
 /// Networks for every N_s of a scenario.
@@ -17,6 +18,8 @@ pub struct Trained {
     pub parameters: Vec<Parameters>,
     /// Their int8 model files.
     pub models: Vec<Vec<u8>>,
+    /// Loss and accuracy of every network's epochs, on the images learned from.
+    pub epochs: Vec<Vec<Epoch>>,
 }
 
 /// For every N_s a character a test recording: 1 if its class was recognised.
@@ -93,6 +96,21 @@ pub fn train(
     images: &Collected,
     context: RunContext,
 ) -> Result<Trained, Failure> {
+    train_watched(scenario, seed, images, context, &|_, _, _| Ok(()))
+}
+
+/// As [`train`]; `watch` sees every network after each of its epochs.
+///
+/// # Errors
+///
+/// As [`train`], and what `watch` says.
+pub fn train_watched(
+    scenario: &Scenario,
+    seed: u64,
+    images: &Collected,
+    context: RunContext,
+    watch: &EpochCallbacks<'_>,
+) -> Result<Trained, Failure> {
     let learning = &scenario.learning;
     let slots = &scenario.frame.sensing_slots;
     let jobs: Vec<_> = slots
@@ -101,9 +119,9 @@ pub fn train(
         .collect();
     let stage = context.progress.stage("train", &format!("{} networks, seed {seed}", jobs.len()));
     let total = jobs.len() as u64 * u64::from(learning.epochs);
-    let after_epoch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
+    let after_epoch = |job: usize, state: &dyn Fn() -> _, epochs: &[_]| {
         stage.step(total);
-        Ok(())
+        watch(job, state, epochs)
     };
     let trained =
         train_all(&images.images, &jobs, learning, Class::ALL.len(), context.workers, &after_epoch)?;
@@ -115,7 +133,18 @@ pub fn train(
             quantize_tuned(&network.parameters, header(scenario, n), &names, images, learning)?;
         models.push(quantized.to_bytes()?);
     }
-    Ok(Trained { parameters: trained.into_iter().map(|t| t.parameters).collect(), models })
+    let (parameters, epochs) = trained.into_iter().map(|t| (t.parameters, t.epochs)).unzip();
+    Ok(Trained { parameters, models, epochs })
+}
+
+/// A network as it is at a checkpoint.
+///
+/// # Errors
+///
+/// A checkpoint of another architecture.
+pub fn parameters_of(checkpoint: &Checkpoint, learning: &Learning) -> Result<Parameters, String> {
+    let architecture = training::architecture(learning, Class::ALL.len());
+    checkpoint.parameters.parameters(architecture).map_err(|error| error.to_string())
 }
 
 impl Trained {

@@ -275,18 +275,24 @@ pub fn gallery(
             scenario.frame.spacing_slots = spacing;
             scenario.spectrogram.bins_per_row = bins;
             scenario.spectrogram.hop = hop;
-            scenario.spectrogram.beta = PICTURE_BETA;
-            let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
-            scenario.frame.sensing_slots = vec![slots];
-            let rho = stored_rho(&scenario).0;
-            let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);
-            let image = images_of_beats(&scenario, &beats).pop().unwrap_or_default();
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             let title = format!("{}, {}, {} GHz", class.name(), model.name(), carrier_hz / 1e9);
-            let spectrogram = picture(&scenario, &title, &image);
+            let spectrogram = example(&scenario, &title, class, seed);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             GallerySpectrogram { model: model.name().into(), class: class.name().into(), spectrogram }
         })
         .collect()
+}
+
+/// The spectrogram of a person of a class in a scenario, [`GALLERY_S`] long.
+pub fn example(scenario: &Scenario, title: &str, class: Class, seed: u64) -> Spectrogram {
+    let mut scenario = scenario.clone();
+    scenario.spectrogram.beta = PICTURE_BETA;
+    let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
+    scenario.frame.sensing_slots = vec![slots];
+    let rho = stored_rho(&scenario).0;
+    let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);
+    let image = images_of_beats(&scenario, &beats).pop().unwrap_or_default();
+    picture(&scenario, title, &image)
 }
 
 /// An image with its axes.

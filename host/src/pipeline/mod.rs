@@ -11,6 +11,8 @@ mod learn;
 pub(crate) mod main_job;
 mod notes;
 mod optimize;
+#[cfg(feature = "train")]
+pub(crate) mod reproduce;
 mod schedule;
 mod simulate;
 mod stored;

@@ -12,6 +12,7 @@ pub(crate) mod fidelity;
 pub(crate) mod figures;
 pub(crate) mod gallery;
 mod page;
+pub(crate) mod panels;
 pub(crate) mod paper;
 pub(crate) mod plot;
 pub(crate) mod spectrograms;

@@ -5,11 +5,13 @@
 
 mod files;
 mod optimizer;
+mod reproduction;
 mod spread;
 mod sweep;
 
 pub use files::*;
 pub use optimizer::*;
+pub use reproduction::*;
 pub use spread::*;
 pub use sweep::*;
 

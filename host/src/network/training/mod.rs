@@ -109,7 +109,8 @@ impl Job {
     }
 }
 
-fn architecture(settings: &Learning, classes: usize) -> Architecture {
+/// The network that a training's settings describe.
+pub fn architecture(settings: &Learning, classes: usize) -> Architecture {
     Architecture {
         channels: usize::from(settings.channels),
         blocks: usize::from(settings.blocks),
