@@ -62,13 +62,13 @@ pub fn scenario(base: &Scenario, size: Size, settings: Settings, carrier_hz: f64
 }
 
 /// What stands for the paper's experiment, of which nothing is public, and is not the hybrid channel: a furnished room by ray tracing, with
-/// rough surfaces, diffraction and double bounces, in which somebody else stands; the scenario's antenna and front end with I and Q further out
+/// rough surfaces and diffraction, in which somebody else stands; the scenario's antenna and front end with I and Q further out
 /// of balance; people whose speeds scatter twice as much.
 pub fn experiment(base: &Scenario, size: Size, carrier_hz: f64) -> Scenario {
     let mut found = scenario(base, size, Settings::Here, carrier_hz);
     found.channel.model = Model::RayTracing;
     (found.channel.interior, found.channel.scattering) = (Interior::Furnished, 0.4);
-    (found.channel.diffraction, found.channel.double_bounce) = (true, true);
+    found.channel.diffraction = true;
     found.target.others = vec![Other { class: Class::Standing, start_m: [0.6, 2.8], heading_deg: None }];
     (found.radar.iq_gain_db, found.radar.iq_phase_deg) = (Some(0.5), Some(2.0));
     found.target.speed_jitter = (2.0 * found.target.speed_jitter).min(0.5);
