@@ -13,6 +13,7 @@ Help: the tool and every command, with examples.
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters
     study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter
+    reproduce    Make the paper's tables and figures again, beside its numbers, each with a verdict
     sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster
     merge        Join the cells of a sweep
     quantize     Convert trained networks into int8 model files
@@ -427,6 +428,86 @@ Help: the tool and every command, with examples.
     sdp3 study robustness --seeds 3 --out robustness
     sdp3 study ablation --seeds 5 --out ablation
     sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
+
+  $ sdp3 reproduce --help
+  Make the paper's tables and figures again, beside its numbers, each with a verdict.
+  
+  Everything is made twice: with the settings as printed and with the scenario's. Writes a result, a figure and, when all items are there, one page, reproduction.md. After an interruption the same command resumes.
+  
+  Usage: sdp3 reproduce [OPTIONS] [ITEM]...
+  
+  Arguments:
+    [ITEM]...
+            Which; absent: all
+  
+            Possible values:
+            - channel-models:        Table I: which channel model has which property
+            - spectrograms:          Spectrograms of standing, pacing and walking, with one and with two people
+            - kl-divergence:         KL divergence over rho, and that of ray tracing
+            - intensities:           Distributions of intensity of experiment, hybrid channel and ray tracing
+            - accuracy-over-epochs:  Accuracy over epochs of networks of three origins
+            - training:              Training loss and test accuracy over epochs for every number of sensing slots
+            - learning-curve:        Accuracy over the number of sensing slots
+            - learning-curve-models: Tables II and III: seven curves and their errors
+            - region:                The accuracy-throughput region of both cases with its zones
+  
+  Options:
+        --size <SIZE>
+            How large
+  
+            Possible values:
+            - quick: Minutes: one seed, a smaller network, fewer recordings
+            - paper: The paper's sizes; hours
+            
+            [default: quick]
+  
+        --seeds <SEEDS>
+            Seeds, from --seed upwards (from 101 where --seed is absent); absent: one of a quick size, else five
+  
+        --measured <FOLDER>
+            A folder of measured recordings to set beside the experiment (`kl-divergence`), in any depth, with the motion in their names
+  
+        --carrier <HZ>
+            Carrier in Hz of recordings that do not say theirs
+  
+        --shard <I/N>
+            Do only the I-th of N shards of the computations, and put nothing together
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 reproduce
+    sdp3 reproduce region learning-curve --out paper
+    sdp3 reproduce --size paper --seed 1001 --shard 2/8 --out paper
 
   $ sdp3 sweep --help
   Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster.
@@ -1132,7 +1213,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

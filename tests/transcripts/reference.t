@@ -17,6 +17,7 @@ Schemas, completions and man pages.
   predict
   quantize
   report
+  reproduce
   run
   scenario
   scenario-check
@@ -58,7 +59,7 @@ Schemas, completions and man pages.
 
   $ sdp3 schema nothing
   error: invalid value 'nothing' for '[COMMAND]'
-    [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   For more information, try '--help'.
   [2]
@@ -81,6 +82,7 @@ Schemas, completions and man pages.
   pages/sdp3-gallery.1
   pages/sdp3-train.1
   pages/sdp3-study.1
+  pages/sdp3-reproduce.1
   pages/sdp3-sweep.1
   pages/sdp3-merge.1
   pages/sdp3-quantize.1
