@@ -74,7 +74,7 @@ fn seeds_of_several_sets_and_folders_of_other_sizes_are_refused() {
     assert_eq!(code, 0, "{stderr}");
     let (code, _, stderr) = reproduce(folder.path(), "one", &["spectrograms", "--size", "paper"]);
     assert_eq!(code, 2, "{stderr}");
-    assert!(stderr.contains("study.json") && stderr.contains("reproduce-quick"), "{stderr}");
+    assert!(stderr.contains("study.json") && stderr.contains("use another --out"), "{stderr}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod firmware {
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, plain_products, widen};
-    use sdp3_core::simd::{conj_mac, mulh};
+    use sdp3_core::simd::{conj_mac, mulh, native_conj_mac};
     use sdp3_firmware_sim::semihosting::{exit, println};
 
     /// Inputs of each kernel.
@@ -94,7 +94,7 @@ mod firmware {
             for (block, samples) in [(125, 1000), (128, 1000), (250, 1000), (64, 256), (63, 900)] {
                 let (slot, reference) = (&slot.0[..samples], &reference.0[..samples]);
                 let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);
-                conj_mac::conj_mac(slot, reference, block, &mut found);
+                native_conj_mac(slot, reference, block, &mut found);
                 conj_mac::portable(slot, reference, block, &mut expected);
                 same("dechirp", round, found, expected);
             }
