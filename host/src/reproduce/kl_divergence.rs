@@ -141,6 +141,6 @@ pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
 
 /// What the experiment is.
 pub const EXPERIMENT: &str = "The paper's recordings are not public. What stands for them is simulated, but not by the hybrid channel: ray tracing in a furnished \
-    room with rough surfaces and diffraction, in which somebody else stands, seen by a real module's front end, with other people \
-    whose speeds scatter twice as much. The paper's baseline is ray tracing in a bare room. They share an origin, which favours ray tracing here; \
+    room with rough surfaces and diffraction, in which somebody else stands, seen by a real module's front end, and other people \
+    with twice the spread of speeds. The paper's baseline is ray tracing in a bare room. They share an origin, which favours ray tracing here; \
     and nothing in that room fluctuates but people.";

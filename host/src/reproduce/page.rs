@@ -84,7 +84,7 @@ pub fn page(all: &[Reproduction], folder: &str) -> String {
     let Some(first) = all.first() else { return String::new() };
     let seeds: Vec<String> = first.seeds.iter().map(u64::to_string).collect();
     let mut text = format!(
-        "# The paper, figure by figure\n\nEvery table and figure of the paper, made again by `sdp3 reproduce all --size {} --seed {} --seeds {}`: \
+        "# The paper, figure by figure\n\nEvery table and figure of the paper, made again by `sdp3 reproduce --size {} --seed {} --seeds {}`: \
          with the settings as printed (its room that fades while it is recorded, its training) and with those of this tool. Seeds: {} \
          ({}). Intervals are of 95 %.\n\nReproduced: every number of the paper lies in its interval, every statement is true. In order only: \
          the statements are true. The file of each item is in [{folder}]({folder}).\n\n| item | as printed | here |\n|---|---|---|\n",

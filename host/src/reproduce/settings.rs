@@ -63,7 +63,7 @@ pub fn scenario(base: &Scenario, size: Size, settings: Settings, carrier_hz: f64
 
 /// What stands for the paper's experiment, of which nothing is public, and is not the hybrid channel: a furnished room by ray tracing, with
 /// rough surfaces and diffraction, in which somebody else stands; the scenario's antenna and front end with I and Q further out
-/// of balance; people whose speeds scatter twice as much.
+/// of balance; people with twice the spread of speeds.
 pub fn experiment(base: &Scenario, size: Size, carrier_hz: f64) -> Scenario {
     let mut found = scenario(base, size, Settings::Here, carrier_hz);
     found.channel.model = Model::RayTracing;

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn convergence_is_told_from_a_fall() {
+    fn convergence_differs_from_a_fall() {
         let exponential: Vec<f64> = (0..60).map(|k| 1.6 * libm::exp(-f64::from(k) / 8.0)).collect();
         let linear: Vec<f64> = (0..60).map(|k| 1.6 - 0.02 * f64::from(k)).collect();
         assert!(converged(&exponential) && !converged(&linear));

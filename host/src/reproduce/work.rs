@@ -194,7 +194,7 @@ impl Work<'_> {
         let tested = Mutex::new(vec![Vec::new(); scenario.frame.sensing_slots.len()]);
         let watch = |job: usize, state: &dyn Fn() -> _, epochs: &[Epoch]| {
             let epoch = epochs.len() as u32;
-            if epoch % every == 0 || epoch == scenario.learning.epochs {
+            if epoch.is_multiple_of(every) || epoch == scenario.learning.epochs {
                 let parameters = parameters_of(&state(), &scenario.learning)?;
                 let accuracy = FloatNetwork::new(&parameters).classify(&shown.images[job]).accuracy();
                 tested.lock().unwrap_or_else(PoisonError::into_inner)[job].push((epoch, accuracy));
