@@ -3,7 +3,7 @@
 use super::injection::{Expected, HARMFUL, HARMLESS, KINDS};
 use super::radio::Radio;
 use super::reports::Reports;
-use super::shared::{FIRST_EXIT, INTERRUPTS, QUIET, RETAINED, SHAPE, VALUES, maximum};
+use super::shared::{INTERRUPTS, QUIET, RETAINED, SHAPE, VALUES, maximum};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use heapless::{Vec, spsc::Queue};
 use rand_core::{Rng, SeedableRng};
