@@ -13,6 +13,7 @@ use crate::pipeline::train::Train;
 use crate::recordings::Stated;
 use crate::reproduce::Item;
 use crate::results::Reproduction;
+use clap::ValueEnum;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
@@ -58,7 +59,7 @@ pub fn reproduce(context: &Context, args: ReproduceArgs) -> Result<bool, Failure
     let ReproduceArgs { mut items, size, seeds, measured, carrier, shard } = args;
     let measured = measured.map(|folder| (folder, Stated { carrier_hz: carrier, ..Stated::default() }));
     if items.is_empty() {
-        items = Item::ALL.to_vec();
+        items = Item::value_variants().to_vec();
     }
     let found = context.job()?.reproduce(&Reproduce { items, size, seeds, measured, shard })?;
     context.print(&found, || {

@@ -1,4 +1,4 @@
-//! How near simulated recordings are to others: the paper's Figs. KLD and Comp, on a surrogate and on measured recordings.
+//! How near simulated recordings are to others: the paper's Figs. 6 and 7, on a surrogate and on measured recordings.
 //!
 //! Three domains at the largest N_s. `dahc`: the paper's channel, its rho calibrated on the surrogate. `ray-tracing`: the same
 //! people without uncertainty. `surrogate` takes the experiment's place where nobody measured: other people (another seed), and a

@@ -55,7 +55,7 @@ impl<'m> Networks<'m> {
         Ok(Networks { slots: slots.to_vec(), models })
     }
 
-    /// Their logits for recordings, each of them forgotten as soon as it is classified.
+    /// Their logits for recordings, each dropped as soon as it is classified.
     pub fn recordings(
         &self,
         recordings: &Recordings<'_>,

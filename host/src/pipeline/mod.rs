@@ -26,7 +26,6 @@ pub(crate) mod verify;
 use crate::error::Failure;
 use crate::network::spectrograms::{Part, Recordings};
 use crate::progress::Progress;
-use crate::report::paper::forms;
 use crate::scenario::{Override, Scenario};
 use crate::simulator::dataset;
 use crate::store::output::Output;
@@ -79,14 +78,6 @@ pub fn scenario_errors(file: &Path, set: &[Override]) -> Result<Vec<String>, Fai
         return Ok(found.err().map(|error| error.to_string()).into_iter().collect());
     }
     Ok(errors.iter().map(ToString::to_string).collect())
-}
-
-/// A picture beside the results, as SVG, PDF and PNG.
-fn draw(output: &Output, name: &str, svg: &str) -> Result<(), Failure> {
-    for (file, bytes) in forms(name, svg)? {
-        output.write(&file, &bytes)?;
-    }
-    Ok(())
 }
 
 /// Why a command that needs training fails in a build that cannot.

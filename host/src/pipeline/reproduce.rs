@@ -3,16 +3,18 @@
 use super::Job;
 use crate::dataset::Shard;
 use crate::error::Failure;
+use crate::experiments::ablation::DEVELOPMENT_SEED;
 use crate::experiments::cells::Cells;
 use crate::experiments::{Request, RunContext, labelled};
 use crate::recordings::Stated;
 use crate::reproduce::items::tasks;
 use crate::reproduce::page::{PAGE, page, read, same};
-use crate::reproduce::settings::{DEVELOPMENT_SEED, seed_set};
+use crate::reproduce::settings::seed_set;
 use crate::reproduce::work::Work;
 use crate::reproduce::{Item, Size};
 use crate::results::Reproduction;
 use crate::scenario::Scenario;
+use clap::ValueEnum;
 use std::path::PathBuf;
 
 /// What is asked.
@@ -70,8 +72,8 @@ impl Job {
         }
         let found = ask.items.iter().map(|item| item.make(&work)).collect::<Result<Vec<_>, _>>()?;
         same(&found)?;
-        let whole = Item::ALL.iter().all(|item| self.output.path(&format!("{}.json", item.name())).is_file());
-        if whole {
+        let there = |item: &Item| self.output.path(&format!("{}.json", item.name())).is_file();
+        if Item::value_variants().iter().all(there) {
             self.output.write(PAGE, page(&read(self.output.folder())?, ".").as_bytes())?;
         }
         Ok(found)

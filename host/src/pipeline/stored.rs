@@ -1,8 +1,9 @@
 //! What an earlier command left in the output folder: its run, its scenario, its models.
 
-use super::{Job, draw};
+use super::Job;
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::check_use;
+use crate::report::paper::draw;
 use crate::results::{Accuracy, CurvePoint, Figures, Run};
 use crate::scenario::Scenario;
 use crate::store::output::OutputError;

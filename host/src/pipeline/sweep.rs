@@ -1,12 +1,12 @@
 //! A sweep as a command: its shards here or on a cluster, where it stands, its cells joined.
 
-use super::draw;
 use crate::dataset::Shard;
 use crate::error::Failure;
 use crate::experiments::RunContext;
 use crate::experiments::sweep::plan::Sweep;
 use crate::experiments::sweep::{kubernetes, merge, shard, slurm, status};
 use crate::report;
+use crate::report::paper::draw;
 use crate::results::{Merged, Submitted, SweepStatus, Swept};
 use crate::store::output::Output;
 use std::path::Path;

@@ -50,7 +50,7 @@ fn panel(domains: &[Vec<Learned>]) -> String {
 
 pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let mut made = Made {
-        caption: "Accuracy over epochs of networks of three origins (Fig. Comp)",
+        caption: "Accuracy over epochs of networks of three origins (Fig. 7)",
         columns: 2,
         ..Made::default()
     };

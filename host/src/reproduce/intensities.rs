@@ -1,8 +1,7 @@
 //! Distributions of intensity of experiment, hybrid channel and ray tracing: the lower half of the paper's calibration figure.
 
-use super::kl_divergence::{EXPERIMENT, found, words};
+use super::kl_divergence::{EXPERIMENT, found, panels, words};
 use super::made::{Made, number, statement};
-use super::settings::Settings;
 use super::work::{Divergence, ROOMS, Work};
 use crate::error::Failure;
 use crate::report::panels::THIRD;
@@ -35,7 +34,7 @@ fn panel(d: &Divergence) -> String {
 pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let found = found(work)?;
     let mut made = Made {
-        caption: "Distributions of intensity, walking (Fig. KLD, d to f)",
+        caption: "Distributions of intensity, walking (Fig. 6, d to f)",
         columns: 3,
         ..Made::default()
     };
@@ -56,12 +55,7 @@ pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     });
     made.statements =
         vec![statement("the calibrated hybrid channel is nearer to the experiment than ray tracing", nearer)];
-    for settings in [0, 1] {
-        for (room, both) in found.iter().enumerate() {
-            let caption = format!("{}, {}", words(room), Settings::BOTH[settings].words());
-            made.panels.push((caption, panel(&both[settings][0])));
-        }
-    }
+    made.panels = panels(&found, panel);
     made.notes.push(EXPERIMENT.to_owned());
     Ok(made)
 }

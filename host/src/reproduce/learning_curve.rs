@@ -33,7 +33,7 @@ pub fn points(slots: &[u32], seeds: &[Learned]) -> Vec<CurvePoint> {
     slots.iter().enumerate().map(of).collect()
 }
 
-/// Whether a larger N_s is recognised better, but for what so few tests cannot tell apart.
+/// Whether accuracy increases with N_s; a decrease within two standard errors of the difference counts as none.
 pub fn rises(slots: &[u32], seeds: &[Learned]) -> bool {
     let points = points(slots, seeds);
     points.windows(2).all(|pair| {
@@ -71,7 +71,7 @@ fn panel(points: &[CurvePoint]) -> String {
 pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let slots = &work.base.frame.sensing_slots;
     let mut made = Made {
-        caption: "Accuracy over sensing slots with its approximation (Fig. Training, c)",
+        caption: "Accuracy over sensing slots with its approximation (Fig. 8, c)",
         columns: 2,
         ..Made::default()
     };

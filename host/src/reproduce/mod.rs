@@ -34,7 +34,7 @@ pub(crate) mod work;
 
 use clap::ValueEnum;
 
-/// A table or figure of the paper.
+/// A table or figure of the paper, in its order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Item {
     /// Table I: which channel model has which property.
@@ -77,19 +77,6 @@ impl Size {
 }
 
 impl Item {
-    /// All of them, in the paper's order.
-    pub const ALL: [Item; 9] = [
-        Item::ChannelModels,
-        Item::Spectrograms,
-        Item::KlDivergence,
-        Item::Intensities,
-        Item::AccuracyOverEpochs,
-        Item::Training,
-        Item::LearningCurve,
-        Item::LearningCurveModels,
-        Item::Region,
-    ];
-
     /// Its name on the command line and of its files.
     pub fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()

@@ -4,6 +4,7 @@ use super::Item;
 use crate::error::{Failure, Invalid};
 use crate::results::{Compared, Estimate, Reproduction, Statement};
 use crate::store::limited;
+use clap::ValueEnum;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -22,7 +23,7 @@ pub fn read(folder: &Path) -> Result<Vec<Reproduction>, Failure> {
         let bytes = limited::read(&path, limited::WHOLE).map_err(|error| named(&error))?;
         Ok(serde_json::from_slice(&bytes).map_err(|error| named(&error))?)
     };
-    let found = Item::ALL.iter().map(file).collect::<Result<Vec<_>, _>>()?;
+    let found = Item::value_variants().iter().map(file).collect::<Result<Vec<_>, _>>()?;
     same(&found)?;
     Ok(found)
 }

@@ -23,11 +23,8 @@ fn throughput(outcome: &Outcome, case: u32) -> Vec<(u32, f64)> {
 pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let slots = &work.base.frame.sensing_slots;
     let found = work.both(|settings, seed| work.networks(settings, CARRIERS_HZ[0], seed))?;
-    let mut made = Made {
-        caption: "Accuracy-throughput region of both cases (Fig. Region)",
-        columns: 2,
-        ..Made::default()
-    };
+    let mut made =
+        Made { caption: "Accuracy-throughput region of both cases (Fig. 9)", columns: 2, ..Made::default() };
     let mut outcomes = Vec::new();
     for (settings, seeds) in Settings::BOTH.into_iter().zip(&found) {
         let scenario = work.scenario(settings, CARRIERS_HZ[0]);

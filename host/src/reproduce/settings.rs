@@ -2,6 +2,7 @@
 
 use super::Size;
 use crate::error::{Failure, Invalid};
+use crate::experiments::ablation::DEVELOPMENT_SEED;
 use crate::scenario::{Class, Interior, Model, Other, Scenario, builtin};
 
 /// The settings that are set beside each other.
@@ -87,9 +88,7 @@ pub fn ray_tracing(mut scenario: Scenario) -> Scenario {
 /// What is added to a seed for the experiment's own people.
 pub const OTHERS: u64 = 1 << 40;
 
-/// First seeds of the sets: on smaller ones settings were chosen before there were sets, from the first settings are chosen, from the
-/// second nothing is.
-pub const DEVELOPMENT_SEED: u64 = 101;
+/// First seed of the final tests, on which nothing is chosen.
 pub const FINAL_SEED: u64 = 1001;
 
 /// The set that seeds belong to.

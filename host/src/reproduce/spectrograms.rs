@@ -14,7 +14,7 @@ const PANEL: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.
 
 pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let mut made = Made {
-        caption: "Spectrograms of standing, pacing and walking (Fig. exp_spe)",
+        caption: "Spectrograms of standing, pacing and walking (Fig. 3)",
         columns: 3,
         ..Made::default()
     };

@@ -41,7 +41,7 @@ pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
     let found = work.both(|settings, seed| work.networks(settings, CARRIERS_HZ[0], seed))?;
     let slots = &work.base.frame.sensing_slots;
     let mut made = Made {
-        caption: "Training loss and test accuracy over epochs for every N_s (Fig. Training, a and b)",
+        caption: "Training loss and test accuracy over epochs for every N_s (Fig. 8, a and b)",
         columns: 2,
         ..Made::default()
     };

@@ -11,9 +11,8 @@ use crate::experiments::trained::{images, parameters_of, train_watched};
 use crate::network::float_network::FloatNetwork;
 use crate::network::recipe::Recipe;
 use crate::network::spectrograms::Part;
-use crate::report::paper::forms;
 use crate::results::{Accuracy, ChannelTable, Epoch, KlPoint};
-use crate::scenario::{Class, Model, Scenario};
+use crate::scenario::{Class, Learning, Model, Scenario};
 use crate::simulator::calibration::divergence::{EVALUATIONS, divergence, search, shares};
 use crate::simulator::calibration::rho_of;
 use crate::simulator::calibration::sensor::SensorSimulation;
@@ -176,7 +175,7 @@ impl Work<'_> {
             if settings == Settings::AsPrinted {
                 let printed = self.scenario(settings, carrier_hz).learning;
                 let train_per_class = scenario.learning.train_per_class;
-                scenario.learning = crate::scenario::Learning { train_per_class, ..printed };
+                scenario.learning = Learning { train_per_class, ..printed };
                 Recipe::PaperMomentum.apply(&mut scenario.learning);
             }
             scenario.frame.sensing_slots = vec![COMPARED_SLOTS];
@@ -205,14 +204,6 @@ impl Work<'_> {
         let accuracy = networks.test(scenario, &shown)?;
         let tested = tested.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(Learned { accuracy, epochs: networks.epochs, tested })
-    }
-
-    /// A figure as SVG, PDF and PNG.
-    pub fn draw(&self, name: &str, svg: &str) -> Result<(), Failure> {
-        for (file, bytes) in forms(name, svg)? {
-            self.cells.output.write(&file, &bytes)?;
-        }
-        Ok(())
     }
 
     /// What every seed says of both settings.

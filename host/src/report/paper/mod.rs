@@ -8,7 +8,9 @@ mod pdf;
 
 use super::plot::Medium;
 use super::{confusion, figures, spectrograms, timeline};
+use crate::error::Failure;
 use crate::results::{Figures, Run};
+use crate::store::output::Output;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
@@ -89,6 +91,18 @@ pub fn forms(name: &str, svg: &str) -> Result<[(String, Vec<u8>); 3], PaperError
         (format!("{name}.svg"), with_font(&svg, &letters.bytes).into_bytes()),
     ];
     Ok(files)
+}
+
+/// Writes a picture in every form.
+///
+/// # Errors
+///
+/// [`PaperError`] names it; a folder that cannot be written.
+pub fn draw(output: &Output, name: &str, svg: &str) -> Result<(), Failure> {
+    for (file, bytes) in forms(name, svg)? {
+        output.write(&file, &bytes)?;
+    }
+    Ok(())
 }
 
 /// A picture that stands alone: on white, every CSS variable replaced by its fallback.

@@ -2,8 +2,8 @@
 //!
 //! [`mod@sensor`] simulates people as the sensor shows them, [`conditioning`] treats measured and simulated signals alike, [`intensity`] makes
 //! levels of them, [`mod@divergence`] compares and searches, [`stored`] keeps what was found. The same random draws serve every rho, so
-//! the curve is smooth. Intensities know only the product of the fluctuation's power and 1 - rho; [`spectrum`] and [`room_fit`] tell them
-//! apart, and [`comparison`] sets the AR room beside a room that does not change.
+//! the curve is smooth. Intensities know only the product of the fluctuation's power and 1 - rho; [`spectrum`] and [`room_fit`] separate
+//! the two, and [`comparison`] sets the AR room beside a room that does not change.
 
 pub(crate) mod comparison;
 pub(crate) mod conditioning;

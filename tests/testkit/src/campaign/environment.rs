@@ -492,7 +492,7 @@ impl<const VALUES: usize> Environment<VALUES> {
         self.skip(passed);
         match damage {
             Some((Copies::Newest, _)) => {
-                // the last slot is forgotten, and therefore one that was skipped
+                // the last slot is lost from the state, and with it one that was skipped
                 (self.kept, self.saves) = (before, self.saves.wrapping_sub(1));
             }
             Some((Copies::Both, _)) => {
