@@ -16,9 +16,9 @@ use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
 use sdp3_core::dims::{BEATS, ROWS};
 use serde::{Deserialize, Serialize};
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
-use zip::{CompressionMethod, DateTime, ZipWriter, write::FileOptions};
+use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Recordings in a part; the last may have fewer.
 pub const RECORDINGS: u32 = 100;
@@ -92,7 +92,7 @@ fn array<W: Write + Seek>(
     shape: &[usize],
     rows: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let options = FileOptions::default()
+    let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
@@ -144,17 +144,45 @@ fn write<W: Write + Seek>(
     files: &mut Vec<FileRecord>,
     tick: &(dyn Fn() + Sync),
 ) -> io::Result<Vec<One>> {
-    let mut archive = ZipWriter::new(file);
-    let written = fill(work, range, output, &mut archive, files, tick);
-    let finished = written.and_then(|all| {
-        archive.finish()?;
-        Ok(all)
-    });
-    if finished.is_err() {
-        // dropped, it would try to end the archive once more and print that it cannot
-        std::mem::forget(archive);
+    let mut archive = ZipWriter::new(UntilError { file, failed: false });
+    let all = fill(work, range, output, &mut archive, files, tick)?;
+    archive.finish()?;
+    Ok(all)
+}
+
+/// Writes up to the first error, and after it does nothing and reports nothing: a dropped archive tries to end itself once more, and
+/// would print that it cannot.
+struct UntilError<W> {
+    file: W,
+    failed: bool,
+}
+
+impl<W> UntilError<W> {
+    fn attempt<T>(&mut self, after: T, act: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
+        if self.failed {
+            return Ok(after);
+        }
+        let done = act(&mut self.file);
+        // interrupted, it is tried again
+        self.failed = done.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
+        done
     }
-    finished
+}
+
+impl<W: Write> Write for UntilError<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.attempt(bytes.len(), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.attempt((), W::flush)
+    }
+}
+
+impl<W: Seek> Seek for UntilError<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.attempt(0, |file| file.seek(to))
+    }
 }
 
 fn fill<W: Write + Seek>(
@@ -254,4 +282,43 @@ pub fn is_whole(work: &Work, part: u32, output: &Output, read: bool) -> bool {
     sidecar.files.iter().map(|file| &file.name).eq(&names)
         && sidecar.truth.iter().map(|record| record.index).eq(range)
         && sidecar.files.iter().all(|file| file.is_there(output, read))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, ErrorKind};
+
+    /// Interrupted once, then full after so many bytes.
+    struct Full {
+        file: Cursor<Vec<u8>>,
+        left: usize,
+        interrupted: bool,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if !std::mem::replace(&mut self.interrupted, true) {
+                return Err(ErrorKind::Interrupted.into());
+            }
+            let most = bytes.len().min(self.left);
+            self.left -= most;
+            if most == 0 { Err(ErrorKind::StorageFull.into()) } else { self.file.write(&bytes[..most]) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error_once_and_an_interruption_is_none() {
+        let file = Full { file: Cursor::default(), left: 3, interrupted: false };
+        let mut writer = UntilError { file, failed: false };
+        let error = writer.write_all(b"array").unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::StorageFull);
+        assert_eq!(writer.file.file.get_ref(), b"arr");
+        writer.write_all(b"the end").unwrap();
+        assert_eq!(writer.file.file.get_ref(), b"arr");
+    }
 }

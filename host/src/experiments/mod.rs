@@ -46,7 +46,7 @@ pub enum Study {
     Fidelity,
     /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
     Baselines,
-    /// Accuracy with and without each effect of the simulation and the processing, at 3.5 and 60 GHz, on seeds from 101 upwards.
+    /// Accuracy with and without each effect of the simulation, the processing and the training, at 3.5 and 60 GHz, on seeds from 101 upwards.
     Ablation,
     /// Accuracy with adaptive and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards.
     Clutter,

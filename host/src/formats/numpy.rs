@@ -210,7 +210,7 @@ pub fn write<T: npyz::AutoSerialize + Copy>(
     values: &[T],
 ) {
     use npyz::WriterBuilder;
-    archive.start_file(format!("{name}.npy"), zip::write::FileOptions::default()).unwrap();
+    archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(shape).writer(archive).begin_nd().unwrap();
     writer.extend(values.iter().copied()).unwrap();

@@ -2,6 +2,7 @@
 //!
 //! Paper, section V: an input convolution with pooling, residual blocks BN-ReLU-Conv-BN-ReLU-Conv, and a classifier.
 
+use crate::numerics::random::box_muller;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
@@ -124,7 +125,7 @@ impl Parameters {
         let mut random = stream(seed, Stream::Weights, 0);
         let mut normal = |count: usize, inputs: usize, gain: f64| -> Vec<f32> {
             let deviation = gain / (inputs as f64).sqrt();
-            (0..count).map(|_| (deviation * gauss(&mut random)) as f32).collect()
+            (0..count).map(|_| (deviation * box_muller(&mut random)) as f32).collect()
         };
         let norm =
             || Norm { gamma: vec![1.0; c], beta: vec![0.0; c], mean: vec![0.0; c], variance: vec![1.0; c] };
@@ -184,17 +185,6 @@ pub(super) fn shuffled(count: usize, seed: u64, round: u64) -> Vec<usize> {
         order.swap(i, j);
     }
     order
-}
-
-/// Uniform in (0, 1], 53 bits.
-fn uniform(random: &mut impl Rng) -> f64 {
-    ((random.next_u64() >> 11) + 1) as f64 / (1u64 << 53) as f64
-}
-
-/// Standard normal, Box and Muller (1958); the second value is left unused.
-fn gauss(random: &mut impl Rng) -> f64 {
-    let radius = (-2.0 * libm::log(uniform(random))).sqrt();
-    radius * libm::cos(std::f64::consts::TAU * uniform(random))
 }
 
 #[cfg(test)]

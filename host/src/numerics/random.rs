@@ -128,6 +128,15 @@ impl Random {
     }
 }
 
+/// Normal with mean 0 and variance 1 from any generator, by Box and Muller (1958), the second value left unused. Weights before training
+/// are drawn so: the same in every version.
+pub fn box_muller(random: &mut impl Rng) -> f64 {
+    // in (0, 1], 53 bits
+    let mut uniform = || ((random.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64;
+    let radius = (-2.0 * libm::log(uniform())).sqrt();
+    radius * libm::cos(std::f64::consts::TAU * uniform())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,6 +22,15 @@ impl Job {
         Ok(schedule)
     }
 
+    /// The N_s stated, or that of the run's operating point.
+    ///
+    /// # Errors
+    ///
+    /// No run in the folder.
+    pub fn sensing_slots_or_operating_point(&self, stated: Option<u32>) -> Result<u32, Failure> {
+        stated.map_or_else(|| Ok(self.run()?.operating_point.sensing_slots), Ok)
+    }
+
     /// Many periods: `campaign.json`, `trace.json` and a figure of the first, in the scenario of the folder's run if it has one.
     /// With a `threshold` sensing may end early. The period in s is returned too.
     ///

@@ -21,8 +21,11 @@ pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Content
     let broken = |error| source.unreadable("NPZ", error);
     let file = limited::open(source.0, limited::WHOLE).map_err(broken)?;
     let mut archive = numpy::archive(BufReader::new(file)).map_err(broken)?;
-    let mut names: Vec<String> =
-        archive.file_names().filter_map(|name| name.strip_suffix(".npy")).map(str::to_owned).collect();
+    let mut names: Vec<String> = archive
+        .file_names()
+        .flatten()
+        .filter_map(|name| Some(name.strip_suffix(".npy")?.to_owned()))
+        .collect();
     names.sort();
     let name = match (name, names.as_slice()) {
         (Some(name), _) => name,

@@ -2,6 +2,7 @@
 
 use super::plot::{COLOURS, Medium, escape};
 use crate::results::{Confusion, Figures};
+use maud::{Markup, html};
 use std::fmt::Write;
 
 /// The arithmetics in the order they stand.
@@ -29,33 +30,36 @@ fn of(figures: &Figures, sensing_slots: u32) -> impl Iterator<Item = &Confusion>
 }
 
 /// Tables of the largest N_s.
-pub fn tables(figures: &Figures) -> String {
+pub fn tables(figures: &Figures) -> Markup {
     let largest = slots(figures).pop().unwrap_or(0);
-    let tables: String = of(figures, largest).map(|c| table(c, &figures.classes)).collect();
-    format!("<div class=\"row\" id=\"confusion\">{tables}</div>")
+    html! { div.row #confusion { @for c in of(figures, largest) { (table(c, &figures.classes)) } } }
 }
 
 fn share(row: &[u32], n: u32) -> f64 {
     f64::from(n) / f64::from(row.iter().sum::<u32>().max(1))
 }
 
-fn table(c: &Confusion, classes: &[String]) -> String {
-    let names = classes.iter().map(|name| format!("<th scope=\"col\">{}</th>", escape(name)));
-    let mut rows = format!("<tr><th scope=\"col\">truth \\ answer</th>{}</tr>", names.collect::<String>());
-    for (truth, row) in c.counts.iter().enumerate() {
-        let name = classes.get(truth).map_or("", String::as_str);
-        let _ = write!(rows, "<tr><th scope=\"row\">{}</th>", escape(name));
-        for (answer, &n) in row.iter().enumerate() {
-            let class = if truth == answer { "right" } else { "wrong" };
-            let _ = write!(rows, "<td class=\"{class}\" style=\"--share:{:.2}\">{n}</td>", share(row, n));
+fn table(c: &Confusion, classes: &[String]) -> Markup {
+    let fill = |row: &[u32], n: u32| format!("--share:{:.2}", share(row, n));
+    html! {
+        figure {
+            table.confusion {
+                caption { (c.arithmetic) ", N_s = " (c.sensing_slots) ": truth down, answer across" }
+                tr {
+                    th scope="col" { "truth \\ answer" }
+                    @for name in classes { th scope="col" { (name) } }
+                }
+                @for (truth, row) in c.counts.iter().enumerate() {
+                    tr {
+                        th scope="row" { (classes.get(truth).map_or("", String::as_str)) }
+                        @for (answer, &n) in row.iter().enumerate() {
+                            td class=(if truth == answer { "right" } else { "wrong" }) style=(fill(row, n)) { (n) }
+                        }
+                    }
+                }
+            }
         }
-        rows.push_str("</tr>");
     }
-    format!(
-        "<figure><table class=\"confusion\"><caption>{}, N_s = {}: truth down, answer across</caption>{rows}</table></figure>",
-        escape(&c.arithmetic),
-        c.sensing_slots
-    )
 }
 
 /// The picture of one N_s: rows are the truth, columns the answer.

@@ -1,9 +1,8 @@
 //! The gallery: spectrograms of every class at every carrier under every channel model, on one page.
 
-use super::plot::escape;
 use super::{STYLE, spectrograms};
 use crate::results::GallerySpectrogram;
-use std::fmt::Write;
+use maud::{DOCTYPE, PreEscaped, html};
 
 /// What to look for under a model.
 fn caption(model: &str) -> &'static str {
@@ -28,29 +27,36 @@ fn caption(model: &str) -> &'static str {
 }
 
 pub fn page(exhibits: &[GallerySpectrogram]) -> String {
-    let mut page = format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><title>sdp3: gallery</title><style>{STYLE}</style></head><body>\
-         <header><h1>Gallery</h1><p>One or two seconds of each class, clutter removed, through the radar module's own front end: \
-         every channel model at 3.5, 24 and 60 GHz. Doppler on the left, radial speed on the right; towards the radar is up \
-         (positive).</p></header><main>"
-    );
-    let mut shown = "";
-    for exhibit in exhibits {
-        if exhibit.model != shown {
-            if !shown.is_empty() {
-                page.push_str("</div></section>");
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width,initial-scale=1";
+                title { "sdp3: gallery" }
+                style { (PreEscaped(STYLE)) }
             }
-            shown = &exhibit.model;
-            let name = escape(shown);
-            let _ = write!(
-                page,
-                "<section id=\"{name}\"><h2>{name}</h2><p>{}</p><div class=\"gallery\">",
-                caption(shown)
-            );
+            body {
+                header {
+                    h1 { "Gallery" }
+                    p {
+                        "One or two seconds of each class, clutter removed, through the radar module's own front end: every \
+                         channel model at 3.5, 24 and 60 GHz. Doppler on the left, radial speed on the right; towards the \
+                         radar is up (positive)."
+                    }
+                }
+                main {
+                    @for of_model in exhibits.chunk_by(|a, b| a.model == b.model) {
+                        @let model = &of_model[0].model;
+                        section id=(model) {
+                            h2 { (model) }
+                            p { (caption(model)) }
+                            div.gallery { @for exhibit in of_model { (spectrograms::figure(&exhibit.spectrogram)) } }
+                        }
+                    }
+                }
+            }
         }
-        page.push_str(&spectrograms::figure(&exhibit.spectrogram));
-    }
-    page.push_str("</div></section></main></body></html>\n");
-    page
+    };
+    page.into_string() + "\n"
 }

@@ -5,6 +5,7 @@
 use super::plot::{Medium, escape, number};
 use crate::results::Spectrogram;
 use base64::Engine;
+use maud::{Markup, PreEscaped, html};
 use std::fmt::Write;
 
 /// Stops of the colour ramp, evenly spaced.
@@ -132,11 +133,12 @@ pub fn svg(s: &Spectrogram, medium: Medium) -> String {
     svg
 }
 
-/// A figure element with the picture and its title.
-pub fn figure(s: &Spectrogram) -> String {
+/// A figure element with the picture and its title; nothing for an empty spectrogram.
+pub fn figure(s: &Spectrogram) -> Markup {
     let picture = svg(s, PAGE);
-    if picture.is_empty() {
-        return picture;
+    html! {
+        @if !picture.is_empty() {
+            figure.spectrogram { (PreEscaped(picture)) figcaption { (s.title) } }
+        }
     }
-    format!("<figure class=\"spectrogram\">{picture}<figcaption>{}</figcaption></figure>", escape(&s.title))
 }

@@ -1,69 +1,81 @@
 //! The tables of the page: conformance, instructions, learning curves.
 
-use super::plot::{escape, grouped, number};
+use super::plot::{grouped, number};
 use crate::formats::table;
 use crate::predictor::{Model, paper};
-use crate::results::{ChannelTable, Figures, Interval, Prediction, RoomFit, SweepRow, Verify};
+use crate::results::{ChannelTable, Figures, Interval, Parameters, Prediction, RoomFit, SweepRow, Verify};
+use maud::{Markup, html};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Every stage of every target.
-pub fn conformance(verify: &Verify) -> String {
-    let mut rows = String::new();
-    for target in &verify.targets {
-        let instructions = target.instructions.map_or_else(|| "–".into(), grouped);
-        let _ = write!(
-            rows,
-            "<tr class=\"head\"><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{instructions}</td><td>{}</td></tr>",
-            escape(&target.name),
-            grouped(target.compared),
-            target.mismatches,
-            escape(target.detail.as_deref().unwrap_or(""))
-        );
-        for s in &target.stages {
-            let error = s.largest_error.map_or_else(String::new, |e| format!("; largest {}", number(e)));
-            let _ = write!(
-                rows,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td></td><td>{}{error}</td></tr>",
-                escape(&s.stage),
-                grouped(s.compared),
-                s.mismatches,
-                escape(&s.rule)
-            );
+pub fn conformance(verify: &Verify) -> Markup {
+    let largest = |error: Option<f64>| error.map_or_else(String::new, |e| format!("; largest {}", number(e)));
+    html! {
+        div.scroll {
+            table #targets {
+                tr {
+                    th { "target, stage" }
+                    th { "compared" }
+                    th { "mismatches" }
+                    th { "instructions a recognition" }
+                    th { "rule" }
+                }
+                @for target in &verify.targets {
+                    tr.head {
+                        th scope="row" { (target.name) }
+                        td { (grouped(target.compared)) }
+                        td { (target.mismatches) }
+                        td { (target.instructions.map_or_else(|| "–".into(), grouped)) }
+                        td { (target.detail.as_deref().unwrap_or("")) }
+                    }
+                    @for s in &target.stages {
+                        tr {
+                            td { (s.stage) }
+                            td { (grouped(s.compared)) }
+                            td { (s.mismatches) }
+                            td {}
+                            td { (s.rule) (largest(s.largest_error)) }
+                        }
+                    }
+                }
+            }
         }
     }
-    format!(
-        "<div class=\"scroll\"><table id=\"targets\"><tr><th>target, stage</th><th>compared</th><th>mismatches</th>\
-         <th>instructions a recognition</th><th>rule</th></tr>{rows}</table></div>"
-    )
 }
 
 /// The seven models and their figures of merit.
-pub fn models(figures: &Figures) -> String {
-    let mut rows = String::new();
-    for m in &figures.prediction.models {
-        let p = &m.parameters;
-        let parameters: Vec<String> = [Some(p.alpha), Some(p.beta), p.gamma, p.epsilon]
-            .into_iter()
-            .zip(["α", "β", "γ", "ε"])
-            .filter_map(|(value, name)| value.map(|v| format!("{name} = {}", number(v))))
-            .collect();
-        let optional = |x: Option<f64>| x.map_or_else(|| "–".into(), number);
-        let _ = write!(
-            rows,
-            "<tr data-model=\"{0}\"><th scope=\"row\">{0}</th><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td><td>{5}</td></tr>",
-            escape(&m.name),
-            number(m.sse),
-            number(m.rmse),
-            optional(m.aicc),
-            optional(m.loo),
-            parameters.join(", ")
-        );
+pub fn models(figures: &Figures) -> Markup {
+    let optional = |x: Option<f64>| x.map_or_else(|| "–".into(), number);
+    let parameters = |p: &Parameters| {
+        let named = [Some(p.alpha), Some(p.beta), p.gamma, p.epsilon].into_iter().zip(["α", "β", "γ", "ε"]);
+        let words = named.filter_map(|(value, name)| value.map(|v| format!("{name} = {}", number(v))));
+        words.collect::<Vec<_>>().join(", ")
+    };
+    html! {
+        div.scroll {
+            table #models {
+                tr {
+                    th { "model" }
+                    th { "squared error" }
+                    th { "rmse" }
+                    th { "AICc" }
+                    th { "leave-one-out" }
+                    th { "parameters" }
+                }
+                @for m in &figures.prediction.models {
+                    tr data-model=(m.name) {
+                        th scope="row" { (m.name) }
+                        td { (number(m.sse)) }
+                        td { (number(m.rmse)) }
+                        td { (optional(m.aicc)) }
+                        td { (optional(m.loo)) }
+                        td { (parameters(&m.parameters)) }
+                    }
+                }
+            }
+        }
     }
-    format!(
-        "<div class=\"scroll\"><table id=\"models\"><tr><th>model</th><th>squared error</th><th>rmse</th><th>AICc</th>\
-         <th>leave-one-out</th><th>parameters</th></tr>{rows}</table></div>"
-    )
 }
 
 /// The seven models in plain text, each with its place by every figure of merit; beside Table III if the points are the paper's.
@@ -121,37 +133,37 @@ pub fn prediction(prediction: &Prediction) -> String {
 }
 
 /// Instructions of a recognition, as the run's own proof counted them: a row for each N_s, a column for each machine.
-pub fn instructions(verify: &Verify) -> String {
+pub fn instructions(verify: &Verify) -> Markup {
     let counted: Vec<_> = verify.targets.iter().filter(|t| !t.recognitions.is_empty()).collect();
     let all = || counted.iter().flat_map(|t| &t.recognitions);
     let most = all().map(|c| c.instructions).max().unwrap_or(1);
     let slots: BTreeSet<u32> = all().map(|c| c.sensing_slots).collect();
     if slots.is_empty() {
-        return "<p>No firmware was compared in this run.</p>".into();
+        return html! { p { "No firmware was compared in this run." } };
     }
-    let heads: String =
-        counted.iter().map(|t| format!("<th scope=\"col\">{}</th>", escape(&t.name))).collect();
-    let mut rows = String::new();
-    for n in slots {
-        let _ = write!(rows, "<tr><th scope=\"row\">{n}</th>");
-        for target in &counted {
-            let own = target.recognitions.iter().find(|c| c.sensing_slots == n);
-            let _ = match own {
-                Some(c) => write!(
-                    rows,
-                    "<td class=\"bar\" style=\"--share:{:.4}\">{}</td>",
-                    c.instructions as f64 / most as f64,
-                    grouped(c.instructions)
-                ),
-                None => write!(rows, "<td>–</td>"),
-            };
+    let share = |instructions: u64| format!("--share:{:.4}", instructions as f64 / most as f64);
+    html! {
+        div.scroll {
+            table #instructions {
+                caption { "Instructions of one recognition, first sample to class" }
+                tr {
+                    th scope="col" { "N_s" }
+                    @for target in &counted { th scope="col" { (target.name) } }
+                }
+                @for n in slots {
+                    tr {
+                        th scope="row" { (n) }
+                        @for target in &counted {
+                            @match target.recognitions.iter().find(|c| c.sensing_slots == n) {
+                                Some(c) => { td.bar style=(share(c.instructions)) { (grouped(c.instructions)) } }
+                                None => { td { "–" } }
+                            }
+                        }
+                    }
+                }
+            }
         }
-        rows.push_str("</tr>");
     }
-    format!(
-        "<div class=\"scroll\"><table id=\"instructions\"><caption>Instructions of one recognition, first sample to class\
-         </caption><tr><th scope=\"col\">N_s</th>{heads}</tr>{rows}</table></div>"
-    )
 }
 
 /// A value with its interval.
@@ -195,18 +207,14 @@ pub fn room(room: &RoomFit) -> String {
 }
 
 /// The room's models on a page.
-pub fn room_on_page(room: &RoomFit) -> String {
-    let row = |cells: [String; 5], tag: &str| {
-        let cells = cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(&cell)));
-        format!("<tr>{}</tr>", cells.concat())
-    };
-    let rows: String = room_rows(room).map(|cells| row(cells, "td")).collect();
-    format!(
-        "<p>{}: {}. Intervals: 95 %.</p><table>{}{rows}</table>",
-        escape(&fluctuation(room)),
-        escape(&room.verdict),
-        row(ROOM.map(String::from), "th")
-    )
+pub fn room_on_page(room: &RoomFit) -> Markup {
+    html! {
+        p { (fluctuation(room)) ": " (room.verdict) ". Intervals: 95 %." }
+        table {
+            tr { @for head in ROOM { th { (head) } } }
+            @for cells in room_rows(room) { tr { @for cell in cells { td { (cell) } } } }
+        }
+    }
 }
 
 /// Table I in plain text: verdict, statistic and threshold of each property, and what the paper says.

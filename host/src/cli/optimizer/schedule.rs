@@ -51,10 +51,7 @@ pub fn schedule(context: &Context, args: &ScheduleArgs) -> Result<bool, Failure>
     };
     let settings = Settings {
         periods,
-        sensing_slots: match args.sensing_slots {
-            Some(slots) => slots,
-            None => job.run()?.operating_point.sensing_slots,
-        },
+        sensing_slots: job.sensing_slots_or_operating_point(args.sensing_slots)?,
         coherence_s: args.coherence,
         load: args.load,
         churn: args.churn,

@@ -35,6 +35,9 @@ pub const EFFECTS: &[Effect] = &[
         &["spectrogram.first_kept=2"],
     ),
     effect("phase noise of the front end", &["radar.front_end=typical"], &["radar.phase_noise_dbc_hz=-200"]),
+    effect("beta of the Kaiser window", &["spectrogram.beta=4"], &["spectrogram.beta=10"]),
+    effect("eight windows of a recording", &["learning.windows=8"], &["learning.windows=1"]),
+    effect("masked rows", &["learning.mask_rows=12"], &["learning.mask_rows=0"]),
 ];
 
 const fn effect(

@@ -1,4 +1,4 @@
-//! What each effect of the simulation and of the processing does to the accuracy: one at a time, at both carriers.
+//! What each effect of the simulation, of the processing and of the training does to the accuracy: one at a time, at both carriers.
 //!
 //! For every effect ([`effects`]) networks are trained and tested with it and without it, all else and all seeds equal. Both answer to
 //! recordings of the same coordinates, so differences are paired ([`super::paired`]).

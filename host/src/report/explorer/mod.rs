@@ -8,6 +8,7 @@ use super::plot::COLOURS;
 use crate::results::{Figures, Run};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -30,12 +31,13 @@ fn script() -> String {
 }
 
 /// The page's policy: this script, styles in the page, pictures in the page, and no address at all.
-pub fn policy() -> String {
+pub fn policy() -> Markup {
     let hash = STANDARD.encode(Sha256::digest(script()));
-    format!(
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
-         script-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'\">"
-    )
+    let rules = format!(
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; base-uri 'none'; \
+         form-action 'none'"
+    );
+    html! { meta http-equiv="Content-Security-Policy" content=(rules); }
 }
 
 /// Colours of the series as CSS variables.
@@ -45,14 +47,14 @@ pub fn colours() -> String {
 }
 
 /// The data and the script, at the page's end.
-pub fn embedded(run: &Run, figures: &Figures) -> String {
-    format!("{}{}<script>{}</script>", json("run", run), json("figures", figures), script())
+pub fn embedded(run: &Run, figures: &Figures) -> Markup {
+    html! { (json("run", run)) (json("figures", figures)) script { (PreEscaped(script())) } }
 }
 
-/// A result as a data block; `<` is escaped, so that nothing in it ends the block.
-fn json(name: &str, value: &impl Serialize) -> String {
+/// A result as a data block; `<` is escaped as JSON does it, so that nothing in it ends the block.
+fn json(name: &str, value: &impl Serialize) -> Markup {
     let text = serde_json::to_string(value).unwrap_or_default().replace('<', "\\u003c");
-    format!("<script type=\"application/json\" id=\"data-{name}\">{text}</script>")
+    html! { script type="application/json" id={ "data-" (name) } { (PreEscaped(text)) } }
 }
 
 #[cfg(test)]
@@ -66,7 +68,7 @@ mod tests {
             assert!(!script.contains(address), "{address}");
         }
         assert!(!script.contains("</script"));
-        let block = json("x", &"</script><script>");
+        let block = json("x", &"</script><script>").into_string();
         assert_eq!(block.matches("<script").count() + block.matches("</script").count(), 2, "{block}");
     }
 }
