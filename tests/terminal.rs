@@ -32,6 +32,24 @@ fn a_full_disk_is_an_error() {
     assert!(stderr.contains("stdout") && stderr.contains("cannot be written"), "{stderr}");
 }
 
+#[test]
+fn a_file_beyond_the_limit_of_the_system_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let command = simulate(folder.path(), "out");
+    let mut limited = Command::new("sh");
+    // blocks of 512 bytes
+    limited
+        .args(["-c", "ulimit -f 64; exec \"$0\" \"$@\""])
+        .arg(command.get_program())
+        .args(command.get_args());
+    let (code, _, stderr) = outcome(&limited.output().expect("it starts"));
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("part-00000.npz: cannot be written: File too large"), "{stderr}");
+    let left = std::fs::read_dir(folder.path().join("out")).expect("a folder").flatten();
+    let left: Vec<String> = left.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    assert!(left.iter().all(|name| !name.contains("partial") && !name.ends_with(".npz")), "{left:?}");
+}
+
 /// `sdp3 simulate` of many short recordings.
 fn simulate(folder: &Path, out: &str) -> Command {
     let scenario = folder.join("short.toml");

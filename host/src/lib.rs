@@ -34,6 +34,7 @@ mod scheduling;
 pub mod schemas;
 pub mod simulator;
 pub mod store;
+mod text;
 
 pub use cli::main;
 

@@ -2,6 +2,7 @@
 //!
 //! Everything goes to stderr; stdout belongs to results. A terminal that has gone away is not missed.
 
+use crate::text::shown;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::{Mutex, PoisonError};
@@ -36,7 +37,7 @@ impl Progress {
             Progress::Quiet => ProgressBar::hidden(),
         };
         bar.set_prefix(name);
-        bar.set_message(what.to_owned());
+        bar.set_message(shown(what).into_owned());
         let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(Instant::now()));
         Stage { bar, name, shown: self == Progress::Shown, plain }
     }
@@ -50,7 +51,7 @@ impl Progress {
 }
 
 fn line(name: &str, text: &str) {
-    let _ = writeln!(stderr(), "{name:>10}  {text}");
+    let _ = writeln!(stderr(), "{name:>10}  {}", shown(text));
 }
 
 fn style(template: &str) -> ProgressStyle {
@@ -86,7 +87,7 @@ impl Stage {
 
     /// What is being done right now.
     pub fn say(&self, text: &str) {
-        self.bar.set_message(text.to_owned());
+        self.bar.set_message(shown(text).into_owned());
     }
 
     /// Ends the stage with one line that says what came out.

@@ -44,13 +44,15 @@ The main job in short, and every command about its results. Needs the feature `t
   sdp3: out/scenario.toml: channel.rho = null, but the command line says 0.5: what has been made is not changed; another --out takes another scenario
   [2]
 
-  $ head -7 out/run.json
+  $ head -9 out/run.json
   {
     "provenance": {
       "program": "sdp3 0.1.0",
       "commit": "*", (glob)
       "commit_date": "*", (glob)
-      "seed": 1
+      "seed": 1,
+      "scenario_sha256": "*", (glob)
+      "sha256": "*" (glob)
     },
 
   $ sdp3 verify --seed 5

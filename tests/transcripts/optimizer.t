@@ -111,11 +111,12 @@ Learning curves, regions and schedules from a table of accuracies.
     optimize  accuracy against throughput
     optimize  N_s = 325: accuracy 0.903, 22883000 bit per period (22.883 Mbit/s) to the worst user. The people of the scenario are in the users' channels.
 
-  $ head -7 out/optimize.json
+  $ head -8 out/optimize.json
   {
     "provenance": {
       "program": "sdp3 0.1.0",
       "commit": "*", (glob)
       "commit_date": "*", (glob)
-      "seed": 1
+      "seed": 1,
+      "sha256": "*" (glob)
     },

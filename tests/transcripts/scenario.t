@@ -24,7 +24,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   iwr              The conference room sensed by a 77 GHz sensor of the TI IWR1443 and IWR1843 class: 4 GHz in 51.2 us, 256 complex samples of 16 bits at 5 MHz, range gate 0.9 to 5.7 m. 12 dBm, noise figure 15 dB and slopes up to 100 MHz/us: the data sheet (TI SWRS211); 10 dB antennas: the evaluation board. Every slot of 0.2 ms senses, or limbs would alias.
 
   $ sdp3 scenario show small-radar
-  # Name shown in results.
+  # Name shown in results. Legal: 1 to 100 printable characters, the first a letter or digit.
   name = "small-radar"
   
   # The room's walls.

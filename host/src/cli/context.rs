@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::results::Files;
 use crate::scenario::{Override, Scenario};
 use crate::store::output::{Output, OutputError, to_json};
+use crate::text::{printable_json, shown};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -88,11 +89,21 @@ impl Context {
     /// The scenario and a writable output folder.
     pub fn job(&self) -> Result<Job, OutputError> {
         let Common { scenario, set, seed, out, .. } = &self.common;
+        let output = Output::create(out)?.of_seed(self.common.seed());
+        if let Some(leftover) = output.leftover() {
+            self.progress.note(
+                "sdp3",
+                &format!(
+                    "{}: left half-written, or being written: this file system has no locks",
+                    leftover.display()
+                ),
+            );
+        }
         Ok(Job {
             scenario: self.scenario.clone(),
             seed: self.common.seed(),
             progress: self.progress,
-            output: Output::create(out)?.of_seed(self.common.seed()),
+            output,
             #[cfg(feature = "train")]
             workers: self.workers(),
             given: Given { scenario: scenario.clone(), set: set.clone(), seed: *seed },
@@ -108,6 +119,8 @@ impl Context {
     /// A result on stdout: as JSON, or in words if there are any.
     pub fn print(&self, value: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
         let text = if self.common.json { to_json(value) } else { words() };
+        // of both a terminal shows what a file or a name holds
+        let text = if self.common.json { printable_json(&text) } else { shown(&text) };
         if text.is_empty() { Ok(()) } else { say(&text) }
     }
 

@@ -1,7 +1,7 @@
 //! Model files: `export`, `import`, `model show`, `sign`, `verify`, `keygen`.
 
 use super::context::Context;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
 use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::{self, Conversion};
@@ -159,6 +159,10 @@ fn keygen(context: &Context, args: &KeygenArgs) -> Result<bool, Failure> {
 
 fn sign(context: &Context, args: &SignArgs) -> Result<bool, Failure> {
     let SignArgs { file, key, revision, to } = args;
+    // a key, for one
+    if to.exists() && !read(to).is_ok_and(|bytes| Summary::of(&bytes).is_ok()) {
+        return Err(Invalid::option("--to", to.display(), "a model file or no file yet").into());
+    }
     let model = signed(&read(file)?, read_secret_key(key)?, *revision)
         .map_err(|error| format!("{}: {error}", file.display()))?;
     context.print_files(&[Output::write_file(to, &model)?])?;

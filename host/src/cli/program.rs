@@ -1,6 +1,7 @@
 //! The program: from the command line to the exit code.
 
 use super::{Cli, execute};
+use crate::text::shown;
 use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
@@ -20,6 +21,9 @@ pub fn main() -> ExitCode {
     if let Err(error) = end_on_interrupt(cli.resumption()) {
         return refused(&format!("interrupts cannot be caught: {error}"));
     }
+    if let Err(error) = catch_file_limit() {
+        return refused(&format!("SIGXFSZ cannot be caught: {error}"));
+    }
     match execute(cli) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
@@ -28,15 +32,28 @@ pub fn main() -> ExitCode {
 }
 
 fn refused(reason: &str) -> ExitCode {
-    let _ = writeln!(std::io::stderr(), "sdp3: {reason}");
+    let _ = writeln!(std::io::stderr(), "sdp3: {}", shown(reason));
     ExitCode::from(2)
 }
 
 /// Ctrl-C leaves whole files only, says how to go on, and ends with the code of that signal.
 fn end_on_interrupt(resumption: &'static str) -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(move || {
-        crate::store::output::abandon();
+        crate::store::partial::abandon();
         let _ = writeln!(std::io::stderr(), "\nsdp3: interrupted, nothing is half-written; {resumption}");
         std::process::exit(130);
     })
+}
+
+/// A file beyond the limit of the system is an error of its writing. Uncaught, the signal that comes first would end the program without a
+/// word.
+#[cfg(unix)]
+fn catch_file_limit() -> std::io::Result<()> {
+    let seen = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen).map(|_| ())
+}
+
+#[cfg(not(unix))]
+fn catch_file_limit() -> std::io::Result<()> {
+    Ok(())
 }

@@ -6,6 +6,7 @@ use crate::pipeline::scenario_errors;
 use crate::results::{Checked, Listed};
 use crate::scenario::{Scenario, builtin};
 use crate::store::output::to_json;
+use crate::text::printable_json;
 use clap::{Args, Subcommand};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -118,7 +119,7 @@ fn check(context: &Context, file: &Path) -> Result<bool, Failure> {
     let errors = scenario_errors(file, &context.common.set)?;
     let checked = Checked { file: file.display().to_string(), errors };
     if context.common.json {
-        say(&to_json(&checked))?;
+        say(&printable_json(&to_json(&checked)))?;
     }
     match checked.errors.len() {
         0 => {

@@ -3,9 +3,11 @@
 //! It is put together from the sidecars, one at a time, so that its length needs no memory.
 
 use super::{Work, part};
-use crate::PROGRAM;
+use crate::error::Invalid;
 use crate::scenario::{Class, Scenario};
-use crate::store::digest::{FileRecord, Hash};
+use crate::store::difference::difference;
+use crate::store::digest::Hash;
+use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
 use sdp3_core::config::SampleFormat;
 use serde::ser::{Error, SerializeSeq};
@@ -46,7 +48,7 @@ const ARRAYS: [Array; 4] = [
 
 #[derive(Serialize)]
 struct Manifest<'a, F: Serialize, T: Serialize> {
-    program: &'a str,
+    program: String,
     scenario: &'a Scenario,
     rho: f64,
     seed: u64,
@@ -83,9 +85,9 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
         let mut files = sidecar.files;
         files.push(FileRecord::new(part::sidecar_name(number), &bytes));
         if number == 0 {
-            for name in [super::REQUEST, super::SCENARIO] {
-                files.insert(0, FileRecord::of(output, name)?);
-            }
+            // as this work has them: another command in the folder may have written its own
+            files
+                .splice(0..0, work.texts().map(|(name, text)| FileRecord::new(name.into(), text.as_bytes())));
         }
         Ok(files)
     };
@@ -95,7 +97,7 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
     }
     let arrays = if work.request.raw { &arrays[..] } else { &arrays[..3] };
     let manifest = Manifest {
-        program: PROGRAM,
+        program: format!("sdp3 {}", work.request.version),
         scenario: work.scenario,
         rho: work.rho,
         seed: work.request.seed,
@@ -117,13 +119,44 @@ fn print(work: &Work, output: &Output, mut file: impl Write) -> io::Result<()> {
 ///
 /// A sidecar that cannot be read, or a manifest that cannot be written.
 pub fn write(work: &Work, output: &Output) -> Result<(), OutputError> {
-    if output.path(NAME).exists() {
-        let mut hash = Hash::default();
-        print(work, output, &mut hash)
-            .map_err(|source| OutputError::Write { path: output.path(NAME), source })?;
-        if FileRecord::of(output, NAME)?.sha256 == hash.hex() {
-            return Ok(());
-        }
+    if output.path(NAME).exists() && is_current(work, output)? {
+        return Ok(());
     }
     output.fill(NAME, |file| print(work, output, file))
+}
+
+fn is_current(work: &Work, output: &Output) -> Result<bool, OutputError> {
+    let mut hash = Hash::default();
+    print(work, output, &mut hash).map_err(broken(output))?;
+    Ok(FileRecord::of(output, NAME)?.sha256 == hash.hex())
+}
+
+fn broken(output: &Output) -> impl Fn(io::Error) -> OutputError {
+    let path = output.path(NAME);
+    move |error| OutputError::Content { path: path.clone(), reason: error.to_string() }
+}
+
+/// Refuses a manifest with any field that does not follow from request, scenario and sidecars.
+///
+/// # Errors
+///
+/// The first such field; a sidecar that cannot be read.
+pub fn check(work: &Work, output: &Output) -> Result<(), OutputError> {
+    if is_current(work, output)? {
+        return Ok(());
+    }
+    let mut text = Vec::new();
+    print(work, output, &mut text).map_err(broken(output))?;
+    let must = serde_json::from_slice(&text).map_err(|error| broken(output)(error.into()))?;
+    let found = output.read_json(NAME, part::REMAKE)?;
+    let (field, found, must) = difference("", &found, &must).unwrap_or((
+        "its text".into(),
+        "another".into(),
+        "as it was written".into(),
+    ));
+    let legal = format!("{must}, by {}, {} and the parts' sidecars", super::REQUEST, super::SCENARIO);
+    Err(OutputError::Content {
+        path: output.path(NAME),
+        reason: Invalid::new(field, found, legal).to_string(),
+    })
 }

@@ -132,6 +132,12 @@ impl<'a> Work<'a> {
         self.request.per_class.saturating_mul(self.request.classes.len() as u32)
     }
 
+    /// The files that say what the dataset is, by name.
+    fn texts(&self) -> [(&'static str, String); 2] {
+        let request = format!("{}\n", crate::store::output::to_json(&self.request));
+        [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)]
+    }
+
     fn parts(&self) -> u32 {
         self.recordings().div_ceil(part::RECORDINGS)
     }
@@ -158,8 +164,7 @@ impl<'a> Work<'a> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Written, OutputError> {
         self.ensure_same_config(output)?;
-        let request = format!("{}\n", crate::store::output::to_json(&self.request));
-        for (name, text) in [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)] {
+        for (name, text) in self.texts() {
             if std::fs::read(output.path(name)).ok().is_none_or(|found| found != text.as_bytes()) {
                 output.write(name, text.as_bytes())?;
             }

@@ -10,7 +10,7 @@ use crate::formats::slots::Slots;
 use crate::network::spectrograms::images_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
-use crate::store::digest::FileRecord;
+use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
@@ -25,7 +25,7 @@ pub const RECORDINGS: u32 = 100;
 /// Raw bytes that are held before they are written: what bounds the memory.
 const RAW_HELD: usize = 128 << 20;
 /// What makes a sidecar.
-const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
+pub(super) const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
 
 /// What a part's files are and what is true of its recordings: `part-00000.json`.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -144,20 +144,26 @@ fn write<W: Write + Seek>(
     files: &mut Vec<FileRecord>,
     tick: &(dyn Fn() + Sync),
 ) -> io::Result<Vec<One>> {
-    let mut archive = ZipWriter::new(UntilError { file, failed: false });
+    let mut archive = ZipWriter::new(UntilError::new(file));
     let all = fill(work, range, output, &mut archive, files, tick)?;
     archive.finish()?;
     Ok(all)
 }
 
-/// Writes up to the first error, and after it does nothing and reports nothing: a dropped archive tries to end itself once more, and
-/// would print that it cannot.
+/// Writes up to the first error, and after it only keeps the position: a dropped archive tries to end itself once more, and would print
+/// that it cannot.
 struct UntilError<W> {
     file: W,
+    position: u64,
     failed: bool,
 }
 
 impl<W> UntilError<W> {
+    fn new(file: W) -> Self {
+        UntilError { file, position: 0, failed: false }
+    }
+
+    /// What the file says, or `after` once it has failed.
     fn attempt<T>(&mut self, after: T, act: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
         if self.failed {
             return Ok(after);
@@ -171,7 +177,9 @@ impl<W> UntilError<W> {
 
 impl<W: Write> Write for UntilError<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.attempt(bytes.len(), |file| file.write(bytes))
+        let written = self.attempt(bytes.len(), |file| file.write(bytes))?;
+        self.position += written as u64;
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -181,7 +189,13 @@ impl<W: Write> Write for UntilError<W> {
 
 impl<W: Seek> Seek for UntilError<W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.attempt(0, |file| file.seek(to))
+        let after = match to {
+            SeekFrom::Start(position) => position,
+            SeekFrom::Current(by) => self.position.saturating_add_signed(by),
+            SeekFrom::End(_) => self.position,
+        };
+        self.position = self.attempt(after, |file| file.seek(to))?;
+        Ok(self.position)
     }
 }
 
@@ -314,7 +328,7 @@ mod tests {
     #[test]
     fn a_full_disk_is_an_error_once_and_an_interruption_is_none() {
         let file = Full { file: Cursor::default(), left: 3, interrupted: false };
-        let mut writer = UntilError { file, failed: false };
+        let mut writer = UntilError::new(file);
         let error = writer.write_all(b"array").unwrap_err();
         assert_eq!(error.kind(), ErrorKind::StorageFull);
         assert_eq!(writer.file.file.get_ref(), b"arr");

@@ -5,7 +5,8 @@
 use super::Work;
 use crate::PROGRAM;
 use crate::simulator::body::motion::GroundTruth;
-use crate::store::digest::{FileRecord, hex};
+use crate::store::digest::hex;
+use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError, to_json};
 use sdp3_core::config::SampleFormat;
 use serde::Serialize;

@@ -1,13 +1,15 @@
 //! A dataset read back: complete, every file that is read held to the digest in its manifest.
 
 use super::part::RECORDINGS;
-use super::{REQUEST, Request, SCENARIO, manifest};
+use super::{PER_CLASS, REQUEST, Request, SCENARIO, Work, manifest};
 use crate::error::Invalid;
 use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
-use crate::store::digest::FileRecord;
+use crate::store::difference::difference;
+use crate::store::digest::sha256;
+use crate::store::file_record::FileRecord;
 use crate::store::limited;
-use crate::store::resume::difference;
+use crate::store::output::{Output, OutputError};
 use sdp3_core::dims::{BEATS, Beat, Complex};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -32,6 +34,9 @@ pub enum StoredError {
     /// Its scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// A manifest that does not follow from the other files.
+    #[error(transparent)]
+    Manifest(#[from] OutputError),
 }
 
 /// What completes or repairs a dataset.
@@ -59,11 +64,11 @@ impl Stored {
     ///
     /// # Errors
     ///
-    /// A file that is missing or is not the manifest's; other classes than the paper's.
+    /// A file that is missing or is not the manifest's; a field of request or manifest that is not legal; other classes than the paper's.
     pub fn open(folder: &Path) -> Result<Self, StoredError> {
         let files = Files::open(folder)?;
         let request: Request = parsed(&folder.join(REQUEST), &files.read(REQUEST)?)?;
-        files.read(SCENARIO)?;
+        let text = files.read(SCENARIO)?;
         let scenario = Scenario::load(&folder.join(SCENARIO))?;
         let classes = &request.classes;
         if classes.len() != Class::ALL.len() || Class::ALL.iter().any(|class| !classes.contains(class)) {
@@ -71,9 +76,24 @@ impl Stored {
             let legal = format!("{}, in any order", names(&Class::ALL));
             return Err(files.value(REQUEST, "classes", names(classes), legal));
         }
-        if request.per_class < 2 {
-            return Err(files.value(REQUEST, "per_class", request.per_class, "at least 2".into()));
+        if request.per_class < 2 || !PER_CLASS.contains(&request.per_class) {
+            let legal = format!("2 to {}", PER_CLASS.end());
+            return Err(files.value(REQUEST, "per_class", request.per_class, legal));
         }
+        if !(0.0..=1.0).contains(&request.rho) {
+            return Err(files.value(REQUEST, "rho", request.rho, "0 to 1".into()));
+        }
+        let digest = sha256([text.as_slice()]);
+        if request.scenario_sha256 != digest {
+            return Err(files.value(
+                REQUEST,
+                "scenario_sha256",
+                request.scenario_sha256,
+                format!("{digest}, that of {SCENARIO}"),
+            ));
+        }
+        let work = Work { scenario: &scenario, rho: request.rho, request: request.clone() };
+        manifest::check(&work, &Output::reading(folder))?;
         Ok(Stored { files, scenario, request })
     }
 

@@ -1,7 +1,8 @@
 use super::*;
 use crate::formats::numpy;
 use crate::simulator::dataset::Set;
-use crate::store::digest::{FileRecord, hex};
+use crate::store::digest::hex;
+use crate::store::file_record::FileRecord;
 use serde_json::Value;
 use sha2::{Digest, Sha512};
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,9 +32,11 @@ impl Case {
 
     fn make(&self, seed: u64, per_class: u32, shard: &str) -> Result<Written, OutputError> {
         let output = Output::create(self.path()).unwrap();
-        let work =
-            Work::new(&self.scenario, 0.997, seed, per_class, Class::ALL.to_vec(), self.raw, self.sigmf);
-        work.write(shard.parse().unwrap(), &output, &|_, _| ())
+        self.work(seed, per_class).write(shard.parse().unwrap(), &output, &|_, _| ())
+    }
+
+    fn work(&self, seed: u64, per_class: u32) -> Work<'_> {
+        Work::new(&self.scenario, 0.997, seed, per_class, Class::ALL.to_vec(), self.raw, self.sigmf)
     }
 
     fn files(&self) -> BTreeMap<String, Vec<u8>> {
@@ -102,7 +105,7 @@ fn what_is_missing_or_damaged_is_made_again_and_the_rest_is_kept() {
             None => std::fs::remove_file(&path).unwrap(),
             Some(bytes) => std::fs::write(&path, bytes).unwrap(),
         }
-        let half = format!("{name}.sdp3-partial-{}", crate::store::output::mark(4_294_967_295));
+        let half = format!("{name}.sdp3-partial-0123456789abcdef");
         std::fs::write(case.path().join(half), b"half").unwrap();
         let written = case.make(3, 21, "1/1").unwrap();
         assert_eq!((written.made, written.kept), (1, 1), "{name}");
@@ -237,13 +240,68 @@ fn foreign<T: npyz::AutoSerialize + Copy>(labels: &[u8], beats: &[T], name: &str
     numpy::write(&mut archive, name, &[beats.len() as u64 / 640, 40, 8, 2], beats);
     archive.finish().unwrap();
     let output = Output::create(case.path()).unwrap();
-    let record = FileRecord::of(&output, "part-00000.npz").unwrap();
-    let mut manifest = case.manifest();
-    let files = manifest["files"].as_array_mut().unwrap();
-    let part = files.iter_mut().find(|file| file["name"] == "part-00000.npz").unwrap();
-    *part = serde_json::to_value(record).unwrap();
-    output.write_json(manifest::NAME, &manifest).unwrap();
+    let (mut sidecar, _) = part::sidecar(0, &output).unwrap();
+    sidecar.files[0] = FileRecord::of(&output, "part-00000.npz").unwrap();
+    output.write_json("part-00000.json", &sidecar).unwrap();
+    manifest::write(&case.work(7, 2), &output).unwrap();
     Stored::open(case.path()).unwrap().each(|_| ()).unwrap_err().to_string()
+}
+
+#[test]
+fn a_manifest_is_held_to_its_last_field() {
+    let case = Case::new(false, false);
+    case.make(7, 2, "1/1").unwrap();
+    let (output, whole) = (Output::create(case.path()).unwrap(), case.manifest());
+    let fields = whole.as_object().unwrap();
+    assert_eq!(fields.len(), 11);
+    let inner = [("files", 1, "bytes"), ("truth", 3, "label"), ("truth", 9, "index")];
+    let edits = fields.keys().map(|field| (format!("/{field}"), field.clone()));
+    let inner =
+        inner.map(|(list, k, field)| (format!("/{list}/{k}/{field}"), format!("{list}[{k}].{field}")));
+    for (place, field) in edits.chain(inner) {
+        let mut edited = whole.clone();
+        *edited.pointer_mut(&place).unwrap() = "x".into();
+        output.write_json(manifest::NAME, &edited).unwrap();
+        let error = Stored::open(case.path()).unwrap_err().to_string();
+        // a list of files that is none is not even read
+        let words = if matches!(field.split('[').next(), Some("files")) { "manifest.json" } else { &field };
+        assert!(error.contains("manifest.json") && error.contains(words), "{field}: {error}");
+    }
+    let mut twice = whole.clone();
+    let files = twice["files"].as_array_mut().unwrap();
+    files.push(files[2].clone());
+    output.write_json(manifest::NAME, &twice).unwrap();
+    let error = Stored::open(case.path()).unwrap_err().to_string();
+    assert!(error.contains("manifest.json: files is "), "{error}");
+    output.write_json(manifest::NAME, &whole).unwrap();
+    // the same values in another text
+    let error = Stored::open(case.path()).unwrap_err().to_string();
+    assert!(error.contains("its text is another"), "{error}");
+}
+
+#[test]
+fn a_request_is_held_to_its_ranges_with_its_digest_corrected() {
+    for (field, value, words) in [
+        ("rho", Value::from(-1.0), "rho is -1, must be 0 to 1"),
+        ("per_class", 0.into(), "per_class is 0, must be 2 to"),
+        ("classes", Value::Array(vec![]), "classes is "),
+        ("scenario_sha256", "0".into(), "scenario_sha256 is 0, must be "),
+        ("seed", 8.into(), "manifest.json: files[1].sha256 is "),
+    ] {
+        let case = Case::new(false, false);
+        case.make(7, 2, "1/1").unwrap();
+        let output = Output::create(case.path()).unwrap();
+        let mut request: Value = output.read_json(REQUEST, "").unwrap();
+        request[field] = value;
+        output.write_json(REQUEST, &request).unwrap();
+        let mut manifest = case.manifest();
+        let files = manifest["files"].as_array_mut().unwrap();
+        let own = files.iter_mut().find(|file| file["name"] == REQUEST).unwrap();
+        *own = serde_json::to_value(FileRecord::of(&output, REQUEST).unwrap()).unwrap();
+        output.write_json(manifest::NAME, &manifest).unwrap();
+        let error = Stored::open(case.path()).unwrap_err().to_string();
+        assert!(error.contains(words), "{words:?} is not in: {error}");
+    }
 }
 
 #[test]

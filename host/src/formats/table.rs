@@ -13,9 +13,15 @@ pub fn delimited(delimiter: u8, header: &[&str], rows: impl IntoIterator<Item = 
     let header = header.iter().map(|&name| name.to_owned()).collect();
     for row in std::iter::once(header).chain(rows) {
         // memory takes every row
-        let _ = writer.write_record(&row);
+        let _ = writer.write_record(row.into_iter().map(text_of));
     }
     String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
+}
+
+/// A cell that a spreadsheet takes for text too: what it would take for a formula gets an apostrophe before it. Numbers stay.
+fn text_of(cell: String) -> String {
+    let formula = cell.len() > 1 && cell.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    if formula && cell.parse::<f64>().is_err() { format!("'{cell}") } else { cell }
 }
 
 /// The cells of a line of CSV, without the blanks around them.
@@ -32,6 +38,12 @@ pub fn cells(line: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_cell_is_a_formula() {
+        let row = ["=1+1", "@SUM(A1)", "-1.5e-3", "+3", "-", "-x"].map(str::to_owned).to_vec();
+        assert_eq!(csv(&["a"], [row]), "a\n'=1+1,'@SUM(A1),-1.5e-3,+3,-,'-x\n");
+    }
 
     #[test]
     fn cells_with_commas_quotes_and_line_breaks_come_back() {

@@ -86,8 +86,9 @@ impl Job {
             plans,
             early_exits,
         };
-        self.output.write_result(super::stored::RUN, &run)?;
-        self.output.write_result("figures.json", &figures)?;
+        let output = self.output.clone().of_scenario(&self.scenario.to_toml());
+        output.write_result(super::stored::RUN, &run)?;
+        output.write_result(super::stored::FIGURES, &figures)?;
         let page = self.page(&run, &figures)?;
         Ok((run, page))
     }

@@ -68,8 +68,8 @@ impl Job {
 
     /// The exits that `sdp3 early-exits` fitted to the models.
     fn fitted_exits(&self) -> Result<Vec<FittedExit>, Failure> {
-        let known: EarlyExitResult =
-            self.output.read_json("early-exits.json", "`sdp3 early-exits` with the same --out makes it")?;
+        let made_by = "`sdp3 early-exits` with the same --out makes it";
+        let (known, _) = self.output.read_result::<EarlyExitResult>("early-exits.json", made_by)?;
         let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
         let own = &self.scenario.frame.sensing_slots;
         match slots == *own {

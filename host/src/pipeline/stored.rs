@@ -6,12 +6,15 @@ use crate::formats::model_file::check_use;
 use crate::report::paper::draw;
 use crate::results::{Accuracy, CurvePoint, Figures, Run};
 use crate::scenario::Scenario;
+use crate::store::difference::difference;
+use crate::store::digest::sha256;
 use crate::store::output::OutputError;
-use crate::store::resume::difference;
 use std::path::PathBuf;
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
+/// File of what a run's figures show.
+pub(super) const FIGURES: &str = "figures.json";
 
 /// What makes the files of a run.
 pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
@@ -39,7 +42,7 @@ impl Job {
     ///
     /// No run, or a file that is none.
     pub fn run(&self) -> Result<Run, OutputError> {
-        self.output.read_json(RUN, RUN_FIRST)
+        Ok(self.output.read_result(RUN, RUN_FIRST)?.0)
     }
 
     /// The seed of what was made with `own`: one that is given must be the same.
@@ -150,11 +153,23 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// A run that is not there, or of another scenario than the one given.
+    /// A run that is not there, of another scenario than the one given, or with files of several runs.
     pub fn report(self) -> Result<PathBuf, Failure> {
-        let run = self.run()?;
-        let figures: Figures = self.output.read_json("figures.json", RUN_FIRST)?;
+        let (run, made) = self.output.read_result::<Run>(RUN, RUN_FIRST)?;
+        let (figures, with) = self.output.read_result::<Figures>(FIGURES, RUN_FIRST)?;
         let scenario = self.run_scenario()?;
+        let refuse = |file: &str, field: &str, found: &str, must: &str| {
+            let legal = format!("{must}, as {RUN} has: the files of one run");
+            Invalid::new(field, found, legal).at(self.output.path(file).display())
+        };
+        if let Some((field, found, must)) = with.other_run(&made) {
+            return Err(refuse(FIGURES, &format!("provenance.{field}"), &found, &must).into());
+        }
+        let (found, must) =
+            (sha256([scenario.to_toml().as_bytes()]), made.scenario_sha256.unwrap_or_default());
+        if found != must {
+            return Err(refuse("scenario.toml", "SHA-256", &found, &must).into());
+        }
         Job { scenario, ..self }.page(&run, &figures)
     }
 

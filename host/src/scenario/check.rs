@@ -4,6 +4,7 @@ use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
 use super::{Scenario, ScenarioError, SpectrogramSettings};
 use crate::error::Invalid;
+use crate::text::is_printable;
 use sdp3_core::dims::FFT_LEN;
 use sdp3_core::signal::clutter::SvdRange;
 use sdp3_core::signal::front_end::Preprocessing;
@@ -60,12 +61,20 @@ impl Scenario {
         c.within("channel.k_factor_db", self.channel.k_factor_db, -20.0, 80.0);
         c.within("channel.clutter_gain_db", self.channel.clutter_gain_db, -60.0, 60.0);
         c.within("channel.scattering", self.channel.scattering, 0.0, 1.0);
+        self.check_name(c);
         self.check_frame(c);
         self.check_target(c);
         self.check_learning(c);
         self.check_communication(c);
         self.check_trade(c);
         rules.list
+    }
+
+    /// It becomes part of scripts, pages, tables and terminals.
+    fn check_name(&self, c: &mut Rules) {
+        let plain = self.name.starts_with(char::is_alphanumeric) && self.name.chars().all(is_printable);
+        let legal = "1 to 100 printable characters, the first a letter or digit";
+        c.legal("name", format!("{:?}", self.name), plain && self.name.chars().count() <= 100, legal);
     }
 
     fn check_target(&self, c: &mut Rules) {

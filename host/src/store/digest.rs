@@ -1,9 +1,6 @@
-//! SHA-256: of bytes, of what is written, of files.
+//! SHA-256: of bytes, of what is written, of JSON within itself.
 
-use super::output::{Output, OutputError};
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io::{self, Write};
 
 /// A running SHA-256, which is written to.
@@ -40,45 +37,22 @@ pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A file by name, length and digest.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FileRecord {
-    /// Its name in the folder.
-    pub name: String,
-    /// Its length.
-    pub bytes: u64,
-    /// SHA-256 of its content.
-    pub sha256: String,
+/// A digest as a field of JSON.
+fn stated(sha256: &str) -> String {
+    format!("\"sha256\": \"{sha256}\"")
 }
 
-impl FileRecord {
-    /// Describes content.
-    pub fn new(name: String, content: &[u8]) -> Self {
-        FileRecord { name, bytes: content.len() as u64, sha256: sha256([content]) }
-    }
+/// JSON with an empty first `sha256`, and there the digest of this text.
+pub fn sealed(open: &str) -> String {
+    open.replacen(&stated(""), &stated(&sha256([open.as_bytes()])), 1)
+}
 
-    /// Describes a file that is there.
-    ///
-    /// # Errors
-    ///
-    /// [`OutputError::Read`] naming the file.
-    pub fn of(output: &Output, name: &str) -> Result<Self, OutputError> {
-        let path = output.path(name);
-        let read = || {
-            let mut hash = Hash::default();
-            let bytes = io::copy(&mut File::open(&path)?, &mut hash)?;
-            Ok(FileRecord { name: name.to_owned(), bytes, sha256: hash.hex() })
-        };
-        read().map_err(|source| OutputError::Read {
-            path: path.clone(),
-            source,
-            hint: "the dataset was just written there",
-        })
-    }
-
-    /// Whether the file is as described; without `read`, its length must do.
-    pub fn is_there(&self, output: &Output, read: bool) -> bool {
-        std::fs::metadata(output.path(&self.name)).is_ok_and(|found| found.len() == self.bytes)
-            && (!read || Self::of(output, &self.name).is_ok_and(|found| found == *self))
-    }
+/// Refuses JSON that was changed after it was [`sealed`] with a digest; the reason.
+///
+/// # Errors
+///
+/// The digest that it has now.
+pub fn unseal(text: &str, digest: &str) -> Result<(), String> {
+    let found = sha256([text.replacen(&stated(digest), &stated(""), 1).as_bytes()]);
+    if found == digest { Ok(()) } else { Err(format!("sha256 = {digest:?}, its content's is {found}")) }
 }

@@ -1,17 +1,19 @@
 //! The output folder: files appear whole or not at all.
 //!
-//! Every file is written beside its name, synced, and renamed over it; then the folder is synced, so that this also holds when the
-//! power fails.
+//! Every file is written beside its name ([`super::partial`]), synced, and renamed over it; then the folder is synced, so that this also
+//! holds when the power fails.
 
+use super::difference::difference;
+use super::digest::{sealed, sha256, unseal};
+use super::partial::{Partial, Swept, sweep};
+use crate::error::Invalid;
 use crate::store::limited;
 use crate::{COMMIT, COMMIT_DATE, PROGRAM};
-use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeSet;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -42,54 +44,6 @@ pub enum OutputError {
         /// What is wrong.
         reason: String,
     },
-}
-
-/// What a file is called while it is written, before the writer's [`mark`].
-const PARTIAL: &str = ".sdp3-partial-";
-/// The file that tries whether the folder can be written to, before the writer's [`mark`].
-const PROBE: &str = ".sdp3-probe-";
-
-/// The machine's name: processes on several may share a folder.
-fn machine() -> String {
-    std::fs::read_to_string("/proc/sys/kernel/hostname")
-        .map_or_else(|_| String::new(), |name| name.trim().into())
-}
-
-/// Who writes: `PROCESS@MACHINE`.
-pub(crate) fn mark(process: u32) -> String {
-    format!("{process}@{}", machine())
-}
-
-/// Whether another process of that number runs this program. Where the system does not say, it is taken to run.
-fn runs(process: u32) -> bool {
-    // "1234 (name) S ...": number, name, state
-    let stat = |process: &str| {
-        let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-        let (name, state) = text.split_once('(')?.1.rsplit_once(") ")?;
-        Some((name.to_owned(), state.starts_with(['Z', 'X'])))
-    };
-    match stat("self") {
-        // a number may be given again: to this process, or to another program
-        Some(this) => process != std::process::id() && stat(&process.to_string()) == Some(this),
-        None => true,
-    }
-}
-
-/// Files of this process that are not whole yet.
-static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Removes what is half-written, and holds every thread that would begin or finish a file until the process ends: for a
-/// program that is about to.
-pub fn abandon() {
-    let unfinished = unfinished();
-    for file in unfinished.iter() {
-        let _ = std::fs::remove_file(file);
-    }
-    std::mem::forget(unfinished);
 }
 
 /// Makes a folder, those above it too, and syncs the entry of each new one.
@@ -132,18 +86,35 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 pub struct Output {
     folder: PathBuf,
     seed: Option<u64>,
+    scenario_sha256: Option<String>,
+    leftover: Option<PathBuf>,
 }
 
 /// What made a result. The date is the commit's, not today's: the same program makes the same bytes.
-#[derive(Debug, Serialize)]
-struct Provenance {
-    program: &'static str,
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Provenance {
+    program: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    commit: Option<&'static str>,
+    commit: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    commit_date: Option<&'static str>,
+    commit_date: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
+    /// Of the scenario's text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) scenario_sha256: Option<String>,
+    /// Of the file's own text with an empty `sha256`.
+    sha256: String,
+}
+
+impl Provenance {
+    /// The first field that shows that another run made it: its name, its value here, and there.
+    pub(crate) fn other_run(&self, other: &Self) -> Option<(String, String, String)> {
+        let run = |of: &Self| {
+            serde_json::to_value(Provenance { sha256: String::new(), ..of.clone() }).unwrap_or_default()
+        };
+        difference("", &run(self), &run(other))
+    }
 }
 
 /// A result's file.
@@ -154,6 +125,12 @@ struct Stated<'a, T> {
     result: &'a T,
 }
 
+/// What is read of it first.
+#[derive(Deserialize)]
+struct Head {
+    provenance: Provenance,
+}
+
 impl Output {
     /// Makes the folder if need be, tries to write to it, and removes what killed runs left half-written.
     ///
@@ -161,13 +138,22 @@ impl Output {
     ///
     /// [`OutputError::Write`] naming the folder.
     pub fn create(folder: &Path) -> Result<Self, OutputError> {
-        let output = Output { folder: folder.to_owned(), seed: None };
+        let mut output = Output::reading(folder);
         let fail = |source| OutputError::Write { path: folder.to_owned(), source };
         create_folder(folder).map_err(fail)?;
-        let probe = folder.join(format!("{PROBE}{}", mark(std::process::id())));
-        std::fs::write(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)?;
-        output.sweep()?;
+        drop(Partial::create(&folder.join(".probe")).map_err(fail)?);
+        output.leftover = output.sweep()?;
         Ok(output)
+    }
+
+    /// A folder to read from: nothing in it is touched.
+    pub(crate) fn reading(folder: &Path) -> Self {
+        Output { folder: folder.to_owned(), seed: None, scenario_sha256: None, leftover: None }
+    }
+
+    /// A half-written file of which nobody can say whether its writer still lives: the file system has no locks.
+    pub fn leftover(&self) -> Option<&Path> {
+        self.leftover.as_deref()
     }
 
     /// Writes a file of its own, whole or not at all, in a folder that is made if need be; its path.
@@ -183,6 +169,11 @@ impl Output {
     /// The same folder for results of a seed.
     pub fn of_seed(self, seed: u64) -> Self {
         Output { seed: Some(seed), ..self }
+    }
+
+    /// The same folder for results of a scenario, given as its text.
+    pub fn of_scenario(self, text: &str) -> Self {
+        Output { scenario_sha256: Some(sha256([text.as_bytes()])), ..self }
     }
 
     /// The folder.
@@ -218,37 +209,36 @@ impl Output {
         let path = self.path(name);
         let fail = |source| OutputError::Write { path: path.clone(), source };
         let folder = parent(&path).unwrap_or(Path::new("."));
+        self.refuse_links(name)?;
         create_folder(folder).map_err(fail)?;
-        let mut partial = path.clone().into_os_string();
-        partial.push(format!("{PARTIAL}{}", mark(std::process::id())));
-        let partial = PathBuf::from(partial);
-        unfinished().insert(partial.clone());
-        let written = File::create(&partial).and_then(|file| {
-            let mut file = BufWriter::with_capacity(1 << 16, file);
-            let value = fill(&mut file)?;
-            // the name must not be there before the bytes are
-            file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+        let written = Partial::create(&path).and_then(|mut partial| {
+            let value = fill(partial.file())?;
+            partial.finish()?;
+            sync_folder(folder)?;
             Ok(value)
         });
-        let mut unfinished = unfinished();
-        let written = written.and_then(|value| std::fs::rename(&partial, &path).map(|()| value));
-        if written.is_err() {
-            let _ = std::fs::remove_file(&partial);
-        }
-        unfinished.remove(&partial);
-        drop(unfinished);
-        written.and_then(|value| sync_folder(folder).map(|()| value)).map_err(fail)
+        written.map_err(fail)
     }
 
-    /// Removes what runs on this machine that were killed left half-written in the folder and the folders in it, unless that
-    /// process still runs.
-    fn sweep(&self) -> Result<(), OutputError> {
+    /// Refuses a file in a folder of the output folder that is a link: it would be written elsewhere.
+    fn refuse_links(&self, name: &str) -> Result<(), OutputError> {
+        let mut inner = Path::new(name).ancestors().skip(1).map(|above| self.folder.join(above));
+        match inner.find(|path| *path != self.folder && path.is_symlink()) {
+            Some(path) => {
+                let reason = Invalid::new("kind of entry", "a link", "a folder").to_string();
+                Err(OutputError::Content { path, reason })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Removes what writers that no longer live left half-written in the folder and the folders in it; a file that may be such a one.
+    fn sweep(&self) -> Result<Option<PathBuf>, OutputError> {
         let fail = |path: &Path| {
             let path = path.to_owned();
             move |source| OutputError::Write { path, source }
         };
-        let machine = machine();
-        let mut folders = vec![self.folder.clone()];
+        let (mut folders, mut unknown) = (vec![self.folder.clone()], None);
         while let Some(folder) = folders.pop() {
             let entries = match std::fs::read_dir(&folder) {
                 Err(_) if folder != self.folder => continue, // somebody else's
@@ -256,25 +246,15 @@ impl Output {
             };
             for entry in entries {
                 let entry = entry.map_err(fail(&folder))?;
+                let path = entry.path();
                 if folder == self.folder && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-                    folders.push(entry.path());
-                }
-                let name = entry.file_name().to_string_lossy().into_owned();
-                let writer = name.rsplit_once(PARTIAL).map(|(_, writer)| writer).or(name.strip_prefix(PROBE));
-                let here = writer.and_then(|writer| writer.split_once('@')).filter(|(_, at)| *at == machine);
-                let process = here.and_then(|(process, _)| process.parse().ok());
-                if process.is_none_or(runs) {
-                    continue;
-                }
-                match std::fs::remove_file(entry.path()) {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                        return Err(fail(&entry.path())(error));
-                    }
-                    _ => {}
+                    folders.push(path);
+                } else if sweep(&path).map_err(fail(&path))? == Swept::Unknown {
+                    unknown = Some(path);
                 }
             }
         }
-        Ok(())
+        Ok(unknown)
     }
 
     /// Writes a value as JSON.
@@ -286,15 +266,40 @@ impl Output {
         self.write(name, format!("{}\n", to_json(value)).as_bytes())
     }
 
-    /// Writes a result as JSON that begins with `provenance`: program, its commit and the commit's date where they are known, seed. It must be an object, no list.
+    /// Writes a result as JSON that begins with `provenance`: program, its commit and the commit's date where they are known, seed, scenario,
+    /// digest. It must be an object, no list.
     ///
     /// # Errors
     ///
     /// [`OutputError::Write`] naming the file.
     pub fn write_result(&self, name: &str, result: &impl Serialize) -> Result<PathBuf, OutputError> {
-        let provenance =
-            Provenance { program: PROGRAM, commit: COMMIT, commit_date: COMMIT_DATE, seed: self.seed };
-        self.write_json(name, &Stated { provenance, result })
+        let provenance = Provenance {
+            program: PROGRAM.into(),
+            commit: COMMIT.map(Into::into),
+            commit_date: COMMIT_DATE.map(Into::into),
+            seed: self.seed,
+            scenario_sha256: self.scenario_sha256.clone(),
+            sha256: String::new(),
+        };
+        let open = to_json(&Stated { provenance, result }) + "\n";
+        self.write(name, sealed(&open).as_bytes())
+    }
+
+    /// Reads a result that [`Self::write_result`] wrote, and what made it.
+    ///
+    /// # Errors
+    ///
+    /// [`OutputError::Read`], or [`OutputError::Content`]: no result, or one that was changed.
+    pub(crate) fn read_result<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        hint: &'static str,
+    ) -> Result<(T, Provenance), OutputError> {
+        let refuse = |reason: String| OutputError::Content { path: self.path(name), reason };
+        let text = String::from_utf8(self.read(name, hint)?).map_err(|error| refuse(error.to_string()))?;
+        let Head { provenance } = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
+        unseal(&text, &provenance.sha256).map_err(|reason| refuse(format!("changed: {reason}; {hint}")))?;
+        Ok((serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?, provenance))
     }
 
     /// Reads a file.
@@ -338,7 +343,18 @@ mod tests {
         let output = Output::create(folder.path()).unwrap().of_seed(7);
         let found = Found { rho: 0.1 + 0.2, slots: vec![1, 2] };
         output.write_result("found.json", &found).unwrap();
-        assert_eq!(output.read_json::<Found>("found.json", "").unwrap(), found);
+        let (read, provenance) = output.read_result::<Found>("found.json", "").unwrap();
+        assert_eq!((&read, provenance.scenario_sha256), (&found, None));
+        let text = String::from_utf8(output.read("found.json", "").unwrap()).unwrap();
+        for (from, to) in
+            [("1,", "3,"), ("\"seed\": 7", "\"seed\": 8"), ("\"sha256\": \"", "\"sha256\": \"0")]
+        {
+            assert!(text.contains(from), "{from}");
+            output.write("edited.json", text.replacen(from, to, 1).as_bytes()).unwrap();
+            let error =
+                output.read_result::<Found>("edited.json", "a new run makes it").unwrap_err().to_string();
+            assert!(error.contains("edited.json: changed: sha256") && error.contains("a new run"), "{error}");
+        }
         let whole: serde_json::Value = output.read_json("found.json", "").unwrap();
         assert_eq!(
             (&whole["provenance"]["program"], &whole["provenance"]["seed"]),
@@ -364,28 +380,15 @@ mod tests {
     }
 
     #[test]
-    fn only_our_leftovers_of_dead_runs_are_swept() {
+    fn leftovers_are_swept_in_the_folder_and_those_in_it() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::create(folder.path()).unwrap();
-        // 4294967295 is no process
-        let (own, dead) = (mark(std::process::id()), mark(4_294_967_295));
-        let gone = [
-            format!("a.npz.sdp3-partial-{dead}"),
-            format!(".sdp3-probe-{dead}"),
-            format!("models/b.sdp3-partial-{dead}"),
-            format!("a.npz.sdp3-partial-{own}"),
-        ];
-        let kept = [
-            "a.npz".into(),
-            format!("b.txt.partial-{dead}"),
-            "a.npz.sdp3-partial-".into(),
-            "a.npz.sdp3-partial-x".into(),
-            "a.npz.sdp3-partial-4294967295@elsewhere.invalid".into(),
-        ];
-        std::fs::create_dir(output.path("models")).unwrap();
-        gone.iter().chain(&kept).for_each(|name| std::fs::write(output.path(name), b"").unwrap());
-        Output::create(folder.path()).unwrap();
-        assert!(gone.iter().all(|name| !output.path(name).exists()));
-        assert!(kept.iter().all(|name| output.path(name).exists()));
+        std::fs::create_dir_all(output.path("models/deeper")).unwrap();
+        let left = |name: &str| output.path(&format!("{name}.sdp3-partial-0123456789abcdef"));
+        let names = ["a.npz", "models/b", "models/deeper/c"];
+        names.iter().for_each(|name| std::fs::write(left(name), b"").unwrap());
+        let again = Output::create(folder.path()).unwrap();
+        assert_eq!(names.map(|name| left(name).exists()), [false, false, true]);
+        assert_eq!(again.leftover(), None);
     }
 }

@@ -3,10 +3,10 @@
 //! The file is an object of `program`, `sha256`, `identity` and `content`. `sha256` is the SHA-256 of the file's own text with an
 //! empty `sha256`.
 
-use super::digest::sha256;
+use super::difference::difference;
+use super::digest::{sealed, unseal};
 use super::limited;
 use super::output::{Output, OutputError, to_json};
-use super::resume::difference;
 use crate::PROGRAM;
 use crate::error::Invalid;
 use serde::de::DeserializeOwned;
@@ -67,11 +67,6 @@ impl Fault {
     }
 }
 
-/// `sha256` as the text has it.
-fn stated(sha256: &str) -> String {
-    format!("\"sha256\": \"{sha256}\"")
-}
-
 /// Writes a record, whole or not at all.
 ///
 /// # Errors
@@ -85,8 +80,7 @@ pub fn write(
 ) -> Result<(), OutputError> {
     let identity = identity.iter().map(|(field, value)| ((*field).to_owned(), value.clone())).collect();
     let open = to_json(&Written { program: PROGRAM, sha256: "", identity, content }) + "\n";
-    let complete = open.replacen(&stated(""), &stated(&sha256([open.as_bytes()])), 1);
-    output.write(name, complete.as_bytes())?;
+    output.write(name, sealed(&open).as_bytes())?;
     Ok(())
 }
 
@@ -110,10 +104,7 @@ fn content<T: DeserializeOwned>(bytes: &[u8], identity: &Identity) -> Result<T, 
     let damaged = |error: &dyn std::fmt::Display| Fault::Damaged(error.to_string());
     let text = str::from_utf8(bytes).map_err(|error| damaged(&error))?;
     let head: Head = serde_json::from_str(text).map_err(|error| damaged(&error))?;
-    let found = sha256([text.replacen(&stated(&head.sha256), &stated(""), 1).as_bytes()]);
-    if found != head.sha256 {
-        return Err(Fault::Damaged(format!("sha256 = {:?}, its content's is {found}", head.sha256)));
-    }
+    unseal(text, &head.sha256).map_err(Fault::Damaged)?;
     let mut known = head.identity;
     let fields =
         identity.iter().map(|(field, legal)| (*field, known.remove(*field).unwrap_or_default(), legal));

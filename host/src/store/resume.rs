@@ -1,8 +1,8 @@
 //! Whether a folder may be gone on with: what it says of itself must be what is asked for.
 
-use crate::store::output::{Output, OutputError};
+use super::difference::difference;
+use super::output::{Output, OutputError};
 use serde_json::Value;
-use std::collections::BTreeSet;
 
 const CURE: &str = "use another --out, or remove this folder";
 
@@ -28,25 +28,5 @@ pub fn ensure_same_config(
         Some((field, found, asked)) => Err(refuse(format!(
             "{field} = {found}, but this command says {asked}: only the same options resume what is there; {CURE}"
         ))),
-    }
-}
-
-/// The first field that differs, with both values.
-pub fn difference(field: &str, found: &Value, asked: &Value) -> Option<(String, String, String)> {
-    match (found, asked) {
-        (Value::Object(found), Value::Object(asked)) => {
-            let keys: BTreeSet<&String> = found.keys().chain(asked.keys()).collect();
-            keys.into_iter().find_map(|key| {
-                let name = if field.is_empty() { key.clone() } else { format!("{field}.{key}") };
-                let value = |of: &serde_json::Map<String, Value>| of.get(key).cloned().unwrap_or_default();
-                difference(&name, &value(found), &value(asked))
-            })
-        }
-        (Value::Array(found), Value::Array(asked)) if found.len() == asked.len() => {
-            let pairs = found.iter().zip(asked).enumerate();
-            pairs.filter_map(|(k, (found, asked))| difference(&format!("{field}[{k}]"), found, asked)).next()
-        }
-        _ if found == asked => None,
-        _ => Some((field.to_owned(), found.to_string(), asked.to_string())),
     }
 }

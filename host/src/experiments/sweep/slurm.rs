@@ -8,6 +8,7 @@ use super::plan::{PLAN, Sweep};
 use crate::error::{Failure, Invalid};
 use crate::results::Submitted;
 use crate::store::output::Output;
+use crate::text::is_printable;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -31,11 +32,20 @@ pub struct Jobs {
 ///
 /// A folder of another sweep, or one that cannot be written; an option that is none.
 pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) -> Result<Jobs, Failure> {
-    if let Some(bad) = options.iter().find(|option| !option.starts_with('-') || option.contains('\n')) {
+    let option = |option: &&String| !option.starts_with('-') || !option.chars().all(is_printable);
+    if let Some(bad) = options.iter().find(option) {
         return Err(Invalid::option("--sbatch", format!("{bad:?}"), "an option of sbatch").into());
     }
-    let folder = output.folder().canonicalize()?;
-    let program = std::env::current_exe()?;
+    let (folder, program) = (output.folder().canonicalize()?, std::env::current_exe()?);
+    for (field, path) in [("--out", &folder), ("path of sdp3", &program)] {
+        // a line of `#SBATCH` ends at a line break, and a word of it at a quotation mark
+        let plain = path
+            .to_str()
+            .is_some_and(|path| path.chars().all(|c| is_printable(c) && !matches!(c, '"' | '\\')));
+        let legal = "a path of printable characters without \" and \\";
+        Invalid::unless(plain, field, format!("{path:?}"), legal)
+            .map_err(|invalid| invalid.at("command line"))?;
+    }
     sweep.open(output)?;
     std::fs::create_dir_all(folder.join(LOGS))?;
     let name = &sweep.plan.name;

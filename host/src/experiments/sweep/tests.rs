@@ -280,19 +280,24 @@ fn job_files_name_the_plan_and_every_shard() {
     }
     let merge = std::fs::read_to_string(&jobs.files[1]).unwrap();
     assert!(merge.contains(" merge '") && merge.contains("--partition=long"), "{merge}");
-    let error = slurm::write(&sweep, 6, &["long".into()], &output).unwrap_err().to_string();
-    assert!(error.contains("--sbatch is \"long\""), "{error}");
+    for option in ["long", "--wrap\rrm", "-p a\n#SBATCH -p b", "-p\u{2028}"] {
+        let error = slurm::write(&sweep, 6, &[option.into()], &output).unwrap_err().to_string();
+        assert!(error.contains(&format!("--sbatch is {option:?}")), "{error}");
+    }
+    for name in ["a\n#SBATCH --wrap=x", "a\"b"] {
+        let output = Output::create(&folder.path().join(name)).unwrap();
+        let error = slurm::write(&sweep, 6, &[], &output).unwrap_err().to_string();
+        assert!(error.contains("--out is ") && error.contains("printable"), "{error}");
+        assert!(!output.path("sweep.sbatch").exists());
+    }
     let jobs = kubernetes::write(&sweep, 6, ("radar/sdp3:0.1", "shared"), &output).unwrap();
     let job = std::fs::read_to_string(&jobs.files[0]).unwrap();
-    for word in [
-        "completionMode: Indexed",
-        "completions: 6\n",
-        "value: \"6\"",
-        "image: \"radar/sdp3:0.1\"",
-        "seeds = [1, 2]",
-    ] {
-        assert!(job.contains(word), "{word:?} is not in: {job}");
-    }
+    let documents = job.split("\n---\n").map(|text| serde_json::from_str::<serde_json::Value>(text).unwrap());
+    let [plan, job]: [serde_json::Value; 2] = documents.collect::<Vec<_>>().try_into().unwrap();
+    assert_eq!(plan["data"]["sweep.toml"], sweep.plan.to_toml());
+    assert_eq!((&job["spec"]["completionMode"], &job["spec"]["completions"]), (&"Indexed".into(), &6.into()));
+    let container = &job["spec"]["template"]["spec"]["containers"][0];
+    assert_eq!((&container["image"], &container["env"][0]["value"]), (&"radar/sdp3:0.1".into(), &"6".into()));
 }
 
 fn axis<T: Clone + std::fmt::Debug + 'static>(
