@@ -80,6 +80,52 @@ fn means_beyond_the_limit_are_found_on_either_side() {
     }
 }
 
+/// A slot of the paper's radar in which only the samples that are looked at are not zero: one of each 8, at another place in every group.
+/// Their means are these, and every bit moves.
+fn looked_at(i: i16, q: i16) -> Vec<i16> {
+    let mut slot = std::vec![0; 2000];
+    for k in 0..125 {
+        let swing = 37 * ((k + 1) / 2) as i16;
+        let swing = if k % 2 == 0 { swing } else { -swing };
+        let sample = 8 * k + k % 8;
+        (slot[2 * sample], slot[2 * sample + 1]) = (i + swing, q - swing);
+    }
+    slot
+}
+
+#[test]
+fn limits_hold_to_the_last_value() {
+    // one in 16 of 32767, and one for what division drops
+    for mean in [2048, -2048] {
+        assert_eq!(check(&looked_at(mean, 0), &PAPER), Ok(()));
+        assert_eq!(check(&looked_at(0, mean), &PAPER), Ok(()));
+        let beyond = mean + mean.signum();
+        assert_eq!(check(&looked_at(beyond, 0), &PAPER), Err(SampleFault::Offset { i: beyond, q: 0 }));
+        assert_eq!(check(&looked_at(0, beyond), &PAPER), Err(SampleFault::Offset { i: 0, q: beyond }));
+    }
+    // one in 100 of 250 values; others are not looked at
+    let mut slot = looked_at(0, 0);
+    slot[2] = i16::MAX;
+    (slot[0], slot[2 * 9 + 1]) = (i16::MAX, i16::MIN);
+    assert_eq!(check(&slot, &PAPER), Ok(()));
+    slot[2 * 18] = i16::MIN;
+    assert_eq!(check(&slot, &PAPER), Err(SampleFault::Saturated { values: 3 }));
+}
+
+#[test]
+fn a_converter_of_12_bits_has_its_own_ends_and_bits() {
+    // the lower end alone, right-justified
+    let low: Vec<i16> =
+        sweep(1900.0).iter().step_by(2).take(128).map(|&x| if x < 0 { -2048 } else { x }).collect();
+    assert!(matches!(check(&low, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
+    // a bit in the middle, left-justified
+    let left = RadarConfig { converter_bits: 12, left_justified: true, ..PAPER };
+    for bit in 4..16 {
+        let slot: Vec<i16> = sweep(3e4).iter().map(|x| (x >> 4 << 4) | 1 << bit).collect();
+        assert_eq!(check(&slot, &left), Err(SampleFault::Stuck { i: 1 << bit, q: 1 << bit }), "{bit}");
+    }
+}
+
 #[test]
 fn every_fault_says_what_it_is() {
     for (fault, words) in [
