@@ -84,7 +84,7 @@ fn means_beyond_the_limit_are_found_on_either_side() {
 /// Their means are these, and every bit moves.
 fn looked_at(i: i16, q: i16) -> Vec<i16> {
     let mut slot = std::vec![0; 2000];
-    for k in 0..125 {
+    for k in 0..125_usize {
         let swing = 37 * k.div_ceil(2) as i16;
         let swing = if k % 2 == 0 { swing } else { -swing };
         let sample = 8 * k + k % 8;
