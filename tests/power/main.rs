@@ -1,0 +1,124 @@
+//! Power cuts: reads what the recorder wrote, and makes every state in which the folder may be found when the power fails.
+//!
+//! A cut is between any two operations. What was synced before it is there: a file's bytes after `fsync` of the file, a name after
+//! `fsync` of its folder. Of the rest anything may be: all in order, nothing, names without bytes, bytes without names, and of each
+//! write and each change of a name by chance all, a part or nothing, whatever the order. So POSIX allows, and file systems do.
+//!
+//! `power-cuts PROGRAM LOG FOLDER BEFORE` checks every state and prints how many differ: a file under its final name must be one that
+//! the program had finished, or one that was there before. `... STATE INTO` makes one of the states, from 0, in a new folder.
+//! Exit code 0; 1: a file is torn; 2: the record is not one.
+
+mod disk;
+mod record;
+
+use disk::{Disk, Kept, Tree};
+use record::Operation;
+use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Random states at each cut.
+const RANDOM: u64 = 4;
+
+/// In the name of a file that is not finished.
+const PARTIAL: &str = ".sdp3-partial-";
+
+/// Contents that a file may have, by path.
+type Finished = BTreeMap<PathBuf, BTreeSet<Vec<u8>>>;
+
+fn finish(finished: &mut Finished, tree: &Tree, path: &Path) {
+    if let Some(Some(bytes)) = tree.get(path) {
+        finished.entry(path.to_owned()).or_default().insert(bytes.clone());
+    }
+}
+
+/// Files of a state under their final names that are none of the finished ones.
+fn torn(state: &Tree, finished: &Finished) -> Vec<PathBuf> {
+    let files = state.iter().filter_map(|(path, bytes)| Some((path, bytes.as_ref()?)));
+    let torn = files.filter(|(path, bytes)| {
+        !path.to_string_lossy().contains(PARTIAL)
+            && !finished.get(*path).is_some_and(|whole| whole.contains(*bytes))
+    });
+    torn.map(|(path, _)| path.clone()).collect()
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words[..] {
+        [program, log, folder, before] => check([program, log, folder, before]),
+        [program, log, folder, before, state, into] => state
+            .parse()
+            .map_err(Into::into)
+            .and_then(|state| make([program, log, folder, before], state, into)),
+        _ => Err("usage: power-cuts PROGRAM LOG FOLDER BEFORE [STATE INTO]".into()),
+    };
+    match done {
+        Ok(whole) => ExitCode::from(u8::from(!whole)),
+        Err(error) => {
+            eprintln!("power-cuts: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Plays a record and gives `each` every state that differs from those before: its number, the operations before the cut, the state, and
+/// the contents that files may have. Returns how many states there are.
+fn play(
+    [program, log, folder, before]: [&str; 4],
+    mut each: impl FnMut(usize, usize, &Tree, &Finished) -> Result<()>,
+) -> Result<usize> {
+    record::all_are_recorded(&std::fs::read(program)?)?;
+    let operations = record::read(&std::fs::read(log)?)?;
+    let before = disk::read_tree(Path::new(before))?;
+    let mut finished = Finished::new();
+    before.keys().for_each(|path| finish(&mut finished, &before, path));
+    let mut disk = Disk::new(Path::new(folder), &before);
+    let mut seen = BTreeSet::new();
+    for (cut, operation) in (1..).zip(&operations) {
+        disk.apply(operation)?;
+        if let Operation::Rename { to, .. } = operation {
+            finish(&mut finished, &disk.state(Kept::All), to.strip_prefix(folder)?);
+        }
+        let random = (0..RANDOM).map(|n| Kept::Random(cut as u64 * RANDOM + n));
+        let kept = [Kept::All, Kept::Nothing, Kept::Names, Kept::Bytes].into_iter().chain(random);
+        for state in kept.map(|kept| disk.state(kept)) {
+            let number = seen.len();
+            if seen.insert(disk::fingerprint(&state)) {
+                each(number, cut, &state, &finished)?;
+            }
+        }
+    }
+    if disk.state(Kept::All) != disk::read_tree(Path::new(folder))? {
+        let all = operations.len();
+        return Err(format!("{folder} is not what its {all} operations make: one was not recorded").into());
+    }
+    Ok(seen.len())
+}
+
+fn check(record: [&str; 4]) -> Result<bool> {
+    let mut whole = true;
+    let states = play(record, |number, cut, state, finished| {
+        for path in torn(state, finished) {
+            println!("FAILED: state {number}, after operation {cut}: {} is torn", path.display());
+            whole = false;
+        }
+        Ok(())
+    })?;
+    println!("{states}");
+    Ok(whole)
+}
+
+fn make(record: [&str; 4], wanted: usize, into: &str) -> Result<bool> {
+    let states =
+        play(
+            record,
+            |number, _, state, _| {
+                if number == wanted { disk::write_tree(state, Path::new(into)) } else { Ok(()) }
+            },
+        )?;
+    if wanted < states { Ok(true) } else { Err(format!("state {wanted} of {states}").into()) }
+}
