@@ -132,6 +132,37 @@ fn an_average_takes_one_step_where_its_channels_divide_a_vector() {
 }
 
 #[test]
+fn values_that_fill_no_vector_have_the_bits_of_the_plain_loops() {
+    let file = model(8, 1, 16, 1, Numbers::Usual);
+    let model = Model::parse(&file).expect("a model");
+    let block = model.block(0).expect("a block");
+    let mut random = Xoshiro128PlusPlus::seed_from_u64(1);
+    for pixels in [1, 13, 19] {
+        let mut values = || (0..8 * pixels).map(|_| random.next_u32() as i8).collect::<Vec<_>>();
+        let (input, branch) = (values(), values());
+        // so few values are one step of the plain loops too
+        let all = |kernels: &mut dyn Kernels| {
+            let [mut normalised, mut sum, mut mean] = [vec![0; input.len()], input.clone(), vec![0; 8]];
+            let layer = &block.batch_norm;
+            let normalise = Operator::BatchNormRelu { layer, input: &input, output: &mut normalised };
+            assert!(kernels.run(1, normalise, 0));
+            assert!(kernels.run(4, Operator::Add { layer: &block.add, x: &mut sum, branch: &branch }, 0));
+            for step in 0.. {
+                if kernels.run(9, Operator::Average { input: &input, channels: 8, output: &mut mean }, step) {
+                    break;
+                }
+            }
+            [normalised, sum, mean]
+        };
+        let expected = all(&mut Portable);
+        for isa in available() {
+            let mut kernels = VectorKernels::new(&model, isa).expect("an available instruction set");
+            assert_eq!(all(&mut kernels), expected, "{isa:?}, {pixels} pixels");
+        }
+    }
+}
+
+#[test]
 fn sixteens_of_inputs_of_16_bits_run_by_winograd() {
     for (inputs, in_a_word, by_winograd) in [
         (16, 2, true),
