@@ -4,9 +4,9 @@
 //! `fsync` of its folder. Of the rest anything may be: all in order, nothing, names without bytes, bytes without names, and of each
 //! write and each change of a name by chance all, a part or nothing, whatever the order. So POSIX allows, and file systems do.
 //!
-//! `power-cuts PROGRAM LOG FOLDER BEFORE` checks every state and prints how many differ: a file under its final name must be one that
-//! the program had finished, or one that was there before. `... STATE INTO` makes one of the states, from 0, in a new folder.
-//! Exit code 0; 1: a file is torn; 2: the record is not one.
+//! `power-cuts PROGRAM LOG FOLDER BEFORE MOST INTO` checks every state and prints how many differ: a file under its final name must be
+//! one that the program had finished, or one that was there before. It makes MOST of the states, or all, evenly chosen, in folders of
+//! their numbers in INTO. Exit code 0; 1: a file is torn; 2: the record is not one.
 
 mod disk;
 mod record;
@@ -49,12 +49,11 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words[..] {
-        [program, log, folder, before] => check([program, log, folder, before]),
-        [program, log, folder, before, state, into] => state
-            .parse()
-            .map_err(Into::into)
-            .and_then(|state| make([program, log, folder, before], state, into)),
-        _ => Err("usage: power-cuts PROGRAM LOG FOLDER BEFORE [STATE INTO]".into()),
+        [program, log, folder, before, most, into] => match most.parse() {
+            Ok(most) => check([program, log, folder, before], most, Path::new(into)),
+            Err(_) => Err(format!("MOST is {most:?}; legal: a number").into()),
+        },
+        _ => Err("usage: power-cuts PROGRAM LOG FOLDER BEFORE MOST INTO".into()),
     };
     match done {
         Ok(whole) => ExitCode::from(u8::from(!whole)),
@@ -99,7 +98,7 @@ fn play(
     Ok(seen.len())
 }
 
-fn check(record: [&str; 4]) -> Result<bool> {
+fn check(record: [&str; 4], most: usize, into: &Path) -> Result<bool> {
     let mut whole = true;
     let states = play(record, |number, cut, state, finished| {
         for path in torn(state, finished) {
@@ -108,17 +107,12 @@ fn check(record: [&str; 4]) -> Result<bool> {
         }
         Ok(())
     })?;
+    std::fs::create_dir(into)?;
+    let part = |number: usize| number * most.min(states) / states;
+    play(record, |number, _, state, _| match number {
+        1.. if part(number) == part(number - 1) => Ok(()),
+        _ => disk::write_tree(state, &into.join(number.to_string())),
+    })?;
     println!("{states}");
     Ok(whole)
-}
-
-fn make(record: [&str; 4], wanted: usize, into: &str) -> Result<bool> {
-    let states =
-        play(
-            record,
-            |number, _, state, _| {
-                if number == wanted { disk::write_tree(state, Path::new(into)) } else { Ok(()) }
-            },
-        )?;
-    if wanted < states { Ok(true) } else { Err(format!("state {wanted} of {states}").into()) }
 }
