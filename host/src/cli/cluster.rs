@@ -84,7 +84,8 @@ pub fn sweep(context: &Context, args: &SweepArgs) -> Result<bool, Failure> {
                 .into(),
         );
     }
-    let run_context = RunContext { progress: context.progress, workers: context.workers() };
+    let run_context =
+        RunContext { progress: context.progress, workers: context.workers(), budget: common.budget() };
     let done = sweep::make(&plan, args.shard, &common.out, run_context)?;
     context.print(&done, || swept(&done, &common.out))?;
     Ok(true)

@@ -4,6 +4,7 @@ use crate::error::Failure;
 use crate::pipeline::{Given, Job};
 use crate::progress::Progress;
 use crate::results::Files;
+use crate::scenario::budget::{Budget, Memory, Time};
 use crate::scenario::{Override, Scenario};
 use crate::store::output::{Output, OutputError, to_json};
 use crate::text::{printable_json, shown};
@@ -42,6 +43,12 @@ pub struct Common {
     /// Threads; 0 takes all processors. Results do not depend on it.
     #[arg(long, global = true, default_value_t = 0)]
     pub threads: usize,
+    /// Most memory that a command may need by its estimate, with K, M, G, KiB, MiB or GiB: above it nothing is begun.
+    #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB")]
+    pub max_memory: Memory,
+    /// Most time that a command may need by its estimate, in s or with m, h or d: above it nothing is begun.
+    #[arg(long, global = true, value_name = "TIME", default_value = "30d")]
+    pub max_time: Time,
     /// Print results as JSON, and nothing else, on stdout.
     #[arg(long, global = true)]
     pub json: bool,
@@ -57,6 +64,11 @@ impl Common {
     /// The seed, 1 if none is given.
     pub fn seed(&self) -> u64 {
         self.seed.unwrap_or(1)
+    }
+
+    /// What the command may take.
+    pub fn budget(&self) -> Budget {
+        Budget { memory: self.max_memory, time: self.max_time }
     }
 }
 
@@ -104,6 +116,7 @@ impl Context {
             seed: self.common.seed(),
             progress: self.progress,
             output,
+            budget: self.common.budget(),
             #[cfg(feature = "train")]
             workers: self.workers(),
             given: Given { scenario: scenario.clone(), set: set.clone(), seed: *seed },

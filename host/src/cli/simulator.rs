@@ -6,6 +6,7 @@ use crate::error::Failure;
 use crate::pipeline::{Dataset, Measured, calibrate_table};
 use crate::recordings::Stated;
 use crate::report::tables;
+use crate::scenario::budget::Budget;
 use crate::scenario::{Class, Model};
 use clap::Args;
 use std::path::PathBuf;
@@ -82,7 +83,8 @@ pub fn calibrate(context: &Context, args: CalibrateArgs) -> Result<bool, Failure
         context.print(&table, String::new)?;
         return Ok(true);
     }
-    let (found, path) = context.job()?.calibration(measurement(args.measured).as_ref())?;
+    let (found, path) =
+        context.job()?.calibration(measurement(args.measured, context.common.budget()).as_ref())?;
     context.print(&found, || {
         let room = found.room.as_ref().map(tables::room).unwrap_or_default();
         format!("rho = {} ({}); curve in {}{room}", found.rho, found.source, path.display())
@@ -103,8 +105,8 @@ pub fn gallery(context: &Context) -> Result<bool, Failure> {
 }
 
 /// The measured signal that the command line names.
-pub fn measurement(args: MeasuredArgs) -> Option<Measured> {
+pub fn measurement(args: MeasuredArgs, budget: Budget) -> Option<Measured> {
     let MeasuredArgs { measured, carrier, rate, gain, dataset, motion } = args;
-    let stated = Stated { carrier_hz: carrier, rate_hz: rate, gain_db: gain, dataset };
+    let stated = Stated { carrier_hz: carrier, rate_hz: rate, gain_db: gain, dataset, budget };
     Some(Measured { file: measured?, stated, motion })
 }

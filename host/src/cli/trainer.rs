@@ -17,7 +17,7 @@ use clap::ValueEnum;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
-    let (quick, measured) = (preset == Preset::Quick, measurement(measured));
+    let (quick, measured) = (preset == Preset::Quick, measurement(measured, context.common.budget()));
     let ask = MainJob { quick, resume, measured, targets: verify.targets() };
     let (run, page) = context.job()?.main_job(&ask)?;
     context.print(&run, || format!("{}\nreport: {}", job::table(&run.verify), page.display()))?;
@@ -57,7 +57,9 @@ pub fn quantize(context: &Context, args: &QuantizeArgs) -> Result<bool, Failure>
 
 pub fn reproduce(context: &Context, args: ReproduceArgs) -> Result<bool, Failure> {
     let ReproduceArgs { mut items, size, seeds, measured, carrier, shard } = args;
-    let measured = measured.map(|folder| (folder, Stated { carrier_hz: carrier, ..Stated::default() }));
+    let budget = context.common.budget();
+    let stated = Stated { carrier_hz: carrier, budget, ..Stated::default() };
+    let measured = measured.map(|folder| (folder, stated));
     if items.is_empty() {
         items = Item::value_variants().to_vec();
     }
@@ -72,7 +74,8 @@ pub fn reproduce(context: &Context, args: ReproduceArgs) -> Result<bool, Failure
 }
 
 pub fn study(context: &Context, args: &StudyArgs) -> Result<bool, Failure> {
-    let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, ..Stated::default() };
+    let budget = context.common.budget();
+    let stated = Stated { carrier_hz: args.carrier, rate_hz: args.rate, budget, ..Stated::default() };
     let measured = args.measured.as_deref().map(|folder| (folder, &stated));
     let (request, found) = context.job()?.study(args.name, args.seeds, measured)?;
     context.print(&found, || found.table(&request))?;

@@ -6,15 +6,17 @@ use crate::error::Invalid;
 use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
 use crate::store::difference::difference;
-use crate::store::digest::sha256;
+use crate::store::digest::{Hash, sha256};
 use crate::store::file_record::FileRecord;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
 use sdp3_core::dims::{BEATS, Beat, Complex};
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use std::fmt::Display;
-use std::io::{self, Cursor};
+use serde::de::{DeserializeOwned, Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
+use std::fmt::{self, Display};
+use std::fs::File;
+use std::io::{self, BufReader, Seek};
 use std::path::{Component, Path, PathBuf};
 
 /// Why a dataset cannot be learned from.
@@ -45,7 +47,44 @@ const CURE: &str = "`sdp3 simulate` with the same options and --out makes it";
 /// What is needed of a manifest.
 #[derive(Deserialize)]
 struct Manifest {
-    files: Vec<FileRecord>,
+    #[serde(deserialize_with = "needed")]
+    files: BTreeMap<String, FileRecord>,
+}
+
+/// Most files that are needed of a manifest: the parts, numbered with five digits, and what they are of.
+const MOST_FILES: usize = 100_002;
+
+/// The files that are learned from, each once; of the others, which may be millions, only the names are looked at.
+fn needed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, FileRecord>, D::Error> {
+    struct Needed;
+    impl<'de> Visitor<'de> for Needed {
+        type Value = BTreeMap<String, FileRecord>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a list of files")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut found = BTreeMap::new();
+            let refuse = |value: &str, legal: &str| {
+                Err(A::Error::custom(Invalid::new("files: name", format!("{value:?}"), legal)))
+            };
+            while let Some(record) = list.next_element::<FileRecord>()? {
+                let name = record.name.clone();
+                if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
+                    return refuse(&name, "a path that stays in the folder");
+                }
+                if !name.ends_with(".npz") && name != REQUEST && name != SCENARIO {
+                    continue;
+                }
+                if found.len() == MOST_FILES || found.insert(name.clone(), record).is_some() {
+                    return refuse(&name, &format!("there once, with at most {MOST_FILES} others"));
+                }
+            }
+            Ok(found)
+        }
+    }
+    deserializer.deserialize_seq(Needed)
 }
 
 /// A recording: its class and its beats.
@@ -151,8 +190,8 @@ impl Stored {
     /// A part that is missing, damaged or of another shape; classes that are not there as often as they should.
     pub fn each(&self, mut take: impl FnMut(Vec<Labelled>)) -> Result<(), StoredError> {
         let mut counts = [0_u32; Class::ALL.len()];
-        for part in self.files.records.iter().filter(|record| record.name.ends_with(".npz")) {
-            let recordings = self.part(&part.name)?;
+        for name in self.files.records.keys().filter(|name| name.ends_with(".npz")) {
+            let recordings = self.part(name)?;
             recordings.iter().for_each(|(class, _)| counts[*class as usize] += 1);
             take(recordings);
         }
@@ -172,9 +211,8 @@ impl Stored {
     }
 
     fn part(&self, name: &str) -> Result<Vec<Labelled>, StoredError> {
-        let bytes = self.files.read(name)?;
         let broken = |source| StoredError::Read { file: self.files.folder.join(name), source };
-        let mut archive = numpy::archive(Cursor::new(&bytes)).map_err(broken)?;
+        let mut archive = numpy::archive(self.files.open_part(name)?).map_err(broken)?;
         let labels: Vec<u8> = self.array(name, &mut archive, "label", "|u1", &[])?;
         let (slots, wide) = (self.slots() as usize, 2 * BEATS);
         let shape = [slots as u64, BEATS as u64, 2];
@@ -199,7 +237,7 @@ impl Stored {
     fn array<T: numpy::Value>(
         &self,
         name: &str,
-        archive: &mut zip::ZipArchive<Cursor<&Vec<u8>>>,
+        archive: &mut zip::ZipArchive<BufReader<File>>,
         array: &str,
         dtype: &str,
         shape: &[u64],
@@ -229,40 +267,54 @@ impl Stored {
 #[derive(Debug)]
 struct Files {
     folder: PathBuf,
-    records: Vec<FileRecord>,
+    records: BTreeMap<String, FileRecord>,
 }
 
 impl Files {
     fn open(folder: &Path) -> Result<Self, StoredError> {
         let file = folder.join(manifest::NAME);
-        let bytes = limited::read(&file, limited::WHOLE)
-            .map_err(|source| StoredError::Read { file: file.clone(), source })?;
-        let Manifest { files } = parsed(&file, &bytes)?;
-        let plain =
-            |name: &str| Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
-        if let Some(record) = files.iter().find(|record| !plain(&record.name)) {
-            let (field, value) = ("files: name".to_owned(), format!("{:?}", record.name));
-            let legal = "a path that stays in the folder";
-            return Err(Invalid::new(field, value, legal).at(file.display()).into());
-        }
+        let broken = |source| StoredError::Read { file: file.clone(), source };
+        let text = BufReader::new(limited::open(&file, limited::WHOLE).map_err(broken)?);
+        let Manifest { files } = serde_json::from_reader(text).map_err(|error| broken(error.into()))?;
         Ok(Files { folder: folder.to_owned(), records: files })
     }
 
-    /// A file, if it is the one that the manifest names.
+    /// A small file, if it is the one that the manifest names.
     fn read(&self, name: &str) -> Result<Vec<u8>, StoredError> {
         let file = self.folder.join(name);
-        let Some(record) = self.records.iter().find(|record| record.name == name) else {
+        let bytes =
+            limited::read(&file, limited::TEXT).map_err(|source| StoredError::Read { file, source })?;
+        self.check(FileRecord::new(name.to_owned(), &bytes))?;
+        Ok(bytes)
+    }
+
+    /// A part, if it is the one that the manifest names. It is read through once for that and not held.
+    fn open_part(&self, name: &str) -> Result<BufReader<File>, StoredError> {
+        let path = self.folder.join(name);
+        let read = || {
+            let mut file = limited::open(&path, limited::WHOLE)?;
+            let mut hash = Hash::default();
+            let bytes = io::copy(&mut file, &mut hash)?;
+            file.rewind()?;
+            Ok((file, FileRecord { name: name.to_owned(), bytes, sha256: hash.hex() }))
+        };
+        let (file, found) = read().map_err(|source| StoredError::Read { file: path.clone(), source })?;
+        self.check(found)?;
+        Ok(BufReader::new(file))
+    }
+
+    /// Refuses a file that is not as the manifest says.
+    fn check(&self, found: FileRecord) -> Result<(), StoredError> {
+        let name = &found.name;
+        let Some(record) = self.records.get(name) else {
             let (value, legal) = (format!("without {name}"), format!("with it; {CURE}"));
             return Err(self.value(manifest::NAME, "files", value, legal));
         };
-        let bytes =
-            limited::read(&file, limited::WHOLE).map_err(|source| StoredError::Read { file, source })?;
-        let found = FileRecord::new(name.to_owned(), &bytes);
         if *record != found {
             let legal = format!("{}, as {} says; {CURE}", record.sha256, manifest::NAME);
-            return Err(self.value(name, "SHA-256", found.sha256, legal));
+            return Err(self.value(name, "SHA-256", &found.sha256, legal));
         }
-        Ok(bytes)
+        Ok(())
     }
 
     fn value(&self, name: &str, field: &str, value: impl Display, legal: String) -> StoredError {

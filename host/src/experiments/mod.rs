@@ -32,6 +32,7 @@ pub use crate::results::Spread;
 
 use crate::progress::Progress;
 use crate::scenario::Scenario;
+use crate::scenario::budget::Budget;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
@@ -96,4 +97,6 @@ pub struct RunContext {
     pub progress: Progress,
     /// Threads.
     pub workers: usize,
+    /// What it may take.
+    pub budget: Budget,
 }

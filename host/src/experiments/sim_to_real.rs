@@ -337,6 +337,7 @@ mod tests {
     use super::*;
     use crate::progress::Progress;
     use crate::scenario::Scenario;
+    use crate::scenario::budget::Budget;
 
     fn tone(hz: f64, seconds: f64) -> Signal {
         let sample = |n: usize| libm::sin(std::f64::consts::TAU * hz * n as f64 / 44_100.0);
@@ -380,7 +381,7 @@ mod tests {
         let mut scenario = Scenario::default();
         (scenario.learning.epochs, scenario.learning.stem_stride) = (8, 2);
         let request = Request { study: "fidelity".into(), seed: 1, seeds: 1, scenario };
-        let context = RunContext { progress: Progress::Quiet, workers: 2 };
+        let context = RunContext { progress: Progress::Quiet, workers: 2, budget: Budget::default() };
         let layout = Layout::of(&tone(300.0, 2.0)).unwrap();
         let network = Recogniser::learn_from(&request, layout, 1, (100, 40), context).unwrap();
         assert!(network.simulated > 0.7, "{}", network.simulated);

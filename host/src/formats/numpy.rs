@@ -10,6 +10,8 @@ use zip::{ZipArchive, result::ZipError};
 /// Most bytes of a header: what version 1 of the format can state.
 const LONGEST: u32 = 1 << 16;
 const PREFIX: usize = 8;
+/// Bytes of values that are read at a time: whole values of every size.
+const BLOCK: usize = 1 << 16;
 
 /// An array: what its header says, and the reader of its values.
 #[derive(Debug)]
@@ -88,11 +90,21 @@ impl<R: Read> Array<R> {
         let bytes = self.shape.iter().try_fold(T::SIZE as u64, |all, &axis| all.checked_mul(axis));
         let bytes = bytes.ok_or_else(|| invalid("the shape has more values than can be counted"))?;
         let big_endian = self.dtype().starts_with('>');
-        let mut found = Vec::new();
-        if self.values.take(bytes).read_to_end(&mut found)? as u64 != bytes {
-            return Err(invalid(format!("{} bytes of values, the shape says {bytes}", found.len())));
+        let (mut values, mut block) = (self.values.take(bytes), Vec::with_capacity(BLOCK));
+        let (mut found, mut read) = (Vec::new(), 0);
+        loop {
+            block.clear();
+            values.by_ref().take(BLOCK as u64).read_to_end(&mut block)?;
+            read += block.len() as u64;
+            found.extend(block.chunks_exact(T::SIZE).map(|value| T::of(value, big_endian)));
+            if block.len() < BLOCK {
+                break;
+            }
         }
-        Ok(found.chunks_exact(T::SIZE).map(|value| T::of(value, big_endian)).collect())
+        match read == bytes {
+            true => Ok(found),
+            false => Err(invalid(format!("{read} bytes of values, the shape says {bytes}"))),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tables as text: CSV (RFC 4180), or with tabs; cells that need quotes have them.
 
 use csv::{ReaderBuilder, Trim, WriterBuilder};
+use std::io::{self, Write};
 
 /// A header and rows as CSV.
 pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -9,13 +10,39 @@ pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Stri
 
 /// A header and rows, their cells apart by `delimiter`.
 pub fn delimited(delimiter: u8, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let mut writer = WriterBuilder::new().delimiter(delimiter).flexible(true).from_writer(Vec::new());
-    let header = header.iter().map(|&name| name.to_owned()).collect();
-    for row in std::iter::once(header).chain(rows) {
-        // memory takes every row
-        let _ = writer.write_record(row.into_iter().map(text_of));
+    let mut text = Vec::new();
+    // memory takes every row
+    let _ = Writer::begin(&mut text, delimiter, header).and_then(|mut writer| {
+        rows.into_iter().try_for_each(|row| writer.row(row))?;
+        writer.end()
+    });
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// A table that is written row by row.
+pub struct Writer<W: Write>(csv::Writer<W>);
+
+impl<W: Write> Writer<W> {
+    /// Its header, cells apart by `delimiter`.
+    ///
+    /// # Errors
+    ///
+    /// What the file says, here and below.
+    pub fn begin(file: W, delimiter: u8, header: &[&str]) -> io::Result<Self> {
+        let mut writer = Writer(WriterBuilder::new().delimiter(delimiter).flexible(true).from_writer(file));
+        writer.row(header.iter().map(|&name| name.to_owned()).collect())?;
+        Ok(writer)
     }
-    String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
+
+    /// A row.
+    pub fn row(&mut self, cells: Vec<String>) -> io::Result<()> {
+        Ok(self.0.write_record(cells.into_iter().map(text_of))?)
+    }
+
+    /// Nothing is left to be written.
+    pub fn end(mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// A cell that a spreadsheet takes for text too: what it would take for a formula gets an apostrophe before it. Numbers stay.

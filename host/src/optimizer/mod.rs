@@ -82,8 +82,6 @@ impl OptimizerError {
 pub struct Outcome {
     /// Boundaries of all cases, as shown.
     pub region: Vec<RegionPoint>,
-    /// Boundaries of all cases at every N_s, as CSV.
-    pub boundary: String,
     /// Weighted-sum optima for weights 0, 0.05, ... 1, case by case.
     pub weighted: Vec<WeightedPoint>,
     /// Every case: bits per slot, borders of its zones, its operating point.
@@ -94,17 +92,11 @@ pub struct Outcome {
     pub operating_point: OperatingPoint,
 }
 
-/// Sub-carriers' powers of every user of a case, `[user][draw][subcarrier]`.
-fn draws(scenario: &Scenario, index: usize, seed: u64) -> Vec<Vec<Vec<f64>>> {
-    let users = &scenario.communication.cases[index];
-    users.iter().map(|&p| link::subcarrier_draws(scenario, p, seed)).collect()
-}
-
 /// Bits of one slot for the users of a case.
 struct Bits {
     /// At the expected gains.
     expected: Vec<f64>,
-    /// Expected over fading.
+    /// Expected over fading: the mean over draws, each water-filled for itself.
     over_fading: Vec<f64>,
     /// What they are made of; nothing where they are stated.
     links: Vec<Link>,
@@ -116,10 +108,17 @@ impl Bits {
         if let Some(known) = scenario.communication.slot_bit.as_ref().and_then(|cases| cases.get(index)) {
             return Ok(Bits { expected: known.clone(), over_fading: known.clone(), links: Vec::new() });
         }
-        let draws = draws(scenario, index, seed);
-        let gains: Vec<_> = draws.iter().map(|draws| link::expected(draws)).collect();
+        let draws = scenario.communication.draws;
+        let of_user = |&place: &[f64; 3]| {
+            let mut bits = 0.0;
+            let gains = link::expected(draws, link::subcarrier_draws(scenario, place, seed), |gains| {
+                bits += throughput::slot_bit(scenario, gains);
+            });
+            (gains, bits / f64::from(draws))
+        };
+        let (gains, over_fading): (Vec<_>, _) =
+            scenario.communication.cases[index].iter().map(of_user).unzip();
         let expected = throughput::slot_bits(scenario, &gains)?;
-        let over_fading = draws.iter().map(|draws| throughput::over_fading(scenario, draws)).collect();
         let links = gains.iter().map(|gains| throughput::link(scenario, gains)).collect();
         Ok(Bits { expected, over_fading, links })
     }
@@ -257,63 +256,85 @@ pub fn optimise(
 ) -> Result<Outcome, OptimizerError> {
     let range = region::range(scenario, scenario.frame.spacing_slots)?;
     let zones = zones_of(curve, points, scenario)?;
-    let mut outcome = Vec::new();
+    let (mut cases, mut weighted) = (Vec::new(), Vec::new());
     for index in 0..scenario.communication.cases.len() {
-        outcome.push(of_case(curve, &zones, scenario, rule, index, seed)?);
+        // its boundary is made again below: a case's fits the memory, all of them may not
+        let found = of_case(curve, &zones, scenario, rule, index, seed)?;
+        weighted.extend(self::weighted(&found));
+        cases.push(found.case);
     }
     let mut region = Vec::new();
-    let mut boundary = Vec::new();
-    let weighted: Vec<WeightedPoint> = outcome.iter().flat_map(weighted).collect();
-    let operating = outcome.iter().filter_map(|found| found.case.operating_point.as_ref());
+    let operating = cases.iter().filter_map(|case| case.operating_point.as_ref());
     let operating = operating.map(|point| point.sensing_slots);
     let chosen: Vec<u32> = operating.chain(weighted.iter().map(|point| point.sensing_slots)).collect();
     let measured = |n: u32| points.iter().any(|p| p.sensing_slots == f64::from(n));
-    for Optimized { case, points } in &outcome {
+    for case in &cases {
         let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
-        for (p, front) in points.iter().zip(region::pareto(points)) {
-            let (n, zone) = (p.sensing_slots, zones.at(p.sensing_slots));
-            let closed_form_bit = theorem.throughput_bit(f64::from(n));
+        let shown = |n: &u32| chosen.contains(n) || measured(*n) || region::shown(scenario, range, *n);
+        for n in (range.0..=range.1).filter(shown) {
+            let p = region::point(scenario.frame.period_slots, curve, &case.slot_bit, n);
+            let band = (!replicates.is_empty()).then(|| interval(replicates, f64::from(n)));
+            region.push(RegionPoint {
+                case: case.case,
+                sensing_slots: n,
+                communication_slots: p.shares,
+                accuracy: p.accuracy,
+                accuracy_low: band.map(|b| b.0),
+                accuracy_high: band.map(|b| b.1),
+                throughput_bit: p.throughput_bit,
+                closed_form_bit: theorem.throughput_bit(f64::from(n)),
+                extrapolated: zones.extrapolated(n),
+                zone: zones.at(n),
+            });
+        }
+    }
+    let Some(case) = cases.iter().find(|case| case.case == scenario.optimizer.case) else {
+        return Err(OptimizerError::Plan(PlanError::Users { users: 0 }));
+    };
+    let Some(operating_point) = case.operating_point.clone() else {
+        return Err(OptimizerError::unreachable(rule, &region::boundary(scenario, curve, &case.slot_bit)?));
+    };
+    let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
+    Ok(Outcome { region, weighted, cases, spacings, operating_point })
+}
+
+/// Writes the boundaries of all cases at every N_s as CSV, one boundary after the other; curve, points and scenario are those that the
+/// cases are of.
+///
+/// # Errors
+///
+/// What the file says; see [`OptimizerError`].
+pub fn write_boundary(
+    file: impl std::io::Write,
+    curve: &Curve,
+    points: &[CurvePoint],
+    scenario: &Scenario,
+    cases: &[Case],
+) -> std::io::Result<()> {
+    let other = std::io::Error::other::<OptimizerError>;
+    let zones = zones_of(curve, points, scenario).map_err(other)?;
+    let mut table = table::Writer::begin(file, b',', &BOUNDARY)?;
+    for case in cases {
+        let theorem = Theorem::new(scenario.frame.period_slots, &case.slot_bit);
+        let points = region::boundary(scenario, curve, &case.slot_bit).map_err(other)?;
+        for (p, front) in points.iter().zip(region::pareto(&points)) {
+            let n = p.sensing_slots;
             let shares: Vec<String> = p.shares.iter().map(u32::to_string).collect();
-            boundary.push(vec![
+            table.row(vec![
                 case.case.to_string(),
                 n.to_string(),
                 p.accuracy.to_string(),
                 p.throughput_bit.to_string(),
                 (p.throughput_bit / scenario.period_s() / 1e6).to_string(),
-                closed_form_bit.to_string(),
+                theorem.throughput_bit(f64::from(n)).to_string(),
                 front.to_string(),
-                zone.name().to_owned(),
+                zones.at(n).name().to_owned(),
                 zones.extrapolated(n).to_string(),
                 shares.join(" "),
-            ]);
-            if !chosen.contains(&n) && !measured(n) && !region::shown(scenario, range, n) {
-                continue;
-            }
-            let band = (!replicates.is_empty()).then(|| interval(replicates, f64::from(n)));
-            region.push(RegionPoint {
-                case: case.case,
-                sensing_slots: n,
-                communication_slots: p.shares.clone(),
-                accuracy: p.accuracy,
-                accuracy_low: band.map(|b| b.0),
-                accuracy_high: band.map(|b| b.1),
-                throughput_bit: p.throughput_bit,
-                closed_form_bit,
-                extrapolated: zones.extrapolated(n),
-                zone,
-            });
+            ])?;
         }
     }
-    let Some(Optimized { case, points }) = outcome.iter().find(|p| p.case.case == scenario.optimizer.case)
-    else {
-        return Err(OptimizerError::Plan(PlanError::Users { users: 0 }));
-    };
-    let operating_point =
-        case.operating_point.clone().ok_or_else(|| OptimizerError::unreachable(rule, points))?;
-    let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
-    let cases = outcome.into_iter().map(|found| found.case).collect();
-    let boundary = table::csv(&BOUNDARY, boundary);
-    Ok(Outcome { region, boundary, weighted, cases, spacings, operating_point })
+    table.end()
 }
 
 #[cfg(test)]

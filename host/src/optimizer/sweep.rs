@@ -84,6 +84,11 @@ fn apply(scenario: &mut Scenario, axis: Axis, value: f64, seed: u64) {
     }
 }
 
+/// How many combinations there are, or as many as can be counted.
+pub fn combinations(sweeps: &[Sweep]) -> u64 {
+    sweeps.iter().fold(1, |all, sweep| all.saturating_mul(sweep.values.len() as u64))
+}
+
 /// The operating points of all combinations, the last axis varying fastest; a rule that cannot be satisfied leaves its row empty.
 ///
 /// # Errors
@@ -96,23 +101,16 @@ pub fn rows(
     sweeps: &[Sweep],
     seed: u64,
 ) -> Result<Vec<SweepRow>, OptimizerError> {
-    let mut variants = vec![(scenario.clone(), Vec::new())];
-    for sweep in sweeps {
-        let vary = |(base, named): &(Scenario, Vec<f64>), value: f64| {
-            let (mut scenario, mut named) = (base.clone(), named.clone());
-            apply(&mut scenario, sweep.axis, value, seed);
-            named.push(value);
-            (scenario, named)
-        };
-        variants = variants
-            .iter()
-            .flat_map(|base| sweep.values.iter().map(move |&value| vary(base, value)))
-            .collect();
-    }
     let mut rows = Vec::new();
-    for (scenario, values) in &variants {
+    for number in 0..combinations(sweeps) {
+        let (mut scenario, mut values, mut behind) = (scenario.clone(), Vec::new(), combinations(sweeps));
+        for sweep in sweeps {
+            behind /= sweep.values.len() as u64;
+            values.push(sweep.values[(number / behind) as usize % sweep.values.len()]);
+            apply(&mut scenario, sweep.axis, values[values.len() - 1], seed);
+        }
         scenario.check("command line, --sweep").map_err(OptimizerError::Scenario)?;
-        for case in cases(curve, points, scenario, rule, seed)? {
+        for case in cases(curve, points, &scenario, rule, seed)? {
             let distance = sweeps.iter().position(|s| s.axis == Axis::Distance).map_or(1.0, |k| values[k]);
             let point = case.operating_point;
             rows.push(SweepRow {

@@ -63,11 +63,6 @@ pub fn slot_bits(scenario: &Scenario, gains: &[Vec<f64>]) -> Result<Vec<f64>, Op
         .collect()
 }
 
-/// Expected bits per slot over fading: the mean over draws `|H_m|^2`, `[draw][subcarrier]`, each water-filled for itself.
-pub fn over_fading(scenario: &Scenario, draws: &[Vec<f64>]) -> f64 {
-    draws.iter().map(|gains| slot_bit(scenario, gains)).sum::<f64>() / draws.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::region::point;

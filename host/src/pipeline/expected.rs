@@ -3,13 +3,15 @@
 //! Simulation is timed on a short recording of the scenario's own channel. Training is counted in products of the networks' forward
 //! passes, at the speed per processor that docs/benchmarks.md has.
 
-use super::Job;
+use super::{Job, budget};
 use crate::dataset::Shard;
+use crate::error::Invalid;
 use crate::experiments::RunContext;
 use crate::experiments::sweep::plan::Sweep;
 use crate::network::spectrograms::{images_of, images_of_beats};
 use crate::progress::Progress;
 use crate::results::Cell;
+use crate::scenario::budget::Need;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::PEOPLE;
 use crate::simulator::calibration::divergence::EVALUATIONS;
@@ -17,6 +19,7 @@ use crate::simulator::calibration::sensor::SETTLE_SLOTS;
 use crate::simulator::dataset::{Set, beats, recording};
 use indicatif::HumanDuration;
 use sdp3_core::dims::ROWS;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Products that a processor trains in a second: 13e9 with AVX-512 (docs/benchmarks.md), fewer in narrow networks.
@@ -55,15 +58,27 @@ struct Slot {
 
 impl Job {
     /// A note of the time that `work` will take.
-    pub(super) fn say_expected(&self, work: Work, rho: f64) {
+    ///
+    /// # Errors
+    ///
+    /// More memory or time than the budget has.
+    pub(super) fn say_expected(&self, work: Work, rho: f64) -> Result<(), Invalid> {
+        let l = &self.scenario.learning;
+        let tested = match work {
+            Work::Train => 0,
+            Work::EarlyExits(per_class) => per_class,
+            _ => l.test_per_class,
+        };
+        if !matches!(work, Work::EarlyExits(_)) {
+            self.budget.check_memory(&budget::training(&self.scenario, tested, self.workers))?;
+        }
         let workers = self.workers;
         let seconds = seconds(&self.scenario, work, slot(&self.scenario, rho, self.seed), workers);
-        let l = &self.scenario.learning;
         let (classes, networks) = (Class::ALL.len() as u32, self.scenario.frame.sensing_slots.len());
-        let tested = if work == Work::Train { 0 } else { classes * l.test_per_class };
         let training = format!(
-            "{} recordings to train, {tested} to test, {} epochs of {} images for each of {networks} networks",
+            "{} recordings to train, {} to test, {} epochs of {} images for each of {networks} networks",
             classes * l.train_per_class,
+            classes * tested,
             l.epochs,
             classes * l.train_per_class * l.windows,
         );
@@ -73,18 +88,46 @@ impl Job {
             Work::Train | Work::Run { .. } => training,
         };
         say(self.progress, seconds, workers, &what);
+        self.budget.check_time(&[need(work, &self.scenario, seconds)])
+    }
+}
+
+/// The time that work takes, by the fields that it follows from.
+fn need(work: Work, scenario: &Scenario, seconds: f64) -> Need {
+    let l = &scenario.learning;
+    let training =
+        format!("{} x {} x {} x {:?}", l.train_per_class, l.windows, l.epochs, scenario.frame.sensing_slots);
+    let fields = "learning.train_per_class x learning.windows x learning.epochs x frame.sensing_slots";
+    match work {
+        Work::Study(trainings) if trainings > 1 => {
+            Need::new("trainings of the study or sweep", trainings, seconds)
+        }
+        Work::EarlyExits(per_class) => Need::new("recordings of each class", per_class, seconds),
+        _ => Need::new(fields, training, seconds),
     }
 }
 
 /// A note of the time that the cells of a shard will take, as if none were there yet.
-pub(super) fn say_sweep(sweep: &Sweep, shard: Shard, context: RunContext) {
-    let cells: Vec<&(Cell, Scenario)> =
+///
+/// # Errors
+///
+/// More memory or time than the budget has.
+pub(super) fn say_sweep(sweep: &Sweep, shard: Shard, context: RunContext) -> Result<(), Invalid> {
+    let cells: Vec<&(Cell, Arc<Scenario>)> =
         sweep.cells.iter().filter(|(cell, _)| shard.has(cell.index)).collect();
-    let Some((first, scenario)) = cells.first() else { return };
+    let Some((first, scenario)) = cells.first() else { return Ok(()) };
+    for (_, scenario) in &cells {
+        let tested = scenario.learning.test_per_class;
+        context.budget.check_memory(&budget::training(scenario, tested, context.workers))?;
+    }
     let slot = slot(scenario, first.rho, first.seed);
-    let one = |(_, scenario): &(Cell, Scenario)| seconds(scenario, Work::Study(1), slot, context.workers);
+    let one = |(_, scenario): &(Cell, Arc<Scenario>)| {
+        seconds(scenario, Work::Study(1), slot, context.workers) + budget::links_s(scenario)
+    };
     let what = format!("{} cells, a training each", cells.len());
-    say(context.progress, cells.iter().copied().map(one).sum(), context.workers, &what);
+    let seconds = cells.iter().copied().map(one).sum();
+    say(context.progress, seconds, context.workers, &what);
+    context.budget.check_time(&[Need::new("cells of the shard", cells.len(), seconds)])
 }
 
 fn say(progress: Progress, seconds: f64, workers: usize, what: &str) {

@@ -1,10 +1,10 @@
 //! The main job: every stage once, each fed by the one before, then the files of the run: `run.json`, `figures.json`, the page.
 
-use super::Job;
 use super::expected::Work;
 use super::learn::How;
 use super::simulate::Measured;
 use super::verify::{REFERENCE, Targets};
+use super::{Job, budget};
 use crate::error::Failure;
 use crate::network::early_exits;
 use crate::network::parameters::Images;
@@ -39,17 +39,18 @@ impl Job {
     /// Any of the stages'.
     pub fn main_job(mut self, ask: &MainJob) -> Result<(Run, PathBuf), Failure> {
         self.size(ask.quick)?;
+        budget::regions(&self.scenario, self.budget, 1)?;
         self.warn_of_aliasing();
         self.note_near_field();
         self.warn_of_few_tests();
         self.note_room();
-        self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
         let calibrates = ask.measured.is_none();
         if calibrates {
             self.warn_of_rho();
         }
         let emulated = ask.targets.names.iter().filter(|target| *target != REFERENCE).count();
-        self.say_expected(Work::Run { calibrates, emulated }, self.rho());
+        self.say_expected(Work::Run { calibrates, emulated }, self.rho())?;
+        self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
         let calibration = self.calibrate(ask.measured.as_ref())?;
         let rho = self.rho_used(&calibration, ask.measured.is_some());
         let (shown, spectrograms) = self.gallery(rho);

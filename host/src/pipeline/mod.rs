@@ -3,6 +3,7 @@
 //! Simulate, calibrate, train, run, verify, optimize, schedule, report. Every stage is also a command of its own. A command line is
 //! made a request elsewhere; what is done for it, and which files it leaves, is decided here.
 
+mod budget;
 #[cfg(feature = "train")]
 mod expected;
 #[cfg(feature = "train")]
@@ -26,6 +27,7 @@ pub(crate) mod verify;
 use crate::error::Failure;
 use crate::network::spectrograms::{Part, Recordings};
 use crate::progress::Progress;
+use crate::scenario::budget::Budget;
 use crate::scenario::{Override, Scenario};
 use crate::simulator::dataset;
 use crate::store::output::Output;
@@ -42,6 +44,8 @@ pub struct Job {
     /// How to show progress.
     pub progress: Progress,
     pub output: Output,
+    /// What it may take.
+    pub budget: Budget,
     /// Threads to train on.
     #[cfg(feature = "train")]
     pub workers: usize,

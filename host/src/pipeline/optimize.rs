@@ -2,7 +2,7 @@
 
 #[cfg(feature = "train")]
 use super::expected::Work;
-use super::{Job, stored};
+use super::{Job, budget, stored};
 use crate::error::{Failure, Invalid};
 use crate::formats::points;
 use crate::network::early_exits::Policy;
@@ -10,7 +10,7 @@ use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
 use crate::network::spectrograms::Part;
 use crate::optimizer::sweep::{self, Sweep};
-use crate::optimizer::{Outcome, Rule, early_exits, optimise};
+use crate::optimizer::{self, Outcome, Rule, early_exits, optimise};
 use crate::predictor::bootstrap::replicates;
 use crate::predictor::{Model, best_curve, fit_all, predict};
 use crate::report::{self, figures, plot::Medium};
@@ -42,6 +42,7 @@ impl Job {
     /// No points, or too few of them; a folder that cannot be written.
     pub fn prediction(self, file: Option<&Path>) -> Result<Prediction, Failure> {
         let (job, points, origin) = self.with_points(file)?;
+        job.budget.check_time(&budget::fits(points.len())).map_err(|e| format!("{origin}{e}"))?;
         let prediction = predict(&points, job.seed).map_err(|e| format!("{origin}{e}"))?;
         job.output.write_result("predict.json", &prediction)?;
         job.draw("predict", &figures::learning_curve(&prediction, &[]).svg(Medium::SINGLE))?;
@@ -71,6 +72,7 @@ impl Job {
         model: Option<Model>,
     ) -> Result<(Self, Curve, Vec<CurvePoint>), Failure> {
         let (job, points, origin) = self.with_points(file)?;
+        job.budget.check_time(&budget::fits(points.len())).map_err(|e| format!("{origin}{e}"))?;
         let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
         let Some(model) = model else { return Ok((job, best_curve(&prediction), points)) };
         let found = prediction.models.iter().find(|m| m.name == model.name());
@@ -118,7 +120,12 @@ impl Job {
         rule: Option<Rule>,
     ) -> Result<Optimum, Failure> {
         self.note_room();
+        budget::regions(&self.scenario, self.budget, 1)?;
         let outcome = self.optimize(&curve, points, rule)?;
+        self.record("optimize")?;
+        self.output.fill("boundary.csv", |file| {
+            optimizer::write_boundary(file, &curve, points, &self.scenario, &outcome.cases)
+        })?;
         let found = Optimum {
             curve,
             region: outcome.region,
@@ -128,8 +135,6 @@ impl Job {
             spacings: outcome.spacings,
             zone_ratio: self.scenario.optimizer.zone_ratio,
         };
-        self.record("optimize")?;
-        self.output.write("boundary.csv", outcome.boundary.as_bytes())?;
         self.output.write_result("optimize.json", &found)?;
         let region = figures::region(&found.region, &found.operating_point, &found.cases, points);
         self.draw("optimize", &region.svg(Medium::SINGLE))?;
@@ -153,6 +158,7 @@ impl Job {
                     .into(),
             );
         }
+        budget::regions(&self.scenario, self.budget, sweep::combinations(axes))?;
         self.progress.note("optimize", self.scenario.communication.channels());
         let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
         self.record("optimize")?;
@@ -178,8 +184,9 @@ impl Job {
         rule: Option<Rule>,
     ) -> Result<(EarlyExitResult, f64), Failure> {
         self = self.of_folder()?;
+        budget::regions(&self.scenario, self.budget, 1)?;
         #[cfg(feature = "train")]
-        self.say_expected(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho());
+        self.say_expected(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho())?;
         let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;
         self.record("early-exits")?;
         self.output.write_result("early-exits.json", &found)?;

@@ -1,6 +1,6 @@
 //! The paper's items as a command: tasks that are kept, results with verdicts, figures, one page.
 
-use super::Job;
+use super::{Job, budget};
 use crate::dataset::Shard;
 use crate::error::Failure;
 use crate::experiments::ablation::DEVELOPMENT_SEED;
@@ -44,6 +44,8 @@ impl Job {
             self.scenario = scenario;
             self.progress.note("reproduce", &format!("{sizes}; --set takes others"));
         }
+        let tested = self.scenario.learning.test_per_class;
+        self.budget.check_memory(&budget::training(&self.scenario, tested, self.workers))?;
         let seeds = ask.seeds.unwrap_or(if ask.size == Size::Quick { 1 } else { 5 });
         let study = format!("reproduce-{}", ask.size.name());
         let request = Request { study, seed: first, seeds, scenario: self.scenario.clone() };
@@ -58,7 +60,7 @@ impl Job {
             size: ask.size,
             seeds: all,
             cells: Cells::open(&self.output, &request)?,
-            context: RunContext { progress: self.progress, workers: self.workers },
+            context: RunContext { progress: self.progress, workers: self.workers, budget: self.budget },
             measured,
         };
         let tasks = tasks(&ask.items, &work.seeds);

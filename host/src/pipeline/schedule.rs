@@ -1,12 +1,13 @@
 //! Schedule as a command: one period of the operating point, or a campaign of many.
 
-use super::Job;
 use super::optimize::QUANTIZE_FIRST;
+use super::{Job, budget};
 use crate::error::Failure;
 use crate::report::timeline;
 use crate::results::{Campaign, EarlyExitResult, FittedExit, Schedule};
 use crate::scheduling::campaign::{Exits, Settings, plain, simulate};
 use crate::scheduling::playback;
+use std::io;
 
 impl Job {
     /// One period of the run's operating point: `schedule.json` and a figure.
@@ -46,6 +47,7 @@ impl Job {
             self = self.of_folder()?;
         }
         settings.check(&self.scenario, threshold)?;
+        budget::campaign(&self, settings.periods)?;
         self.record("schedule")?;
         let stage = self.progress.stage("schedule", "periods");
         let models = if settings.recognise_every > 0 { self.models(QUANTIZE_FIRST)? } else { Vec::new() };
@@ -53,14 +55,23 @@ impl Job {
             Some(threshold) if settings.recognise_every > 0 => Exits::Fitted(self.fitted_exits()?, threshold),
             _ => Exits::None,
         };
-        let played =
-            simulate(&self.scenario, settings, self.seed, &models, &exits, &|done, all| stage.at(done, all))?;
+        let progress = |done, all| stage.at(done, all);
+        let mut refused = None;
+        let played = self.output.fill("trace.json", |file| {
+            match simulate(&self.scenario, settings, self.seed, &models, &exits, file, &progress) {
+                Ok((played, written)) => written.map(|()| played),
+                Err(error) => Err(io::Error::other(refused.insert(error).to_string())),
+            }
+        });
+        if let Some(error) = refused {
+            return Err(error);
+        }
+        let played = played?;
         let found = played.campaign;
         stage.finish(&format!("{} decisions, {} violations", found.decisions, found.violations.len()));
         if settings.recognise_every == 0 {
             self.progress.note("schedule", &plain::speeds(&played.plan, found.decisions, played.took_s));
         }
-        self.output.write("trace.json", played.trace.as_bytes())?;
         self.output.write_result("campaign.json", &found)?;
         self.draw_period(&found.timeline)?;
         Ok((found, self.scenario.period_s()))

@@ -60,7 +60,11 @@ impl Found {
 
 impl Job {
     /// A note of the time that a study will take, as if none of its cells were there yet.
-    fn say_study(&self, study: Study, seeds: u32) {
+    ///
+    /// # Errors
+    ///
+    /// More memory or time than the budget has.
+    fn say_study(&self, study: Study, seeds: u32) -> Result<(), Invalid> {
         let mut job = self.clone();
         let of_seed = match study {
             Study::LearningCurve => 1,
@@ -73,13 +77,14 @@ impl Job {
         if matches!(study, Study::Fidelity | Study::Robustness) {
             job.scenario.frame.sensing_slots = vec![self.scenario.largest_sensing_slots()];
         }
-        job.say_expected(Work::Study(seeds * of_seed as u32), job.rho());
+        job.say_expected(Work::Study(seeds * of_seed as u32), job.rho())?;
         if study == Study::Baselines && cfg!(feature = "svm") {
             self.progress.note(
                 "expected",
                 "the support vector machine's cross-validation takes longer than the networks",
             );
         }
+        Ok(())
     }
 
     /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`]. Those on which settings are
@@ -112,11 +117,11 @@ impl Job {
         }
         let request =
             Request { study: study.name(), seed: self.seed, seeds, scenario: self.scenario.clone() };
-        let cells = Cells::open(&self.output, &request)?;
         self.warn_of_few_tests();
         self.warn_of_rho();
-        self.say_study(study, seeds);
-        let context = RunContext { progress: self.progress, workers: self.workers };
+        self.say_study(study, seeds)?;
+        let cells = Cells::open(&self.output, &request)?;
+        let context = RunContext { progress: self.progress, workers: self.workers, budget: self.budget };
         let found = match study {
             Study::LearningCurve => {
                 Found::LearningCurve(Box::new(learning_curve::study(&request, &cells, context)?))

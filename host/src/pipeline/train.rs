@@ -1,8 +1,8 @@
 //! Train and quantise as commands of their own: networks from simulated recordings or a dataset.
 
-use super::Job;
 use super::expected::Work;
 use super::learn::How;
+use super::{Job, budget};
 use crate::dataset::Stored;
 use crate::error::Failure;
 use crate::formats::table;
@@ -89,11 +89,12 @@ impl Job {
                         format!("recordings of {slots} slots have no room for {asked} windows: one of each");
                     self.progress.note("read", &text);
                 }
+                self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;
                 self.collect_stored(&stored)?
             }
             None => {
                 self.warn_of_rho();
-                self.say_expected(Work::Train, self.rho());
+                self.say_expected(Work::Train, self.rho())?;
                 self.simulated()
             }
         };
@@ -127,6 +128,7 @@ impl Job {
                 Ok(network)
             })
             .collect::<Result<Vec<_>, Failure>>()?;
+        self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;
         let images = match data {
             Some(folder) => {
                 let stored = Stored::open(folder)?;

@@ -10,7 +10,7 @@
 //! | int16 | `[slot, samples, 2]` | raw FMCW slots, I and Q |
 //! | int16 | `[slot, samples]` | raw FMCW slots of a real converter |
 
-use super::{Contents, MOST, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
 use std::ops::RangeInclusive;
@@ -39,11 +39,11 @@ pub(super) struct Array {
 
 /// The shape as sizes, none empty, with no more numbers than can be read.
 pub(super) fn checked_shape(source: Source, shape: &[u64]) -> Result<Vec<usize>, MeasuredError> {
-    let all =
-        shape.iter().try_fold(1_u64, |all, &n| all.checked_mul(n)).filter(|all| (1..=MOST).contains(all));
-    if all.is_none() {
-        return Err(source.value("shape", format!("{shape:?}"), format!("1 to {MOST} numbers")));
+    let all = shape.iter().fold(1_u64, |all, &n| all.saturating_mul(n));
+    if all == 0 {
+        return Err(source.value("shape", format!("{shape:?}"), "at least 1 number"));
     }
+    source.fits("shape", format!("{shape:?}"), all)?;
     Ok(shape.iter().map(|&n| n as usize).collect())
 }
 

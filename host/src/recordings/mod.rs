@@ -12,12 +12,13 @@ mod wav;
 
 use crate::error::Invalid;
 use crate::formats::slots::Slots;
+use crate::scenario::budget::{Budget, Need};
 use rustfft::num_complex::Complex64;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// Most numbers read from a file.
-const MOST: u64 = 1 << 28;
+/// Most memory that a number takes while it is read, in bytes: as it is in the file, and as half of a complex one that is copied once.
+const BYTES_PER_NUMBER: f64 = 24.0;
 
 /// A measured signal.
 #[derive(Debug, Clone)]
@@ -94,6 +95,8 @@ pub struct Stated {
     pub gain_db: Option<f64>,
     /// Which array of an NPZ, which dataset of an HDF5 file.
     pub dataset: Option<String>,
+    /// What reading may take.
+    pub budget: Budget,
 }
 
 /// What a file holds, before it is checked.
@@ -121,9 +124,9 @@ pub enum MeasuredError {
     Invalid(#[from] Invalid),
 }
 
-/// Names the file in errors.
+/// Names the file in errors, and holds it to a budget.
 #[derive(Clone, Copy)]
-struct Source<'a>(&'a Path);
+struct Source<'a>(&'a Path, Budget);
 
 impl Source<'_> {
     fn unreadable(self, format: &'static str, reason: impl ToString) -> MeasuredError {
@@ -132,6 +135,12 @@ impl Source<'_> {
 
     fn value(self, field: impl Display, value: impl Display, legal: impl Display) -> MeasuredError {
         Invalid::new(field, value, legal).at(self.0.display()).into()
+    }
+
+    /// Refuses more numbers than fit the memory; `field` with `value` states them.
+    fn fits(self, field: &'static str, value: impl Display, numbers: u64) -> Result<(), MeasuredError> {
+        let need = Need::new(field, value.to_string(), BYTES_PER_NUMBER * numbers as f64);
+        Ok(self.1.check_memory(&[need]).map_err(|invalid| invalid.at(self.0.display()))?)
     }
 
     /// What the user states or the file says, within its range.
@@ -155,7 +164,7 @@ impl Source<'_> {
 ///
 /// [`MeasuredError`] naming the file and what is wrong with it.
 pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
-    let source = Source(file);
+    let source = Source(file, stated.budget);
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let contents = match extension.as_str() {
         "wav" => wav::read(source)?,
@@ -183,7 +192,11 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
 ///
 /// As [`read`].
 pub fn signal(name: &str, samples: Samples, stated: &Stated) -> Result<Signal, MeasuredError> {
-    checked(Source(Path::new(name)), Contents { samples, rate_hz: None, carrier_hz: None }, stated)
+    checked(
+        Source(Path::new(name), stated.budget),
+        Contents { samples, rate_hz: None, carrier_hz: None },
+        stated,
+    )
 }
 
 fn checked(source: Source, contents: Contents, stated: &Stated) -> Result<Signal, MeasuredError> {

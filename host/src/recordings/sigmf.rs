@@ -5,7 +5,7 @@
 //! global object hold raw slots, one after the other.
 
 use super::array::SAMPLES;
-use super::{Contents, MOST, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
@@ -127,9 +127,7 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     };
     let named = |e: std::io::Error| broken(format!("{}: {e}", data_file.display()));
     let size = std::fs::metadata(&data_file).map_err(named)?.len();
-    if size / datatype.bytes as u64 > MOST {
-        return Err(source.value("size (bytes)", size, format!("at most {MOST} numbers")));
-    }
+    source.fits("size (bytes)", size, size / datatype.bytes as u64)?;
     let bytes = limited::read(&data_file, limited::WHOLE).map_err(named)?;
     let end = bytes.len().saturating_sub(global.trailing_bytes);
     let Some(bytes) = bytes.get(header..end) else {

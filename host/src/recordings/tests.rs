@@ -51,7 +51,7 @@ impl Folder {
 }
 
 fn stated() -> Stated {
-    Stated { carrier_hz: Some(24e9), rate_hz: Some(200.0), gain_db: None, dataset: None }
+    Stated { carrier_hz: Some(24e9), rate_hz: Some(200.0), ..Stated::default() }
 }
 
 fn refusal(file: &Path, stated: &Stated) -> String {

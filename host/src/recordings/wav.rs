@@ -2,7 +2,7 @@
 //!
 //! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1 to 1.
 
-use super::{Contents, MOST, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;
@@ -12,9 +12,7 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let file = limited::open(source.0, limited::WHOLE).map_err(|error| broken(error.into()))?;
     let mut reader = hound::WavReader::new(BufReader::new(file)).map_err(broken)?;
     let spec = reader.spec();
-    if u64::from(reader.len()) > MOST {
-        return Err(source.value("samples", reader.len(), format!("at most {MOST}")));
-    }
+    source.fits("samples", reader.len(), u64::from(reader.len()))?;
     if !(1..=2).contains(&spec.channels) {
         return Err(source.value("channels", spec.channels, "1 (real) or 2 (I and Q)"));
     }

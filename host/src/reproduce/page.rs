@@ -20,7 +20,7 @@ pub fn read(folder: &Path) -> Result<Vec<Reproduction>, Failure> {
     let file = |item: &Item| -> Result<Reproduction, Failure> {
         let path = folder.join(format!("{}.json", item.name()));
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let bytes = limited::read(&path, limited::WHOLE).map_err(|error| named(&error))?;
+        let bytes = limited::read(&path, limited::RESULT).map_err(|error| named(&error))?;
         Ok(serde_json::from_slice(&bytes).map_err(|error| named(&error))?)
     };
     let found = Item::value_variants().iter().map(file).collect::<Result<Vec<_>, _>>()?;

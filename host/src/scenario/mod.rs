@@ -4,6 +4,7 @@
 //! the paper's section VI where it gives a value.
 
 mod annotated;
+pub mod budget;
 pub mod builtin;
 mod channel;
 mod check;

@@ -10,7 +10,9 @@ const MIB: u64 = 1 << 20;
 pub const TEXT: u64 = 16 * MIB;
 /// Most bytes of a network, in any format.
 pub const NETWORK: u64 = 256 * MIB;
-/// Most bytes of anything that is read whole: results, a part of a dataset, its manifest.
+/// Most bytes of a result or a record, in JSON.
+pub const RESULT: u64 = 256 * MIB;
+/// Most bytes of a recording, a part of a dataset or its manifest, which are not held whole.
 pub const WHOLE: u64 = 4096 * MIB;
 
 /// Opens a regular file of at most `most` bytes.

@@ -309,7 +309,7 @@ impl Output {
     /// [`OutputError::Read`] naming the file and, by `hint`, what makes it.
     pub fn read(&self, name: &str, hint: &'static str) -> Result<Vec<u8>, OutputError> {
         let path = self.path(name);
-        limited::read(&path, limited::WHOLE).map_err(|source| OutputError::Read { path, source, hint })
+        limited::read(&path, limited::RESULT).map_err(|source| OutputError::Read { path, source, hint })
     }
 
     /// Reads a JSON file.

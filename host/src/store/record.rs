@@ -90,7 +90,7 @@ pub fn write(
 ///
 /// [`OutputError::Read`] naming a file that is there and cannot be read.
 pub fn read<T: DeserializeOwned>(path: &Path, identity: &Identity) -> Result<Result<T, Fault>, OutputError> {
-    match limited::read(path, limited::WHOLE) {
+    match limited::read(path, limited::RESULT) {
         Ok(bytes) => Ok(content(&bytes, identity)),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(Err(Fault::Missing)),
         Err(source) => {

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Name of the resolved plan.
 pub const PLAN: &str = "sweep.toml";
@@ -83,8 +84,8 @@ pub struct Sweep {
     pub plan: Plan,
     /// SHA-256 of the resolved plan.
     pub digest: String,
-    /// Every cell with its scenario, the last axis (seeds) varying fastest.
-    pub cells: Vec<(Cell, Scenario)>,
+    /// Every cell with its scenario, which cells of other seeds share, the last axis (seeds) varying fastest.
+    pub cells: Vec<(Cell, Arc<Scenario>)>,
 }
 
 impl Sweep {
@@ -175,7 +176,7 @@ impl Plan {
 }
 
 /// Every combination; each is a legal scenario.
-fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Scenario)>, Failure> {
+fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Arc<Scenario>)>, Failure> {
     let mut cells = Vec::new();
     for scenario in &plan.scenario {
         for (carrier, rho, slots) in combinations(plan, scenario) {
@@ -191,10 +192,11 @@ fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Scenario)>, Failure> {
             );
             own.check(&origin)?;
             dataset::check(&own)?;
+            let own = Arc::new(own);
             for &seed in plan.seeds.iter().flatten() {
                 let (index, scenario) = (cells.len() as u32, own.name.clone());
                 let cell = Cell { index, scenario, carrier_hz: carrier, rho, sensing_slots: slots, seed };
-                cells.push((cell, own.clone()));
+                cells.push((cell, Arc::clone(&own)));
             }
         }
     }

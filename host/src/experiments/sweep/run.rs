@@ -6,9 +6,11 @@ use super::store::Store;
 use crate::dataset::Shard;
 use crate::error::Failure;
 use crate::experiments::RunContext;
-use crate::results::Swept;
+use crate::results::{Cell, Swept};
+use crate::scenario::Scenario;
 use crate::store::output::Output;
 use crate::store::record::Fault;
+use std::sync::Arc;
 
 /// Makes what is missing of a shard's cells. A damaged cell is made again; a foreign one is refused before anything is made.
 ///
@@ -58,9 +60,6 @@ pub fn run(sweep: &Sweep, shard: Shard, output: &Output, context: RunContext) ->
     Ok(Swept { plan: sweep.digest.clone(), shard: shard.to_string(), cells, made, kept, missing })
 }
 
-fn mine(
-    sweep: &Sweep,
-    shard: Shard,
-) -> impl Iterator<Item = &(crate::results::Cell, crate::scenario::Scenario)> {
+fn mine(sweep: &Sweep, shard: Shard) -> impl Iterator<Item = &(Cell, Arc<Scenario>)> {
     sweep.cells.iter().filter(move |(cell, _)| shard.has(cell.index))
 }

@@ -22,6 +22,7 @@ use environment::Environment;
 use invariants::Invariants;
 use radar::Radar;
 use sdp3_core::scheduler::{PlanError, Scheduler, SensingLayout, SlotUse, USERS};
+use std::io::Write;
 use trace::Trace;
 
 /// What happens, per period unless it says otherwise.
@@ -54,6 +55,7 @@ impl Settings {
     /// The first such option.
     pub fn check(&self, scenario: &Scenario, threshold: Option<f64>) -> Result<(), Invalid> {
         let most = scenario.frame.period_slots / (scenario.frame.spacing_slots + 1);
+        let traced = trace::SLOTS / scenario.frame.period_slots;
         for (name, value, low, high) in [
             ("--sensing-slots", Some(f64::from(self.sensing_slots)), 0.0, f64::from(most)),
             ("--threshold", threshold, 0.0, 1.0),
@@ -62,6 +64,7 @@ impl Settings {
             ("--churn", Some(self.churn), 0.0, 1.0),
             ("--loss", Some(self.loss), 0.0, 1.0),
             ("--retarget", Some(self.retarget), 0.0, 1.0),
+            ("--traced", Some(f64::from(self.traced)), 0.0, f64::from(traced)),
         ] {
             if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
                 return Err(Invalid::option(name, value, format!("{low} to {high}")));
@@ -129,7 +132,7 @@ fn play(
     settings: &Settings,
     mut environment: Environment,
     mut slots: Loop,
-    trace: &mut Trace,
+    trace: &mut Trace<impl Write>,
     progress: &dyn Fn(u64, u64),
 ) -> Campaign {
     let mut found = Campaign {
@@ -280,10 +283,12 @@ mod tests {
         scenario.communication.draws = 20;
         let environment = Environment::new(&scenario, settings, seed);
         let scheduler = scheduler(&scenario, settings, &environment).unwrap();
-        let mut trace = Trace::new(&scenario.frame);
+        let mut text = Vec::new();
+        let mut trace = Trace::new(&mut text, &scenario.frame);
         let slots = Loop::Schedule(Box::new(scheduler));
         let found = play(&scenario, settings, environment, slots, &mut trace, &|_, _| ());
-        (found, trace.finish())
+        trace.finish().unwrap();
+        (found, String::from_utf8(text).unwrap())
     }
 
     #[test]

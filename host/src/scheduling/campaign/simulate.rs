@@ -12,6 +12,7 @@ use crate::simulator::calibration::rho_of;
 use sdp3_core::dsn::Model;
 use sdp3_core::early_exit::{EXITS, EarlyExit};
 use sdp3_core::scheduler::Plan;
+use std::io::{self, Write};
 use std::time::Instant;
 
 /// When sensing may end early.
@@ -25,15 +26,14 @@ pub enum Exits {
 /// A simulation that is over.
 pub struct Simulated {
     pub campaign: Campaign,
-    /// Its first periods slot by slot, in JSON for Perfetto.
-    pub trace: String,
     /// The plan of the first period.
     pub plan: Plan,
     /// How long it took in s.
     pub took_s: f64,
 }
 
-/// Simulates the periods, with these models behind the radar if there are any.
+/// Simulates the periods, with these models behind the radar if there are any; the first periods go to `trace` slot by slot, in JSON for
+/// Perfetto: what that file says is returned beside them.
 ///
 /// # Errors
 ///
@@ -44,12 +44,13 @@ pub fn simulate(
     seed: u64,
     models: &[Vec<u8>],
     exits: &Exits,
+    trace: impl Write,
     progress: &dyn Fn(u64, u64),
-) -> Result<Simulated, Failure> {
+) -> Result<(Simulated, io::Result<()>), Failure> {
     let environment = Environment::new(scenario, settings, seed);
     let scheduler = scheduler(scenario, settings, &environment)?;
     let plan = scheduler.plan().clone();
-    let mut trace = Trace::new(&scenario.frame);
+    let mut trace = Trace::new(trace, &scenario.frame);
     let parsed = models.iter().map(|bytes| Model::parse(bytes)).collect::<Result<Vec<_>, _>>()?;
     let mut memory = parsed.last().map(OwnedMemory::for_model);
     let slots = match &mut memory {
@@ -69,7 +70,7 @@ pub fn simulate(
     let begun = Instant::now();
     let campaign = play(scenario, settings, environment, slots, &mut trace, progress);
     let took_s = begun.elapsed().as_secs_f64();
-    Ok(Simulated { campaign, trace: trace.finish(), plan, took_s })
+    Ok((Simulated { campaign, plan, took_s }, trace.finish()))
 }
 
 fn exit<'m>((model, fitted): (&Model<'m>, &FittedExit)) -> EarlyExit<'m> {

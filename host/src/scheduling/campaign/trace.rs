@@ -1,17 +1,20 @@
 //! A trace for Perfetto: Chrome's trace event format, JSON.
 //!
 //! Slots of the first periods as slices on one track per use, boundaries and lost slots as instants, throughput per period as
-//! counters. Times in microseconds of simulated time. Of longer campaigns the first [`PERIODS`] periods are kept: what a viewer opens, in
-//! a few megabytes of memory.
+//! counters. Times in microseconds of simulated time. Of longer campaigns the first [`PERIODS`] periods are kept: what a viewer opens.
+//! Every event goes to the file as it happens.
 
 use crate::scenario::Frame;
 use sdp3_core::scheduler::{PeriodReport, Plan, SlotUse, USERS};
-use std::fmt::Write;
+use std::fmt::Arguments;
+use std::io::{Result, Write};
 
 /// A trace being written.
 #[derive(Debug)]
-pub struct Trace {
-    events: String,
+pub struct Trace<W: Write> {
+    file: W,
+    /// What the file said first; nothing is written after it.
+    written: Result<()>,
     slot_us: f64,
     period_slots: u32,
     /// Track, first slot and number of slots of the slice not yet written.
@@ -20,14 +23,17 @@ pub struct Trace {
 
 /// Most periods in a trace.
 pub const PERIODS: u32 = 10_000;
+/// Most slots in a trace: of 60 to 90 bytes each, as much as a viewer opens.
+pub const SLOTS: u32 = 10_000_000;
 
 /// Track of sensing slots; users' follow, then idle slots'.
 const SENSING: u32 = 1;
 
-impl Trace {
-    pub fn new(frame: &Frame) -> Self {
+impl<W: Write> Trace<W> {
+    pub fn new(file: W, frame: &Frame) -> Self {
         let mut trace = Trace {
-            events: String::from("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
+            file,
+            written: Ok(()),
             slot_us: frame.slot_s * 1e6,
             period_slots: frame.period_slots,
             open: None,
@@ -38,13 +44,13 @@ impl Trace {
             k if k as usize <= USERS + 1 => format!("user {}", k - SENSING),
             _ => "idle".to_owned(),
         };
-        trace.events += "{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":1,\"tid\":0,\"args\":{\"name\":\"base station\"}}";
+        trace.write(format_args!("{{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"));
+        trace.write(format_args!("{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":1,\"tid\":0,\"args\":{{\"name\":\"base station\"}}}}"));
         for track in 0..=USERS as u32 + 2 {
-            let _ = write!(
-                trace.events,
+            trace.write(format_args!(
                 ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{track},\"args\":{{\"name\":\"{}\"}}}}",
                 name(track)
-            );
+            ));
         }
         trace
     }
@@ -70,10 +76,9 @@ impl Trace {
         }
         if lost {
             let ts = at as f64 * self.slot_us;
-            let _ = write!(
-                self.events,
+            self.write(format_args!(
                 ",\n{{\"name\":\"lost\",\"ph\":\"i\",\"s\":\"t\",\"pid\":1,\"tid\":{track},\"ts\":{ts}}}"
-            );
+            ));
         }
     }
 
@@ -82,10 +87,9 @@ impl Trace {
         let (ts, dur) = (first as f64 * self.slot_us, slots as f64 * self.slot_us);
         let name = if track == SENSING { "sense" } else { "send" };
         let name = if track as usize == USERS + 2 { "idle" } else { name };
-        let _ = write!(
-            self.events,
+        self.write(format_args!(
             ",\n{{\"name\":\"{name}\",\"ph\":\"X\",\"pid\":1,\"tid\":{track},\"ts\":{ts},\"dur\":{dur}}}"
-        );
+        ));
     }
 
     pub fn boundary(&mut self, period: u32, boundary: PeriodReport, plan: &Plan) {
@@ -95,9 +99,8 @@ impl Trace {
         self.close();
         let ts = self.time(period, 1) as f64 * self.slot_us;
         let c = boundary.changes;
-        let _ = write!(
-            self.events,
-            ",\n{{\"name\":\"plan\",\"ph\":\"i\",\"s\":\"p\",\"pid\":1,\"tid\":0,\"ts\":{ts},\"args\":{{\"sensing\":{},\"shares\":{:?},\
+        self.write(format_args!(
+                ",\n{{\"name\":\"plan\",\"ph\":\"i\",\"s\":\"p\",\"pid\":1,\"tid\":0,\"ts\":{ts},\"args\":{{\"sensing\":{},\"shares\":{:?},\
              \"joined\":{},\"left\":{},\"rates\":{},\"lost\":{},\"lost_sensing\":{},\"released\":{}}}}}",
             plan.sensing(),
             plan.shares(),
@@ -107,7 +110,7 @@ impl Trace {
             c.lost,
             c.sensing_lost,
             c.released
-        );
+            ));
     }
 
     /// A period ends, having delivered so many bits to each user.
@@ -122,16 +125,26 @@ impl Trace {
             .enumerate()
             .map(|(k, bit)| format!("\"{}\":{}", k + 1, bit.round()))
             .collect();
-        let _ = write!(
-            self.events,
+        self.write(format_args!(
             ",\n{{\"name\":\"bits delivered\",\"ph\":\"C\",\"pid\":1,\"tid\":0,\"ts\":{ts},\"args\":{{{}}}}}",
             values.join(",")
-        );
+        ));
     }
 
-    pub fn finish(mut self) -> String {
+    /// The end of the file.
+    ///
+    /// # Errors
+    ///
+    /// What the file said first.
+    pub fn finish(mut self) -> Result<()> {
         self.close();
-        self.events += "\n]}\n";
-        self.events
+        self.write(format_args!("\n]}}\n"));
+        self.written
+    }
+
+    fn write(&mut self, event: Arguments) {
+        if self.written.is_ok() {
+            self.written = self.file.write_fmt(event);
+        }
     }
 }

@@ -17,17 +17,24 @@ const STREAM: u64 = 101;
 /// Stream number of the people in them.
 const PEOPLE_STREAM: u64 = 102;
 
-/// `|H_m|^2` of the sub-carriers, `[draw][subcarrier]`, for `communication.draws` draws.
-pub fn subcarrier_draws(scenario: &Scenario, receiver: Vec3, seed: u64) -> Vec<Vec<f64>> {
-    let responses = (0..scenario.communication.draws).map(|draw| response(scenario, receiver, seed, draw));
-    responses.map(|h| h.iter().map(|z| z.norm_sqr()).collect()).collect()
+/// `|H_m|^2` of the sub-carriers in each of `communication.draws` draws, one draw after the other.
+pub fn subcarrier_draws(
+    scenario: &Scenario,
+    receiver: Vec3,
+    seed: u64,
+) -> impl Iterator<Item = Vec<f64>> + use<'_> {
+    let responses =
+        (0..scenario.communication.draws).map(move |draw| response(scenario, receiver, seed, draw));
+    responses.map(|h| h.iter().map(|z| z.norm_sqr()).collect())
 }
 
-/// `E |H_m|^2` of every sub-carrier, averaged over draws `[draw][subcarrier]`.
-pub fn expected(draws: &[Vec<f64>]) -> Vec<f64> {
-    let mut gains = vec![0.0; draws.first().map_or(0, Vec::len)];
+/// `E |H_m|^2` of every sub-carrier, averaged over so many draws, each of which `see` is shown.
+pub fn expected(count: u32, draws: impl Iterator<Item = Vec<f64>>, mut see: impl FnMut(&[f64])) -> Vec<f64> {
+    let mut gains = Vec::new();
     for draw in draws {
-        gains.iter_mut().zip(draw).for_each(|(gain, h)| *gain += 1.0 / draws.len() as f64 * h);
+        gains.resize(draw.len(), 0.0);
+        gains.iter_mut().zip(&draw).for_each(|(gain, h)| *gain += 1.0 / f64::from(count) * h);
+        see(&draw);
     }
     gains
 }
@@ -89,12 +96,17 @@ mod tests {
         crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario()
     }
 
+    fn gains(scenario: &Scenario, receiver: Vec3) -> Vec<f64> {
+        let draws = subcarrier_draws(scenario, receiver, 1);
+        expected(scenario.communication.draws, draws, |_| ())
+    }
+
     #[test]
     fn nearer_receivers_have_better_gains() {
         for clusters in [Clusters::Ieee80211ax, Clusters::Ieee80211ay] {
             let mut scenario = printed();
             scenario.channel.clusters = clusters;
-            let mean = |p: Vec3| expected(&subcarrier_draws(&scenario, p, 1)).iter().sum::<f64>();
+            let mean = |p: Vec3| gains(&scenario, p).iter().sum::<f64>();
             assert!(mean([1.5, 2.8, 1.0]) > mean([1.5, 3.0, 1.0]));
             assert!(mean([2.3, 1.0, 1.0]) > mean([2.5, 1.0, 1.0]));
         }
@@ -108,16 +120,17 @@ mod tests {
             vec![crate::scenario::Other { class: Class::Standing, start_m: [0.5, 3.5], heading_deg: None }];
         let user = [1.5, 3.0, 1.0];
         let total = |draws: &[Vec<f64>]| draws.iter().flatten().sum::<f64>();
+        let draws = |scenario: &Scenario| subcarrier_draws(scenario, user, 1).collect::<Vec<_>>();
         for model in Model::ALL {
             scenario.channel.model = model;
             scenario.communication.people = false;
-            let empty = subcarrier_draws(&scenario, user, 1);
+            let empty = draws(&scenario);
             scenario.communication.people = true;
-            let filled = subcarrier_draws(&scenario, user, 1);
+            let filled = draws(&scenario);
             assert!(empty.iter().zip(&filled).all(|(a, b)| a != b), "{model:?}");
             let db = 10.0 * libm::log10(total(&filled) / total(&empty));
             assert!(db.abs() < 6.0, "{model:?}: {db} dB");
-            assert_eq!(filled, subcarrier_draws(&scenario, user, 1), "{model:?}");
+            assert_eq!(filled, draws(&scenario), "{model:?}");
         }
     }
 
@@ -154,7 +167,7 @@ mod tests {
         let free = free_space(2.0, wavelength(3.5e9));
         for model in Model::ALL {
             scenario.channel.model = model;
-            let gains = expected(&subcarrier_draws(&scenario, [1.5, 3.0, 1.0], 1));
+            let gains = gains(&scenario, [1.5, 3.0, 1.0]);
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
             let db = 10.0 * libm::log10(mean / (free * free));
             assert!(db.abs() < 6.0, "{model:?}: {db} dB");
