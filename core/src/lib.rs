@@ -45,6 +45,7 @@
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod areas;
 pub mod config;
 pub mod crc32;
 pub mod digest;

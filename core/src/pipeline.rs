@@ -3,6 +3,7 @@
 //! [`PipelineMemory`] is the caller's, usually a `static`; its size is a constant of its parameters, which
 //! [`pipeline_memory!`](crate::pipeline_memory) takes from a [`Shape`].
 
+use crate::areas::{Area, range};
 use crate::config::RadarConfig;
 use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
 use crate::dsn::winograd::{WinogradF2, WinogradMemory};
@@ -15,6 +16,7 @@ use crate::signal::dechirp::WordAligned;
 use crate::signal::front_end::{FrontEnd, FrontEndBuffers, image_steps};
 use crate::signal::stft::{FixedSpectrum, NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
+use core::ops::Range;
 use heapless::Vec;
 use rand_core::Rng;
 
@@ -179,6 +181,20 @@ impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
             }
         }
         Ok(pipeline)
+    }
+
+    /// Where some of its data lie; empty for those of others, and where there are none.
+    pub(crate) fn area(&self, area: Area) -> Range<*const u8> {
+        match area {
+            Area::Activations => range(self.scratch),
+            Area::PackedWeights | Area::OperatorWords => self.kernels.area(area),
+            Area::Weights(exit) => {
+                range(self.exits.get(usize::from(exit)).map_or(&[][..], |exit| &exit.weights))
+            }
+            Area::Threshold => range(core::slice::from_ref(&self.threshold)),
+            Area::Logits => range(self.logits.first().map_or(&[][..], |logits| logits)),
+            _ => self.front_end.area(area),
+        }
     }
 }
 

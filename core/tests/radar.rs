@@ -2,6 +2,8 @@
 
 #[path = "radar/faults.rs"]
 mod faults;
+#[path = "radar/flips.rs"]
+mod flips;
 #[path = "radar/planning.rs"]
 mod planning;
 mod support;

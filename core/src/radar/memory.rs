@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
 use crate::scheduler::Plan;
 use crate::signal::stft::{NativeStft, Stft};
+use crate::supervision::retained::Message;
 use core::sync::atomic::AtomicU32;
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -39,7 +40,7 @@ pub struct RadarMemory<
     free: Queue<&'static mut SlotBuffer<VALUES>, BUFFERS>,
     filled: Queue<Filled<VALUES>, BUFFERS>,
     reports: Queue<Report, REPORTS>,
-    plans: Queue<Plan, 2>,
+    plans: Queue<Message<Plan>, 2>,
     totals: Queue<Totals, 2>,
     release: AtomicU32,
 }
@@ -121,7 +122,7 @@ pub(super) struct SlotEnds<const VALUES: usize> {
     pub free: Receiver<&'static mut SlotBuffer<VALUES>, BUFFERS>,
     pub filled: Sender<Filled<VALUES>, BUFFERS>,
     pub reports: Sender<Report, REPORTS>,
-    pub plans: Receiver<Plan, 2>,
+    pub plans: Receiver<Message<Plan>, 2>,
     pub totals: Receiver<Totals, 2>,
     pub release: &'static AtomicU32,
 }
@@ -131,7 +132,7 @@ pub(super) struct ProcessingEnds<const VALUES: usize> {
     pub free: Sender<&'static mut SlotBuffer<VALUES>, BUFFERS>,
     pub filled: Receiver<Filled<VALUES>, BUFFERS>,
     pub reports: Receiver<Report, REPORTS>,
-    pub plans: Sender<Plan, 2>,
+    pub plans: Sender<Message<Plan>, 2>,
     pub totals: Sender<Totals, 2>,
     pub release: &'static AtomicU32,
 }

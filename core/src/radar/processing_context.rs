@@ -2,6 +2,7 @@
 
 use super::memory::ProcessingEnds;
 use super::{Filled, Report, Totals};
+use crate::areas::{Area, range};
 use crate::crc32::{Crc32, crc32};
 use crate::dsn::{Classification, ModelError, WinogradF2};
 use crate::early_exit::EXITS;
@@ -9,7 +10,9 @@ use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::scheduler::{Changes, PeriodCounts, PeriodReport, PlanError, Planner, SensingLayout};
 use crate::signal::stft::{NativeStft, Stft};
+use crate::supervision::retained::Message;
 use crate::supervision::{Fault, sample_health};
+use core::ops::Range;
 use core::sync::atomic::Ordering;
 use heapless::Vec;
 use rand_core::Rng;
@@ -70,7 +73,8 @@ pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft
     unused: bool,
     /// CRC-32 of each model as it was when it was accepted.
     checksums: Vec<u32, EXITS>,
-    models_ok: bool,
+    /// Of those, which had changed when they were checked last, one bit each.
+    damaged: u16,
     check: Option<Check>,
 }
 
@@ -95,7 +99,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
             next_index: 0,
             unused: false,
             checksums,
-            models_ok: true,
+            damaged: 0,
             check: None,
         }
     }
@@ -164,6 +168,18 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         self.pipeline.exits().first().map_or("", |exit| exit.model.class_name(usize::from(class)))
     }
 
+    /// Where some of its data lie, for a debugger and for tests that change them; empty where there are none at this moment.
+    pub fn area(&self, area: Area) -> Range<*const u8> {
+        match (area, self.ends.filled.peek()) {
+            (Area::WaitingSlot(number), Some(Filled { period, index, left, .. })) => match number {
+                0 => range(core::slice::from_ref(period)),
+                1 => range(core::slice::from_ref(index)),
+                _ => range(core::slice::from_ref(left)),
+            },
+            _ => self.pipeline.area(area),
+        }
+    }
+
     fn take_report(&mut self, report: Report) -> Progress {
         match report {
             Report::Fault(fault) => Progress::Event(Event::Fault(fault)),
@@ -182,7 +198,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
                 Progress::Busy
             }
             Report::PlanNeeded => {
-                let _ = self.ends.plans.enqueue(self.planner.first_plan()); // if one waits, it serves as well
+                let _ = self.ends.plans.enqueue(Message::new(self.planner.first_plan())); // if one waits, it serves as well
                 Progress::Busy
             }
         }
@@ -194,7 +210,7 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         let (plan, changes) = self.planner.next_plan(&core::mem::take(&mut self.counts));
         if let Some(plan) = plan {
             self.changes = changes;
-            let _ = self.ends.plans.enqueue(plan); // the caller has asked whether there is room
+            let _ = self.ends.plans.enqueue(Message::new(plan)); // the caller has asked whether there is room
         }
     }
 
@@ -260,14 +276,17 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         let (period, stop) = (check.period, check.classification.stop);
         let stated = self.checksums.get(exit).copied().unwrap_or(!computed);
         let Some(Check { classification, .. }) = self.check.take() else { return Progress::Idle };
+        let bit = 1 << (exit % EXITS);
         if computed != stated {
             self.end_sensing(period);
-            if !core::mem::replace(&mut self.models_ok, false) {
+            let known = self.damaged & bit != 0;
+            self.damaged |= bit;
+            if known {
                 return Progress::Busy;
             }
             return Progress::Event(Event::Fault(Fault::Model(ModelError::Checksum { stated, computed })));
         }
-        self.models_ok = true;
+        self.damaged &= !bit;
         if stop {
             self.ends.release.store(period, Ordering::Release);
         }

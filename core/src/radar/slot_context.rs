@@ -6,7 +6,7 @@ use super::memory::SlotEnds;
 use super::{Filled, Report, SlotBuffer, Totals};
 use crate::scheduler::{PeriodCounts, Plan, Sequencer, SlotUse};
 use crate::supervision::Fault;
-use crate::supervision::retained::{Loaded, Retained, State, flag};
+use crate::supervision::retained::{Loaded, Message, Retained, State, flag};
 use core::sync::atomic::Ordering;
 
 /// Most skipped slots that are played through, so that a call stays short; after more a new period begins.
@@ -85,10 +85,14 @@ pub struct SlotContext<const VALUES: usize> {
     /// What [`SlotContext::begin`] works on; between two calls the copies in `retained` count.
     state: SlotState,
     sequence: u32,
+    /// Number of the running period, should both copies be lost: none is taken for one before.
+    period: u32,
     /// Number of the slot after the one given last; `None` before the first: it is the radio's.
     expected: Option<u32>,
     /// Whether the plan at the head of its queue has begun; it is kept until the state that plays it has been read back.
     plan_begun: bool,
+    /// Whether the totals at the head of theirs have been used, likewise.
+    totals_used: bool,
     plan_requested: bool,
     buffer: Option<&'static mut SlotBuffer<VALUES>>,
     pending: Option<Pending>,
@@ -116,8 +120,10 @@ impl<const VALUES: usize> SlotContext<VALUES> {
             retained,
             state,
             sequence,
+            period: 0,
             expected,
             plan_begun: false,
+            totals_used: false,
             plan_requested: false,
             buffer: None,
             pending: None,
@@ -139,6 +145,9 @@ impl<const VALUES: usize> SlotContext<VALUES> {
         let gap = number.wrapping_sub(self.state.next);
         let resync = self.state.resync_pending;
         if gap == u32::MAX && !resync {
+            if repaired {
+                self.save();
+            }
             return self.repeat(number);
         }
         if gap >= 1 << 31 && !(resync && number == self.state.other) {
@@ -171,6 +180,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
         } else if sensing {
             self.report(Report::Fault(Fault::Overrun));
             self.state.counts.on_lost(slot);
+            self.state.last = SlotUse::Idle; // so that it is not counted again
         }
         self.save();
         self.action(slot)
@@ -204,6 +214,11 @@ impl<const VALUES: usize> SlotContext<VALUES> {
         self.state.sequencer.position()
     }
 
+    /// The plan that waits to begin, or has just begun: for a debugger, and for tests that change it.
+    pub fn waiting_plan(&self) -> Option<&Plan> {
+        self.ends.plans.peek().map(Message::state)
+    }
+
     fn action(&mut self, slot: SlotUse) -> SlotAction<'_, VALUES> {
         match (slot, &mut self.buffer) {
             (SlotUse::Sensing, Some(buffer)) if self.pending.is_some() => SlotAction::Sense(buffer),
@@ -227,12 +242,15 @@ impl<const VALUES: usize> SlotContext<VALUES> {
                 if core::mem::take(&mut self.plan_begun) {
                     self.ends.plans.dequeue();
                 }
+                if core::mem::take(&mut self.totals_used) {
+                    self.ends.totals.dequeue();
+                }
                 return false;
             }
             Loaded::Previous(_) => {
                 self.report(Report::Fault(Fault::StateRepaired));
                 // the slots that the damaged copy had played
-                self.plan_begun = false;
+                (self.plan_begun, self.totals_used) = (false, false);
                 let behind = self.expected.map_or(0, |expected| expected.wrapping_sub(self.state.next));
                 for _ in 0..behind.min(CATCH_UP + 1) {
                     self.play(false);
@@ -240,8 +258,9 @@ impl<const VALUES: usize> SlotContext<VALUES> {
             }
             Loaded::Nothing => {
                 self.report(Report::Fault(Fault::StateLost));
-                self.state = SlotState::new(&Plan::IDLE);
-                (self.state.unplanned, self.plan_requested, self.plan_begun) = (true, false, false);
+                self.state = SlotState { period: self.period, ..SlotState::new(&Plan::IDLE) };
+                (self.state.unplanned, self.plan_requested) = (true, false);
+                (self.plan_begun, self.totals_used) = (false, false);
                 (self.pending, self.expected) = (None, None);
                 self.ends.release.store(0, Ordering::Relaxed);
             }
@@ -250,13 +269,14 @@ impl<const VALUES: usize> SlotContext<VALUES> {
     }
 
     fn save(&mut self) {
-        self.expected = Some(self.state.next);
+        (self.expected, self.period) = (Some(self.state.next), self.state.period);
         self.sequence = self.sequence.wrapping_add(1);
         self.retained.save(self.sequence, &mut self.state);
     }
 
     /// Begins with the plan that processing has sent; false while there is none.
     fn find_plan(&mut self, number: u32) -> bool {
+        self.check_plan();
         if self.ends.plans.ready() {
             (self.state.unplanned, self.state.next) = (false, number);
             return true;
@@ -267,6 +287,15 @@ impl<const VALUES: usize> SlotContext<VALUES> {
         self.state.next = number.wrapping_add(1);
         self.save();
         false
+    }
+
+    /// Asks for another plan in place of one that has changed on its way.
+    fn check_plan(&mut self) {
+        if self.ends.plans.peek().is_some_and(|plan| plan.get().is_none()) {
+            self.ends.plans.dequeue();
+            self.report(Report::Fault(Fault::PlanDamaged));
+            self.report(Report::PlanNeeded);
+        }
     }
 
     /// Plays skipped slots as lost, at most `catch_up`; after more a new period begins.
@@ -288,12 +317,15 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// The use of the next slot; a period's first one begins the plan that waits. `fresh` unless the slot has been played before.
     fn play(&mut self, fresh: bool) -> SlotUse {
+        if self.state.sequencer.position() == 0 && !self.plan_begun {
+            self.check_plan();
+        }
         let state = &mut self.state;
         if state.sequencer.position() == 0 {
             let plan = self.ends.plans.peek().filter(|_| !self.plan_begun);
             let replanned = plan.is_some() || state.period == 0;
-            if plan.is_some() {
-                state.sequencer.restart(plan);
+            if let Some(plan) = plan {
+                state.sequencer.restart(Some(plan.state()));
                 self.plan_begun = true;
             }
             let counts = core::mem::take(&mut state.counts);
@@ -309,10 +341,12 @@ impl<const VALUES: usize> SlotContext<VALUES> {
             state.counts.released = state.counts.released.wrapping_add(released);
             let (period, rest, served) = (state.period, state.sequencer.rest(), state.sequencer.served());
             self.report(Report::Released { period, rest, served });
-        } else if let Some(Totals { period, totals }) = self.ends.totals.dequeue()
-            && period == state.period
+        } else if let Some(Totals { period, totals }) = self.ends.totals.peek().filter(|_| !self.totals_used)
         {
-            state.sequencer.reassign(&totals);
+            self.totals_used = true;
+            if *period == state.period {
+                state.sequencer.reassign(totals);
+            }
         }
         let state = &mut self.state;
         let slot = state.sequencer.next_slot();

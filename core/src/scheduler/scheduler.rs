@@ -68,9 +68,9 @@ impl Scheduler {
         self.report
     }
 
-    /// The slot that [`Scheduler::next_slot`] gave last was lost or pre-empted.
+    /// The slot that [`Scheduler::next_slot`] gave last was lost or pre-empted. Counted once a slot.
     pub fn on_lost(&mut self) {
-        self.counts.on_lost(self.last);
+        self.counts.on_lost(core::mem::replace(&mut self.last, SlotUse::Idle));
     }
 
     /// No more sensing in this period: its remaining slots go to the users so that the period's worst total is as large as it

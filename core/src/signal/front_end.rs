@@ -12,9 +12,11 @@ use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
 use super::spectrogram::{log_magnitudes, quantize_db};
 use super::stft::{FixedSpectrum, NativeStft, Stft, frames};
+use crate::areas::{Area, range};
 use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
+use core::ops::Range;
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was trained on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -189,6 +191,17 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// The sensor's configuration.
     pub fn config(&self) -> &RadarConfig {
         self.fast_time.config()
+    }
+
+    /// Where some of its data lie; empty for those of others.
+    pub(crate) fn area(&self, area: Area) -> Range<*const u8> {
+        match area {
+            Area::Beats => range(self.beats),
+            Area::Gram => range(core::slice::from_ref(&self.gram)),
+            Area::SlowTime => range(self.slow_time),
+            Area::Levels => range(self.levels),
+            _ => range::<u8>(&[]),
+        }
     }
 
     /// Takes the samples of one slot: range samples and running Gram matrix. `false`, and nothing changes, if the recording is

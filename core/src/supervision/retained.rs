@@ -118,6 +118,37 @@ impl Retained {
     pub const LEN: usize = 2 * COPY;
 }
 
+/// A state on its way between two contexts, under the same checksum.
+#[derive(Debug)]
+pub(crate) struct Message<S> {
+    state: S,
+    checksum: u32,
+}
+
+impl<S: State + Clone> Message<S> {
+    pub fn new(mut state: S) -> Self {
+        let checksum = Self::sum(&mut state);
+        Message { state, checksum }
+    }
+
+    /// The state, unless it has changed on the way.
+    pub fn get(&self) -> Option<S> {
+        let mut state = self.state.clone();
+        (Self::sum(&mut state) == self.checksum).then_some(state)
+    }
+
+    /// What may have changed on the way.
+    pub fn state(&self) -> &S {
+        &self.state
+    }
+
+    fn sum(state: &mut S) -> u32 {
+        let mut made = SEED;
+        state.words(&mut |word| made = mix(made, *word));
+        made
+    }
+}
+
 /// Visits a flag as 0 or 1; any other word is 1.
 pub(crate) fn flag(flag: &mut bool, visit: &mut impl FnMut(&mut u32)) {
     let mut word = u32::from(*flag);

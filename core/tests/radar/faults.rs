@@ -99,6 +99,39 @@ fn without_a_poll_sensing_slots_are_lost_and_said_so() {
 }
 
 #[test]
+fn a_slot_is_counted_as_lost_once() {
+    let mut radio = Radio::new(0);
+    let lost = |radio: &Radio| {
+        let mut period = radio.events.iter().filter_map(|event| match event {
+            Event::Period(report) => Some((report.changes.sensing_lost, report.changes.lost)),
+            _ => None,
+        });
+        period.next_back()
+    };
+    // twice the same, once a sensing slot and once a user's
+    let whole = planned(1);
+    for slot in &whole[..2] {
+        assert_eq!(radio.given(radio.number), *slot);
+        radio.number += 1;
+        radio.slots.lost();
+        radio.slots.lost();
+    }
+    radio.play(1198);
+    // all buffers wait: a sensing slot that has none is lost, whatever the radio says of it
+    radio.polls = 0;
+    radio.play(13);
+    radio.slots.lost();
+    radio.polls = 1000;
+    assert!(matches!(radio.given(radio.number), Use::Serve(_)), "not a sensing slot");
+    radio.number += 1;
+    radio.play(1200 - 14);
+    assert_eq!(lost(&radio), Some((1, 1)), "of the first period");
+    radio.play(1);
+    assert_eq!(lost(&radio), Some((1, 0)), "of the second");
+    assert_eq!(radio.faults(), [Fault::Overrun]);
+}
+
+#[test]
 fn samples_that_cannot_be_trusted_are_not_used() {
     let mut radio = Radio::new(0);
     radio.play(4 * 20);
@@ -144,7 +177,7 @@ fn with_both_copies_damaged_a_new_period_follows() {
     assert!((1..3).contains(&idle), "{uses:?}");
     assert_eq!(uses[idle..], planned(1)[..30 - idle]);
     radio.play(1200);
-    assert_eq!(radio.classified(), [1]);
+    assert_eq!(radio.classified(), [2], "the numbers go on");
 }
 
 #[test]

@@ -54,6 +54,7 @@ fn lost_slots_are_given_back_once() {
     period(&mut scheduler, |s, slot| {
         if slot == SlotUse::Communication(1) && lost < 9 {
             (lost, ()) = (lost + 1, s.on_lost());
+            s.on_lost(); // the same slot
         }
     });
     let second = period(&mut scheduler, |_, _| ());

@@ -215,20 +215,6 @@ pub(crate) fn test_and_set(flag: &AtomicBool) -> bool {
     })
 }
 
-/// Flips a bit of memory that its readers take for constant: what a particle does.
-///
-/// The bytes must lie in memory that can be written, as those of a [`Single`] do; a bit beyond them is left alone.
-#[inline(never)]
-pub fn flip_bit(bytes: &'static [u8], bit: usize) {
-    if let Some(byte) = bytes.get(bit / 8) {
-        let byte = core::hint::black_box(&raw const *byte).cast_mut();
-        // SAFETY: one core, no interrupt reads it, and every value is a byte. The language knows no memory that changes by itself
-        // under a shared reference: the compiler is kept from seeing where the pointer comes from, and no value of the bytes lives
-        // across this call, which is not inlined.
-        unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << (bit % 8)) };
-    }
-}
-
 /// A static with one owner.
 pub struct Single<T> {
     value: UnsafeCell<T>,

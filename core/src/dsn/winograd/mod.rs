@@ -20,6 +20,7 @@ use super::established;
 use super::kernels::{Kernels, Operator, Portable};
 use super::model::{MAX_BLOCKS, Model};
 use super::shape::Shape;
+use crate::areas::{Area, range};
 use crate::dims::ROWS;
 use crate::simd::NativeDualMac;
 use crate::simd::dual_mac::{DualMac, I16x8, POINTS};
@@ -145,6 +146,11 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
             }
         }
         Some(kernels)
+    }
+
+    /// Where its data lie.
+    pub(crate) fn area(&self, area: Area) -> core::ops::Range<*const u8> {
+        if area == Area::PackedWeights { range(self.vectors) } else { range(self.words) }
     }
 
     /// Convolutions that are packed ahead, not at every recognition.

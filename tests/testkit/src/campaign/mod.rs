@@ -1,15 +1,19 @@
 //! Fault injection: seeded faults one after the other, counted by their outcome; the counts are the same on every processor.
 //!
 //! [`schedule`] injects faults into the schedule of a radar module, [`samples`] corrupts slots, and [`recording`] injects faults into
-//! recordings on their way through the whole signal chain. [`environment`] is the radio, the task that polls, and the observer, who
-//! knows by counts of his own what the module must do. A fault is *detected* if the reports are exactly those that it must cause,
-//! *recovered* if the next whole period is right in every slot, *silent* if a report was due and none came. A report too many and
-//! a slot other than the plan's are *violations*.
+//! recordings on their way through the whole signal chain; [`unprotected`] those that nothing is meant to find. [`environment`] is
+//! the radio and the task that polls, on a virtual clock, and beside them is the observer, who knows by counts of his own what the
+//! module must do at every call. A fault is *detected* if the reports are exactly those that it must cause, in their order and by the
+//! end of the next whole period, *recovered* if that period is right in every slot, *silent* if a report was due and did not come. A
+//! report too many and a slot other than the plan's are *violations*.
 
+mod clock;
 pub mod environment;
+mod observer;
 pub mod recording;
 pub mod samples;
 pub mod schedule;
+pub mod unprotected;
 
 use core::fmt;
 use rand_core::Rng;

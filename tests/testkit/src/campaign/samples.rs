@@ -4,7 +4,8 @@
 
 use super::{Outcome, below};
 use crate::signals::noise;
-use rand_core::Rng;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::supervision::sample_health::{SampleFault, check};
 
@@ -95,6 +96,59 @@ impl Corruption {
             _ => Corruption::Glitch(below(rng, u32::MAX), value),
         }
     }
+}
+
+/// A kind of corruption, its strength in words, and a corruption of that strength.
+pub type Strength = (&'static str, &'static str, fn(&mut [i16], u32));
+
+/// Corruptions from strengths that are never found to such that always are, if there are any.
+pub const STRENGTHS: [Strength; 18] = {
+    const OFFSET: &str = "offset in phase, part of full scale";
+    const SATURATED: &str = "saturated values, share";
+    const GLITCH: &str = "one sample, height as part of full scale";
+    [
+        (OFFSET, "1/32", |samples, _| offset(samples, 1024)),
+        (OFFSET, "3/64", |samples, _| offset(samples, 1536)),
+        (OFFSET, "7/128", |samples, _| offset(samples, 1792)),
+        (OFFSET, "1/16", |samples, _| offset(samples, 2048)),
+        (OFFSET, "9/128", |samples, _| offset(samples, 2304)),
+        (OFFSET, "5/64", |samples, _| offset(samples, 2560)),
+        (OFFSET, "3/32", |samples, _| offset(samples, 3072)),
+        (OFFSET, "1/8", |samples, _| offset(samples, 4096)),
+        (SATURATED, "0.002", |samples, seed| saturate(samples, 2, seed)),
+        (SATURATED, "0.005", |samples, seed| saturate(samples, 5, seed)),
+        (SATURATED, "0.01", |samples, seed| saturate(samples, 10, seed)),
+        (SATURATED, "0.02", |samples, seed| saturate(samples, 20, seed)),
+        (SATURATED, "0.03", |samples, seed| saturate(samples, 30, seed)),
+        (SATURATED, "0.05", |samples, seed| saturate(samples, 50, seed)),
+        (SATURATED, "0.1", |samples, seed| saturate(samples, 100, seed)),
+        (GLITCH, "1/4", |samples, seed| Corruption::Glitch(seed, [1 << 13, 0]).apply(samples)),
+        (GLITCH, "1/2", |samples, seed| Corruption::Glitch(seed, [1 << 14, 0]).apply(samples)),
+        (GLITCH, "1", |samples, seed| Corruption::Glitch(seed, [i16::MAX, 0]).apply(samples)),
+    ]
+};
+
+fn offset(samples: &mut [i16], by: i16) {
+    Corruption::Offset([by, 0]).apply(samples);
+}
+
+/// Of a thousand values about so many at an end of the range.
+fn saturate(samples: &mut [i16], of_thousand: u32, seed: u32) {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed.into());
+    let chosen = samples.iter_mut().filter(|_| below(&mut rng, 1000) < of_thousand);
+    chosen.for_each(|x| *x = if *x < 0 { i16::MIN } else { i16::MAX });
+}
+
+/// Of so many slots of seeded noise, corrupted with a strength, those that the check of samples refuses.
+pub fn refused((_, _, corrupt): &Strength, slots: u32, seed: u64) -> u32 {
+    let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+    let mut samples = [0; RadarConfig::PAPER.values_per_slot()];
+    let refused = (0..slots).filter(|_| {
+        noise(&mut rng, &mut samples);
+        corrupt(&mut samples, rng.next_u32());
+        check(&samples, &RadarConfig::PAPER).is_err()
+    });
+    refused.count() as u32
 }
 
 /// Corrupts a slot of noise and checks it.

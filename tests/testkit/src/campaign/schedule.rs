@@ -1,8 +1,10 @@
-//! Faults against the schedule of a radar module: numbers of the radio, retained state, lost slots, and plans that change.
+//! Faults against the schedule of a radar module: numbers of the radio, retained state, lost slots, and plans that change, at any
+//! tick of the virtual clock.
 //!
 //! The periods are short and have no recording: the radio says of every sensing slot that it was lost.
 
-use super::environment::{CATCH_UP, Contexts, Copies, Environment, Transfer};
+use super::environment::{Contexts, Environment, Transfer};
+use super::observer::{CATCH_UP, Copies};
 use super::{Outcome, below};
 use rand_core::Rng;
 use sdp3_core::radar::Settings;
@@ -10,7 +12,7 @@ use sdp3_core::scheduler::{Planner, SensingLayout, SlotUse, USERS};
 use sdp3_core::supervision::retained::Retained;
 
 /// Kinds of faults, and two changes that are none.
-pub const KINDS: [&str; 15] = [
+pub const KINDS: [&str; 16] = [
     "slots skipped",
     "outage",
     "slot repeated",
@@ -26,6 +28,7 @@ pub const KINDS: [&str; 15] = [
     "newest copy, bits of a word",
     "older copy, one bit",
     "both copies, one bit each",
+    "waiting plan, one bit",
 ];
 
 /// Slots that a drifting clock gains or loses in one event.
@@ -66,7 +69,7 @@ impl<const VALUES: usize> Schedule<VALUES> {
     ) -> Self {
         let planner = Planner::new(settings.layout, settings.rates);
         let number = u32::MAX - below(rng, 1000);
-        let mut environment = Environment::new(contexts, retained, planner, need, number, None);
+        let mut environment = Environment::new(contexts, retained, planner, &[need], number, None);
         environment.plan(&settings.rates, Some(layout(rng)));
         Schedule(environment)
     }
@@ -80,9 +83,9 @@ impl<const VALUES: usize> Schedule<VALUES> {
         radio.play(below(rng, left - 2), Transfer::Lost);
         apply(radio, kind, rng);
         radio.finish(Transfer::Lost);
-        let before = radio.violations;
+        let before = radio.violations();
         radio.whole_period(Transfer::Lost);
-        let recovered = radio.violations == before;
+        let recovered = radio.violations() == before;
         radio.end_event(recovered, outcome);
     }
 }
@@ -128,11 +131,18 @@ fn apply<const VALUES: usize>(radio: &mut Environment<VALUES>, kind: usize, rng:
             radio.damage(Copies::Newest, (word, rng.next_u32().max(1)));
         }
         13 => radio.damage(Copies::Older, one_bit(rng)),
-        _ => {
+        14 => {
             radio.damage(Copies::Both, one_bit(rng));
-            // two slots at most are idle until processing has sent a plan
-            radio.play(3, Transfer::Lost);
+            // the reports that wait, and the plan, take a step each, and a step takes a slot at most
+            radio.play(11, Transfer::Lost);
             radio.invariant(!radio.unplanned());
+        }
+        _ => {
+            while !radio.flip_plan(rng.next_u32()) {
+                radio.plan(&rates(rng), Some(layout(rng)));
+                radio.slot(Transfer::Lost);
+                radio.wait();
+            }
         }
     }
     radio.slot(Transfer::Lost);
