@@ -291,7 +291,7 @@ impl<const VALUES: usize> SlotContext<VALUES> {
 
     /// Asks for another plan in place of one that has changed on its way.
     fn check_plan(&mut self) {
-        if self.ends.plans.peek().is_some_and(|plan| plan.get().is_none()) {
+        if self.ends.plans.peek().is_some_and(|plan| !plan.is_intact()) {
             self.ends.plans.dequeue();
             self.report(Report::Fault(Fault::PlanDamaged));
             self.report(Report::PlanNeeded);

@@ -131,17 +131,17 @@ impl<S: State + Clone> Message<S> {
         Message { state, checksum }
     }
 
-    /// The state, unless it has changed on the way.
-    pub fn get(&self) -> Option<S> {
-        let mut state = self.state.clone();
-        (Self::sum(&mut state) == self.checksum).then_some(state)
+    /// Whether it has not changed on the way.
+    pub fn is_intact(&self) -> bool {
+        Self::sum(&mut self.state.clone()) == self.checksum
     }
 
-    /// What may have changed on the way.
+    /// The state.
     pub fn state(&self) -> &S {
         &self.state
     }
 
+    #[inline(always)]
     fn sum(state: &mut S) -> u32 {
         let mut made = SEED;
         state.words(&mut |word| made = mix(made, *word));
