@@ -38,6 +38,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -125,6 +127,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -196,6 +208,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -231,6 +253,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -252,6 +276,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -272,6 +298,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -340,6 +368,16 @@ Help: the tool and every command, with examples.
             Threads; 0 takes all processors. Results do not depend on it
             
             [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
   
         --json
             Print results as JSON, and nothing else, on stdout
@@ -410,6 +448,16 @@ Help: the tool and every command, with examples.
             Threads; 0 takes all processors. Results do not depend on it
             
             [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
   
         --json
             Print results as JSON, and nothing else, on stdout
@@ -492,6 +540,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -569,6 +627,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -622,6 +690,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -651,6 +729,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -693,6 +773,16 @@ Help: the tool and every command, with examples.
             Threads; 0 takes all processors. Results do not depend on it
             
             [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
   
         --json
             Print results as JSON, and nothing else, on stdout
@@ -747,6 +837,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -781,6 +881,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -806,6 +908,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -829,6 +933,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -855,6 +961,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -879,6 +987,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -924,6 +1034,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -952,6 +1072,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -979,6 +1101,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1032,6 +1156,16 @@ Help: the tool and every command, with examples.
             Threads; 0 takes all processors. Results do not depend on it
             
             [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
   
         --json
             Print results as JSON, and nothing else, on stdout
@@ -1118,6 +1252,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -1162,6 +1306,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -1196,6 +1350,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1221,6 +1377,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1245,6 +1403,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1286,6 +1446,16 @@ Help: the tool and every command, with examples.
             
             [default: 0]
   
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
         --json
             Print results as JSON, and nothing else, on stdout
   
@@ -1313,6 +1483,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1335,6 +1507,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>        Seed of everything random [default: 1]
         --out <DIR>          Folder for results [default: out]
         --threads <THREADS>  Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>  Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>    Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json               Print results as JSON, and nothing else, on stdout
     -v, --verbose            Print more on stderr
     -q, --quiet              Print only errors on stderr
@@ -1360,6 +1534,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr
@@ -1383,6 +1559,8 @@ Help: the tool and every command, with examples.
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
         --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
+        --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
     -v, --verbose                    Print more on stderr
     -q, --quiet                      Print only errors on stderr

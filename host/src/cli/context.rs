@@ -43,10 +43,10 @@ pub struct Common {
     /// Threads; 0 takes all processors. Results do not depend on it.
     #[arg(long, global = true, default_value_t = 0)]
     pub threads: usize,
-    /// Most memory that a command may need by its estimate, with K, M, G, KiB, MiB or GiB: above it nothing is begun.
+    /// Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB.
     #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB")]
     pub max_memory: Memory,
-    /// Most time that a command may need by its estimate, in s or with m, h or d: above it nothing is begun.
+    /// Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d.
     #[arg(long, global = true, value_name = "TIME", default_value = "30d")]
     pub max_time: Time,
     /// Print results as JSON, and nothing else, on stdout.
