@@ -109,6 +109,9 @@ impl<const VALUES: usize, M: FnMut() -> Option<Contexts<VALUES>>> Recordings<VAL
         let radio = Environment::new(make()?, retained, planner, &[FIRST_EXIT, need], FIRST, samples);
         let rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let mut recordings = Recordings { radio, settings, need, files, make, rng };
+        // a kilobyte a step, and one for what is found
+        let steps = |file: &[u8]| file.len().saturating_sub(4).div_ceil(1024) as u32 + 1;
+        recordings.radio.observer.checks = files.map(steps);
         recordings.radio.whole_period(Transfer::Done);
         recordings.classify();
         Some(recordings)

@@ -88,6 +88,8 @@ pub(in crate::campaign) struct Observer {
     learned: [Option<u32>; EXITS],
     /// Sensing slots of every exit.
     pub needs: Vec<u32, EXITS>,
+    /// Steps of every model's check, at the end of its recognition.
+    pub checks: [u32; EXITS],
     /// The model of which bits have changed, and steps of its recognition once that has been reported: it may run by other kernels.
     model_damaged: Option<usize>,
     damaged_steps: Option<u32>,
@@ -129,6 +131,7 @@ impl Observer {
             due: Deque::new(),
             steps: 0,
             learned: [None; EXITS],
+            checks: [0; EXITS],
             needs: needs.iter().copied().take(EXITS).collect(),
             model_damaged: None,
             damaged_steps: None,
@@ -295,7 +298,7 @@ impl Observer {
             (new.saves, new.anchored) = (self.saves.wrapping_sub(u32::from(!newest)), true);
             new.report(Report::PlanNeeded);
         }
-        (new.learned, new.outcome) = (self.learned, self.outcome);
+        (new.learned, new.checks, new.outcome) = (self.learned, self.checks, self.outcome);
         *self = new;
     }
 

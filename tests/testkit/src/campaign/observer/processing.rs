@@ -116,8 +116,11 @@ impl Observer {
             }
             return Step::Busy;
         }
-        let Some(&Due { exit, .. }) = self.due.front() else { return Step::Idle };
+        let Some(&Due { exit, outdated, .. }) = self.due.front() else { return Step::Idle };
         self.steps += 1;
+        // the last exit ends its recording before its model is checked
+        let classified = self.learned[exit].is_some_and(|steps| self.steps + self.checks[exit] == steps);
+        self.recording.stopped |= classified && !outdated && exit + 1 == self.needs.len();
         if self.model_damaged == Some(exit) && self.damaged_steps == Some(self.steps) {
             self.refused();
         }
