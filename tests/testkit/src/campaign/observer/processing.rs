@@ -119,7 +119,8 @@ impl Observer {
         let Some(&Due { exit, outdated, .. }) = self.due.front() else { return Step::Idle };
         self.steps += 1;
         // the last exit ends its recording before its model is checked
-        let classified = self.learned[exit].is_some_and(|steps| self.steps + self.checks[exit] == steps);
+        let known = self.learned.get(exit).copied().flatten().zip(self.checks.get(exit));
+        let classified = known.is_some_and(|(steps, check)| self.steps + check == steps);
         self.recording.stopped |= classified && !outdated && exit + 1 == self.needs.len();
         if self.model_damaged == Some(exit) && self.damaged_steps == Some(self.steps) {
             self.refused();
@@ -169,10 +170,11 @@ impl Observer {
     pub fn classified(&mut self, period: u32, classification: &Classification) -> bool {
         let steps = take(&mut self.steps);
         let Some(due) = self.due.pop_front() else { return false };
-        let known = self.learned[due.exit].get_or_insert(steps);
+        let Some(known) = self.learned.get_mut(due.exit) else { return false };
+        let known = *known.get_or_insert(steps);
         if classification.stop {
             (self.release, self.recording.stopped) = (due.period, !due.outdated || self.recording.stopped);
         }
-        (*known, due.period, due.exit) == (steps, period, classification.exit.into())
+        (known, due.period, due.exit) == (steps, period, classification.exit.into())
     }
 }
