@@ -29,7 +29,7 @@ fn a_repaired_state_is_reported_once_though_a_number_is_repeated() {
 /// Slots of each user in a period of which sensing ends early, with the newest copy flipped before slot `at`.
 fn released(at: usize) -> (Vec<Use>, Vec<Fault>) {
     let kept = retained();
-    // a user that has its share of the released slots only by their division anew
+    // a user that has its share of the released slots only by a second division
     let (layout, rates) = (SensingLayout::new(60, 3, 12).unwrap(), [7, 1, 0, 0, 0, 0, 0, 0]);
     let mut radio = Radio::with(make(kept, Settings { rates, ..settings() }).unwrap(), 0);
     radio.processing.set_layout(layout);

@@ -1,7 +1,7 @@
 //! What a command may take: memory and time, held against estimates before work begins.
 //!
 //! An estimate is a sum of needs, each a formula over fields of the resolved scenario and of the command line
-//! (`pipeline/budget.rs`). A command whose sum is above a limit is refused by the field that needs most.
+//! (`pipeline/budget.rs`). A command with a sum above a limit is refused by the field that needs most.
 
 use crate::error::Invalid;
 use std::str::FromStr;

@@ -1,4 +1,4 @@
-//! Bits that flip, and what the observer is told of them.
+//! Bits that flip, and what the observer gets to know of them.
 
 use super::super::observer::{Copies, MODEL_FAULT};
 use super::Environment;
