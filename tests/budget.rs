@@ -107,7 +107,7 @@ fn traced_periods() {
     let written = std::fs::metadata(folder.path().join("out/trace.json")).expect("a trace").len();
     assert!(written as f64 > 100.0 * MB, "{written} bytes");
     let long = format!("{schedule} --periods 10000000 --max-time 10m");
-    refused(&folder, &long, &["--periods x frame.period_slots is 10000000 x 4000", "10 m, --max-time"]);
+    refused(&folder, &long, &["--periods x frame.period_slots is 10000000 x 4000", "10 min (--max-time)"]);
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn draws_and_sub_carriers() {
     let draws = "--set communication.draws=1000000 --max-time 1m";
     let wide = "--set communication.subcarriers=65536 --set communication.bandwidth_hz=2e9 \
                 --set communication.cases=[[[1.5,3.0,1.0]]]";
-    let words = ["communication.draws x users x sub-carriers is 1000000 x 6 x 467", "1 m, --max-time"];
+    let words = ["communication.draws x users x sub-carriers is 1000000 x 6 x 467", "1 min (--max-time)"];
     refused(&folder, &format!("{OPTIMIZE} {draws}"), &words);
     refused(&folder, &format!("run {draws}"), &words);
     refused(&folder, &format!("{OPTIMIZE} {draws} {wide}"), &["1000000 x 1 x 65536"]);
@@ -129,17 +129,17 @@ fn batches_images_and_epochs_of_trainings() {
     let network = "learning.batch x learning.channels x learning.blocks is 10000 x 32 x";
     for command in ["train", "run", "study learning-curve"] {
         let folder = folder();
-        refused(&folder, &format!("{command} {large}"), &[network, "4 GiB, --max-memory"]);
+        refused(&folder, &format!("{command} {large}"), &[network, "4 GiB (--max-memory)"]);
         let left = std::fs::read_dir(folder.path().join("out")).expect("a folder").count();
         assert_eq!(left, 0, "{command} left something");
     }
     let folder = folder();
     let images = "learning.train_per_class x learning.windows x frame.sensing_slots is 100000 x 100";
     let many = "train --set learning.train_per_class=100000 --set learning.windows=100";
-    refused(&folder, many, &[images, "4 GiB, --max-memory"]);
+    refused(&folder, many, &[images, "4 GiB (--max-memory)"]);
     let study =
         "study learning-curve --seeds 1000 --set learning.epochs=10000 --set frame.sensing_slots=[300]";
-    refused(&folder, study, &["trainings of the study", "is 1000,", "30 d, --max-time"]);
+    refused(&folder, study, &["trainings of the study", "is 1000,", "30 d (--max-time)"]);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn points_to_fit() {
     write(&folder, "many.csv", format!("sensing_slots,accuracy,tested\n{points}"));
     for command in ["predict", "optimize"] {
         let command = format!("{command} --points @/many.csv --max-time 10");
-        refused(&folder, &command, &["many.csv: points is 1000", "10 s, --max-time"]);
+        refused(&folder, &command, &["many.csv: points is 1000", "10 s (--max-time)"]);
     }
 }
 
@@ -162,8 +162,8 @@ fn combinations_of_a_sweep() {
     let powers = format!("{OPTIMIZE} --sweep power_w={values}");
     let all = format!("{powers} --sweep distance={values}");
     let combinations = "--sweep (combinations) x communication.cases is 25000000 x 2";
-    refused(&folder, &all, &[combinations, "4 GiB, --max-memory"]);
-    let words = ["--sweep (combinations) x communication.draws", "is 5000 x 20", "1 m, --max-time"];
+    refused(&folder, &all, &[combinations, "4 GiB (--max-memory)"]);
+    let words = ["--sweep (combinations) x communication.draws", "is 5000 x 20", "1 min (--max-time)"];
     refused(&folder, &format!("{powers} --max-time 1m"), &words);
     done(&folder, &format!("{OPTIMIZE} --sweep power_w=0.1,1 --sweep users=1,2 {FEW_DRAWS}"), 100.0);
 }
@@ -173,7 +173,7 @@ fn a_boundary_of_a_million_points() {
     let folder = folder();
     let optimize =
         |n: u32| format!("{OPTIMIZE} {FEW_DRAWS} --set frame.spacing_slots=0 --set frame.period_slots={n}");
-    let words = ["frame.period_slots / (frame.spacing_slots + 1) is 1000000", "100 MiB, --max-memory"];
+    let words = ["frame.period_slots / (frame.spacing_slots + 1) is 1000000", "100 MiB (--max-memory)"];
     refused(&folder, &format!("{} --max-memory 100MiB", optimize(1_000_000)), &words);
     done(&folder, &optimize(300_000), 120.0);
 }
@@ -184,7 +184,7 @@ fn cells_of_a_plan() {
     let seeds: Vec<String> = (1..=100_000).map(|seed| seed.to_string()).collect();
     write(&folder, "p.toml", format!("sensing_slots = [300]\nseeds = [{}]\n", seeds.join(",")));
     done(&folder, "sweep @/p.toml --slurm --dry-run --shards 2", 100.0);
-    refused(&folder, "sweep @/p.toml", &["cells of the shard is 100000", "30 d, --max-time"]);
+    refused(&folder, "sweep @/p.toml", &["cells of the shard is 100000", "30 d (--max-time)"]);
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn results_with_a_hole_of_gigabytes() {
     let about = "{\"global\":{\"core:datatype\":\"ri8\",\"core:sample_rate\":1e4}}";
     write(&folder, "signal.sigmf-meta", about);
     let calibrate = "calibrate --measured @/signal.sigmf-meta --carrier 24e9";
-    refused(&folder, calibrate, &["size (bytes) is 3221225472", "4 GiB, --max-memory"]);
+    refused(&folder, calibrate, &["size (bytes) is 3221225472", "4 GiB (--max-memory)"]);
 }
 
 /// Zeros of so many MiB behind a start, deflated: a kilobyte a MiB.
@@ -255,7 +255,7 @@ fn archives_that_inflate() {
         write(&folder, "a.npz", archive);
     };
     bomb("(268435456,)", 2048, (2 << 30) + 128);
-    refused(&folder, calibrate, &["a.npz: shape is [268435456]", "4 GiB, --max-memory"]);
+    refused(&folder, calibrate, &["a.npz: shape is [268435456]", "4 GiB (--max-memory)"]);
     bomb("(8388608,)", 64, (64 << 20) + 128);
     refused(&folder, &format!("{calibrate} --max-memory 100MiB"), &["a.npz: shape is [8388608]", "100 MiB"]);
     // it is zeros, which are read
@@ -269,7 +269,7 @@ fn archives_that_inflate() {
 
 /// The memory that the command says it needs, when it may have none, in bytes.
 fn estimate(folder: &TempDir, command: &str) -> f64 {
-    let ended = refused(folder, &format!("{command} --max-memory 1"), &["1 bytes, --max-memory"]);
+    let ended = refused(folder, &format!("{command} --max-memory 1"), &["1 bytes (--max-memory)"]);
     let (_, behind) = ended.stderr.split_once("about ").expect("an estimate");
     let mut words = behind.split_whitespace();
     let number: f64 = words.next().and_then(|word| word.parse().ok()).expect("a number");

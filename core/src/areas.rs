@@ -14,7 +14,7 @@ pub enum Area {
     /// Slow time, or the first range samples of the next recording.
     SlowTime,
     /// Log magnitudes.
-    Levels,
+    LogMagnitudes,
     /// The image, then the network's activations.
     Activations,
     /// Weights of the convolution that is packed, and its tiles.

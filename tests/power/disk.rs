@@ -11,7 +11,7 @@ pub type Tree = BTreeMap<PathBuf, Option<Vec<u8>>>;
 
 /// What of the operations that were not synced is found after the cut.
 #[derive(Debug, Clone, Copy)]
-pub enum Kept {
+pub enum Persisted {
     All,
     Nothing,
     /// Names of files, without the bytes.
@@ -81,7 +81,7 @@ impl Disk {
             if let (Node::File(file), Some(bytes)) = (node, bytes) {
                 disk.files[file].synced.clone_from(bytes);
             }
-            let (folder, name) = disk.place(path);
+            let (folder, name) = disk.entry(path);
             disk.folders[folder].synced.insert(name, node);
             disk.now.insert(path.clone(), node);
         }
@@ -99,7 +99,7 @@ impl Disk {
     }
 
     /// The folder of a path, and the name in it.
-    fn place(&self, path: &Path) -> (usize, String) {
+    fn entry(&self, path: &Path) -> (usize, String) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match self.now.get(path.parent().unwrap_or(Path::new(""))) {
             Some(&Node::Folder(folder)) => (folder, name),
@@ -108,7 +108,7 @@ impl Disk {
     }
 
     fn add(&mut self, path: &Path, node: Node) {
-        let (folder, name) = self.place(path);
+        let (folder, name) = self.entry(path);
         self.folders[folder].since.push(Renaming { without: None, with: Some((name, node)) });
         self.now.insert(path.to_owned(), node);
     }
@@ -160,7 +160,7 @@ impl Disk {
             Operation::Rename { from, to } => {
                 let (from, to) = (inside(from)?, inside(to)?);
                 let node = self.now.remove(&from).ok_or("a file that is not there was renamed")?;
-                let ((folder, without), (other, name)) = (self.place(&from), self.place(&to));
+                let ((folder, without), (other, name)) = (self.entry(&from), self.entry(&to));
                 if folder != other || matches!(node, Node::Folder(_)) {
                     return Err("only files are renamed, and in their folder".into());
                 }
@@ -171,7 +171,7 @@ impl Disk {
             }
             Operation::Remove { path } => {
                 let path = inside(path)?;
-                let (folder, name) = self.place(&path);
+                let (folder, name) = self.entry(&path);
                 self.folders[folder].since.push(Renaming { without: Some(name), with: None });
                 self.now.remove(&path);
             }
@@ -185,9 +185,9 @@ impl Disk {
     }
 
     /// What is found after a cut now.
-    pub fn state(&self, kept: Kept) -> Tree {
+    pub fn state(&self, kept: Persisted) -> Tree {
         let mut random = match kept {
-            Kept::Random(seed) => seed,
+            Persisted::Random(seed) => seed,
             _ => 0,
         };
         let mut chance = move || splitmix(&mut random);
@@ -195,9 +195,9 @@ impl Disk {
         let mut folders = vec![(PathBuf::new(), 0)];
         while let Some((path, folder)) = folders.pop() {
             let names = names_of(&self.folders[folder], |_| match kept {
-                Kept::All | Kept::Names => true,
-                Kept::Nothing | Kept::Bytes => false,
-                Kept::Random(_) => chance() % 2 == 0,
+                Persisted::All | Persisted::Names => true,
+                Persisted::Nothing | Persisted::Bytes => false,
+                Persisted::Random(_) => chance() % 2 == 0,
             });
             for (name, node) in names {
                 let path = path.join(name);
@@ -208,9 +208,9 @@ impl Disk {
                     }
                     Node::File(file) => {
                         let bytes = bytes_of(&self.files[file], |length| match kept {
-                            Kept::All | Kept::Bytes => Some(usize::MAX),
-                            Kept::Nothing | Kept::Names => None,
-                            Kept::Random(_) => match chance() % 3 {
+                            Persisted::All | Persisted::Bytes => Some(usize::MAX),
+                            Persisted::Nothing | Persisted::Names => None,
+                            Persisted::Random(_) => match chance() % 3 {
                                 0 => None,
                                 1 => Some(chance() as usize % (length / SECTOR + 1) * SECTOR),
                                 _ => Some(usize::MAX),
@@ -343,11 +343,13 @@ mod tests {
 
     #[test]
     fn what_was_not_synced_may_be_lost() {
-        assert_eq!(write(b"abc", false, true).state(Kept::Nothing), tree(&[("whole", b"")]));
-        assert_eq!(write(b"abc", false, false).state(Kept::Names), tree(&[("whole", b"")]));
-        assert_eq!(write(b"abc", true, false).state(Kept::Nothing), tree(&[]));
-        assert_eq!(write(b"abc", true, false).state(Kept::Names), tree(&[("whole", b"abc")]));
-        for kept in [Kept::Nothing, Kept::Names, Kept::Bytes, Kept::All, Kept::Random(1)] {
+        assert_eq!(write(b"abc", false, true).state(Persisted::Nothing), tree(&[("whole", b"")]));
+        assert_eq!(write(b"abc", false, false).state(Persisted::Names), tree(&[("whole", b"")]));
+        assert_eq!(write(b"abc", true, false).state(Persisted::Nothing), tree(&[]));
+        assert_eq!(write(b"abc", true, false).state(Persisted::Names), tree(&[("whole", b"abc")]));
+        for kept in
+            [Persisted::Nothing, Persisted::Names, Persisted::Bytes, Persisted::All, Persisted::Random(1)]
+        {
             assert_eq!(write(b"abc", true, true).state(kept), tree(&[("whole", b"abc")]));
         }
     }
@@ -357,7 +359,7 @@ mod tests {
         let long = [7; 2000];
         let disk = write(&long, false, true);
         let lengths: BTreeSet<usize> = (0..200)
-            .map(|seed| disk.state(Kept::Random(seed))[Path::new("whole")].as_ref().unwrap().len())
+            .map(|seed| disk.state(Persisted::Random(seed))[Path::new("whole")].as_ref().unwrap().len())
             .collect();
         assert_eq!(lengths, BTreeSet::from([0, 512, 1024, 1536, 2000]));
     }

@@ -6,12 +6,13 @@
 //!
 //! `power-cuts PROGRAM LOG FOLDER BEFORE MOST INTO` checks every state and prints how many differ: a file under its final name must be
 //! one that the program had finished, or one that was there before. It makes MOST of the states, or all, evenly chosen, in folders of
-//! their numbers in INTO. Exit code 0; 1: a file is torn; 2: the record is not one.
+//! their numbers in INTO. Without the syncs of the record files must be torn, or the check finds nothing. Exit code 0; 1: a file is torn;
+//! 2: the record is not one.
 
 mod disk;
 mod record;
 
-use disk::{Disk, Kept, Tree};
+use disk::{Disk, Persisted, Tree};
 use record::Operation;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -64,11 +65,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// Plays a record and gives `each` every state that differs from those before: its number, the operations before the cut, the state, and
-/// the contents that files may have. Returns how many states there are.
-fn play(
+/// Reads a record and gives `each` every state that differs from those before, until it says no: the state's number, the operations before
+/// the cut, the state, and the contents that files may have. Returns how many states there are. `synced`: with the syncs of the record.
+fn read_states(
     [program, log, folder, before]: [&str; 4],
-    mut each: impl FnMut(usize, usize, &Tree, &Finished) -> Result<()>,
+    synced: bool,
+    mut each: impl FnMut(usize, usize, &Tree, &Finished) -> Result<bool>,
 ) -> Result<usize> {
     record::all_are_recorded(&std::fs::read(program)?)?;
     let operations = record::read(&std::fs::read(log)?)?;
@@ -78,20 +80,25 @@ fn play(
     let mut disk = Disk::new(Path::new(folder), &before);
     let mut seen = BTreeSet::new();
     for (cut, operation) in (1..).zip(&operations) {
+        if !synced && matches!(operation, Operation::Sync { .. }) {
+            continue;
+        }
         disk.apply(operation)?;
         if let Operation::Rename { to, .. } = operation {
-            finish(&mut finished, &disk.state(Kept::All), to.strip_prefix(folder)?);
+            finish(&mut finished, &disk.state(Persisted::All), to.strip_prefix(folder)?);
         }
-        let random = (0..RANDOM).map(|n| Kept::Random(cut as u64 * RANDOM + n));
-        let kept = [Kept::All, Kept::Nothing, Kept::Names, Kept::Bytes].into_iter().chain(random);
-        for state in kept.map(|kept| disk.state(kept)) {
+        let random = (0..RANDOM).map(|n| Persisted::Random(cut as u64 * RANDOM + n));
+        let all = [Persisted::All, Persisted::Nothing, Persisted::Names, Persisted::Bytes]
+            .into_iter()
+            .chain(random);
+        for state in all.map(|persisted| disk.state(persisted)) {
             let number = seen.len();
-            if seen.insert(disk::fingerprint(&state)) {
-                each(number, cut, &state, &finished)?;
+            if seen.insert(disk::fingerprint(&state)) && !each(number, cut, &state, &finished)? {
+                return Ok(seen.len());
             }
         }
     }
-    if disk.state(Kept::All) != disk::read_tree(Path::new(folder))? {
+    if disk.state(Persisted::All) != disk::read_tree(Path::new(folder))? {
         let all = operations.len();
         return Err(format!("{folder} is not what its {all} operations make: one was not recorded").into());
     }
@@ -99,19 +106,29 @@ fn play(
 }
 
 fn check(record: [&str; 4], most: usize, into: &Path) -> Result<bool> {
+    let mut found = false;
+    read_states(record, false, |_, _, state, finished| {
+        found |= !torn(state, finished).is_empty();
+        Ok(!found)
+    })?;
+    if !found {
+        return Err("without its syncs no file is torn either: this check finds nothing".into());
+    }
     let mut whole = true;
-    let states = play(record, |number, cut, state, finished| {
+    let states = read_states(record, true, |number, cut, state, finished| {
         for path in torn(state, finished) {
             println!("FAILED: state {number}, after operation {cut}: {} is torn", path.display());
             whole = false;
         }
-        Ok(())
+        Ok(true)
     })?;
     std::fs::create_dir(into)?;
     let part = |number: usize| number * most.min(states) / states;
-    play(record, |number, _, state, _| match number {
-        1.. if part(number) == part(number - 1) => Ok(()),
-        _ => disk::write_tree(state, &into.join(number.to_string())),
+    read_states(record, true, |number, _, state, _| {
+        if number == 0 || part(number) != part(number - 1) {
+            disk::write_tree(state, &into.join(number.to_string()))?;
+        }
+        Ok(true)
     })?;
     println!("{states}");
     Ok(whole)

@@ -199,7 +199,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Area::Beats => range(self.beats),
             Area::Gram => range(core::slice::from_ref(&self.gram)),
             Area::SlowTime => range(self.slow_time),
-            Area::Levels => range(self.levels),
+            Area::LogMagnitudes => range(self.levels),
             _ => range::<u8>(&[]),
         }
     }

@@ -57,12 +57,12 @@ struct Slot {
 }
 
 impl Job {
-    /// A note of the time that `work` will take.
+    /// Notes the time that `work` will take, and refuses what is beyond the budget.
     ///
     /// # Errors
     ///
     /// More memory or time than the budget has.
-    pub(super) fn say_expected(&self, work: Work, rho: f64) -> Result<(), Invalid> {
+    pub(super) fn check_cost(&self, work: Work, rho: f64) -> Result<(), Invalid> {
         let l = &self.scenario.learning;
         let tested = match work {
             Work::Train => 0,
@@ -107,12 +107,12 @@ fn need(work: Work, scenario: &Scenario, seconds: f64) -> Need {
     }
 }
 
-/// A note of the time that the cells of a shard will take, as if none were there yet.
+/// The same for the cells of a shard, as if none were there yet.
 ///
 /// # Errors
 ///
 /// More memory or time than the budget has.
-pub(super) fn say_sweep(sweep: &Sweep, shard: Shard, context: RunContext) -> Result<(), Invalid> {
+pub(super) fn check_sweep_cost(sweep: &Sweep, shard: Shard, context: RunContext) -> Result<(), Invalid> {
     let cells: Vec<&(Cell, Arc<Scenario>)> =
         sweep.cells.iter().filter(|(cell, _)| shard.has(cell.index)).collect();
     let Some((first, scenario)) = cells.first() else { return Ok(()) };

@@ -49,7 +49,7 @@ impl Job {
             self.warn_of_rho();
         }
         let emulated = ask.targets.names.iter().filter(|target| *target != REFERENCE).count();
-        self.say_expected(Work::Run { calibrates, emulated }, self.rho())?;
+        self.check_cost(Work::Run { calibrates, emulated }, self.rho())?;
         self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
         let calibration = self.calibrate(ask.measured.as_ref())?;
         let rho = self.rho_used(&calibration, ask.measured.is_some());

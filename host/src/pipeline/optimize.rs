@@ -186,7 +186,7 @@ impl Job {
         self = self.of_folder()?;
         budget::regions(&self.scenario, self.budget, 1)?;
         #[cfg(feature = "train")]
-        self.say_expected(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho())?;
+        self.check_cost(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho())?;
         let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;
         self.record("early-exits")?;
         self.output.write_result("early-exits.json", &found)?;

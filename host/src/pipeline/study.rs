@@ -77,7 +77,7 @@ impl Job {
         if matches!(study, Study::Fidelity | Study::Robustness) {
             job.scenario.frame.sensing_slots = vec![self.scenario.largest_sensing_slots()];
         }
-        job.say_expected(Work::Study(seeds * of_seed as u32), job.rho())?;
+        job.check_cost(Work::Study(seeds * of_seed as u32), job.rho())?;
         if study == Study::Baselines && cfg!(feature = "svm") {
             self.progress.note(
                 "expected",

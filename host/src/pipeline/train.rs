@@ -94,7 +94,7 @@ impl Job {
             }
             None => {
                 self.warn_of_rho();
-                self.say_expected(Work::Train, self.rho())?;
+                self.check_cost(Work::Train, self.rho())?;
                 self.simulated()
             }
         };

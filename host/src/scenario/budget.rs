@@ -48,7 +48,7 @@ impl Budget {
     ///
     /// The largest of them.
     pub fn check_memory(&self, needs: &[Need]) -> Result<(), Invalid> {
-        let legal = format!("what fits {}, --max-memory", self.memory);
+        let legal = format!("at most {} (--max-memory)", self.memory);
         check(needs, self.memory.0 as f64, &legal, |bytes| format!("{} of memory", Memory(bytes as u64)))
     }
 
@@ -58,7 +58,7 @@ impl Budget {
     ///
     /// The largest of them.
     pub fn check_time(&self, needs: &[Need]) -> Result<(), Invalid> {
-        let legal = format!("what takes {}, --max-time", self.time);
+        let legal = format!("at most {} (--max-time)", self.time);
         check(needs, self.time.0, &legal, |seconds| Time(seconds).to_string())
     }
 }
@@ -106,7 +106,8 @@ impl std::fmt::Display for Memory {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Time(pub f64);
 
-const TIMES: [(&str, f64); 5] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("d", 86400.0), ("", 1.0)];
+const TIMES: [(&str, f64); 6] =
+    [("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86400.0), ("m", 60.0), ("", 1.0)];
 
 impl FromStr for Time {
     type Err = String;
@@ -165,7 +166,7 @@ mod tests {
         for text in ["", "0", "-1s", "m", "1y", "NaN"] {
             assert!(time(text).is_err(), "{text}");
         }
-        assert_eq!([0.25, 90.0, 2592000.0].map(|s| Time(s).to_string()), ["0.25 s", "1.5 m", "30 d"]);
+        assert_eq!([0.25, 90.0, 2592000.0].map(|s| Time(s).to_string()), ["0.25 s", "1.5 min", "30 d"]);
     }
 
     #[test]
@@ -175,12 +176,12 @@ mod tests {
         assert_eq!(budget.check_memory(&needs[..1]), Ok(()));
         assert_eq!(
             budget.check_memory(&needs).unwrap_err().to_string(),
-            "c is 7, about 1.12 GiB of memory in all, must be what fits 1 GiB, --max-memory"
+            "c is 7, about 1.12 GiB of memory in all, must be at most 1 GiB (--max-memory)"
         );
         assert_eq!(budget.check_time(&[Need::new("a", 1, 60.0)]), Ok(()));
         assert_eq!(
             budget.check_time(&[Need::new("a", 1, 61.0)]).unwrap_err().to_string(),
-            "a is 1, about 1.02 m in all, must be what takes 1 m, --max-time"
+            "a is 1, about 1.02 min in all, must be at most 1 min (--max-time)"
         );
         // what cannot be counted is too much
         assert!(budget.check_time(&[Need::new("a", 1, f64::INFINITY)]).is_err());

@@ -65,7 +65,7 @@ const SETTLE_S: f64 = 0.3;
 /// Slots between two changes of the person's pace.
 const GROUP: usize = 16;
 /// Primitives of head and torso, which come first.
-const TRUNK: usize = 2;
+const TORSO: usize = 2;
 
 fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     low + (high - low) * random.uniform()
@@ -227,7 +227,7 @@ pub fn draw(carrier_hz: f64, rate_hz: f64, motion: Motion, seed: u64, set: u64, 
     // bodies are not sixteen ellipsoids: limbs (after head and torso) echo less or more than those, each a little else
     let limbs = between(random, -12.0, 3.0);
     for (k, weight) in target.weights.iter_mut().enumerate() {
-        let db = if k < TRUNK { 0.0 } else { limbs } + 3.0 * random.gaussian();
+        let db = if k < TORSO { 0.0 } else { limbs } + 3.0 * random.gaussian();
         *weight = libm::pow(10.0, db / 20.0);
     }
     let pace = match bernoulli(random, 0.7) {

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component::Normal, Path, PathBuf};
 
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -209,7 +209,7 @@ impl Output {
         let path = self.path(name);
         let fail = |source| OutputError::Write { path: path.clone(), source };
         let folder = parent(&path).unwrap_or(Path::new("."));
-        self.refuse_links(name)?;
+        self.refuse_elsewhere(name)?;
         create_folder(folder).map_err(fail)?;
         let written = Partial::create(&path).and_then(|mut partial| {
             let value = fill(partial.file())?;
@@ -220,8 +220,11 @@ impl Output {
         written.map_err(fail)
     }
 
-    /// Refuses a file in a folder of the output folder that is a link: it would be written elsewhere.
-    fn refuse_links(&self, name: &str) -> Result<(), OutputError> {
+    /// Refuses a name that leads out of the output folder, and one in a folder that is a link: the file would be written elsewhere.
+    fn refuse_elsewhere(&self, name: &str) -> Result<(), OutputError> {
+        let inside = !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Normal(_)));
+        Invalid::unless(inside, "name of a file", format!("{name:?}"), "one in the folder")
+            .map_err(|refused| OutputError::Content { path: self.path(""), reason: refused.to_string() })?;
         let mut inner = Path::new(name).ancestors().skip(1).map(|above| self.folder.join(above));
         match inner.find(|path| *path != self.folder && path.is_symlink()) {
             Some(path) => {
@@ -375,6 +378,8 @@ mod tests {
         let error = output.fill("models/y.bin", |_| Err::<(), _>(io::Error::other("broken"))).unwrap_err();
         assert!(error.to_string().contains("y.bin") && error.to_string().contains("broken"), "{error}");
         assert_eq!(std::fs::read_dir(output.path("models")).unwrap().count(), 1);
+        let elsewhere = ["../x", "models/../../x", "/x", ""].map(|name| output.write(name, b"").unwrap_err());
+        assert!(elsewhere.iter().all(|error| error.to_string().contains("name of a file")), "{elsewhere:?}");
         let error = Output::create(Path::new("/proc/nowhere")).unwrap_err().to_string();
         assert!(error.contains("/proc/nowhere") && error.contains("--out"), "{error}");
     }

@@ -45,7 +45,7 @@ fuzz_target!(|data: &[u8]| {
             }
         })
         .collect();
-    let reference = reference::network::infer(&file, &image);
+    let reference = reference::infer(&file, &image);
     let expected = Layers(reference.layers.into_iter().chain([reference.logits]).collect());
     let model = Model::parse(&file).expect("a sound model");
     assert_eq!(layers(&model, &image, Portable), expected);

@@ -6,3 +6,5 @@
 pub(crate) mod network;
 pub(crate) mod schedule;
 pub(crate) mod signal;
+
+pub use network::{ReferenceOutput, infer};

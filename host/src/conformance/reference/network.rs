@@ -30,6 +30,7 @@ impl Tensor {
 pub struct ReferenceOutput {
     /// Every layer's output: pooled stem; per block affine, convolution, convolution, sum; averaged features.
     pub layers: Vec<Vec<i64>>,
+    /// One for each class.
     pub logits: Vec<i64>,
     /// Softmax probability of the largest logit.
     pub confidence: f64,

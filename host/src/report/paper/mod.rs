@@ -55,10 +55,9 @@ pub fn files(run: &Run, found: &Figures) -> Result<Vec<(String, Vec<u8>)>, Paper
         all.push(("kl-curve".to_owned(), figures::kl_curve(c).svg(Medium::SINGLE)));
     }
     for s in &found.spectrograms {
-        all.push((
-            format!("spectrogram-{}", s.title.replace(' ', "-")),
-            spectrograms::svg(s, Medium::SINGLE),
-        ));
+        // a title is any text, and a file's name is not
+        let title = s.title.replace(|c: char| !c.is_alphanumeric() && c != '_', "-");
+        all.push((format!("spectrogram-{title}"), spectrograms::svg(s, Medium::SINGLE)));
     }
     for sensing_slots in confusion::slots(found) {
         all.push((format!("confusion-{sensing_slots}"), confusion::svg(found, sensing_slots)));
@@ -108,7 +107,21 @@ pub fn draw(output: &Output, name: &str, svg: &str) -> Result<(), Failure> {
 /// A picture that stands alone: on white, every CSS variable replaced by its fallback.
 fn on_white(svg: &str) -> String {
     let svg = svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1);
-    let mut parts = svg.split("var(--");
+    let mut parts = svg.split('<');
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        // a variable stands in a tag or in a style; between tags the same letters are text
+        let (tag, text) = part.split_at(part.find('>').unwrap_or(part.len()));
+        plain += "<";
+        plain += &resolved(tag);
+        plain += &if tag == "style" { resolved(text) } else { text.to_owned() };
+    }
+    plain
+}
+
+/// Every CSS variable replaced by its fallback.
+fn resolved(markup: &str) -> String {
+    let mut parts = markup.split("var(--");
     let mut plain = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (variable, rest) = part.split_once(')').unwrap_or((part, ""));
@@ -196,6 +209,16 @@ mod tests {
         let [(_, empty), ..] = drawn("#222", "");
         assert_eq!(dark(&Pixmap::decode_png(&empty).unwrap()), 0);
         assert!(forms("t", "<svg").unwrap_err().to_string().contains("figure t"));
+    }
+
+    #[test]
+    fn text_like_a_variable_stays_text() {
+        let svg = "<svg><title>t</title><style>a{fill:var(--a,#111)}</style><text fill=\"var(--b,#222)\">var(--c,d)</text></svg>";
+        let drawn = on_white(svg);
+        for part in ["a{fill:#111}</style>", "<text fill=\"#222\">var(--c,d)</text></svg>", "fill=\"#fff\"/>"]
+        {
+            assert!(drawn.contains(part), "{part} is not in: {drawn}");
+        }
     }
 
     #[test]

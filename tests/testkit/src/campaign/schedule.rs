@@ -110,7 +110,7 @@ fn apply<const VALUES: usize>(radio: &mut Environment<VALUES>, kind: usize, rng:
             for _ in 1..left {
                 let slot = radio.slot(Transfer::Lost);
                 if slot != SlotUse::Sensing && below(rng, 4) == 0 {
-                    radio.lose();
+                    radio.slot_lost();
                 }
             }
         }

@@ -21,7 +21,7 @@ const AREAS: [(Area, u32); 14] = [
     (Area::Beats, u32::MAX),
     (Area::Gram, u32::MAX),
     (Area::SlowTime, u32::MAX),
-    (Area::Levels, u32::MAX),
+    (Area::LogMagnitudes, u32::MAX),
     (Area::Activations, u32::MAX),
     (Area::PackedWeights, u32::MAX),
     (Area::OperatorWords, u32::MAX),

@@ -29,7 +29,7 @@ impl<const VALUES: usize> Environment<VALUES> {
 
     /// Flips a bit of the plan that waits for its period; false if there is none.
     pub fn flip_plan(&mut self, bit: u32) -> bool {
-        if self.observer.begun || self.observer.plan.is_none() {
+        if self.observer.plan_begun || self.observer.plan.is_none() {
             return false;
         }
         let plan = self.contexts.0.waiting_plan();

@@ -183,11 +183,11 @@ impl<const VALUES: usize> Environment<VALUES> {
         let number = self.number;
         self.number = number.wrapping_add(1);
         let expected = self.observer.begin(number);
-        let (given, fault) = self.begin(number, transfer);
-        self.invariant(given == expected);
+        let (action, fault) = self.begin(number, transfer);
+        self.invariant(action == expected);
         self.clock.wake();
-        if given != SlotUse::Sensing || transfer == Transfer::Missing {
-            return given;
+        if action != SlotUse::Sensing || transfer == Transfer::Missing {
+            return action;
         }
         let flip = match transfer {
             Transfer::Flipped(bit) => Some((self.clock.within_slot(), bit)),
@@ -200,8 +200,8 @@ impl<const VALUES: usize> Environment<VALUES> {
         }
         self.advance(end);
         if transfer == Transfer::Lost {
-            self.lose();
-            return given;
+            self.slot_lost();
+            return action;
         }
         self.contexts.0.samples_ready();
         self.observer.samples_ready(fault);
@@ -210,7 +210,7 @@ impl<const VALUES: usize> Environment<VALUES> {
             self.advance(at);
             flip_bit(&self.buffer, bit);
         }
-        given
+        action
     }
 
     pub fn play(&mut self, slots: u32, transfer: Transfer) {
@@ -259,7 +259,7 @@ impl<const VALUES: usize> Environment<VALUES> {
     }
 
     /// The last slot was lost.
-    pub fn lose(&mut self) {
+    pub fn slot_lost(&mut self) {
         self.wait();
         self.contexts.0.lost();
         self.observer.lost();
@@ -275,8 +275,8 @@ impl<const VALUES: usize> Environment<VALUES> {
     pub fn repeat(&mut self) {
         self.boundary();
         let expected = self.observer.repeat();
-        let (given, _) = self.begin(self.number.wrapping_sub(1), Transfer::Done);
-        self.invariant(given == expected);
+        let (action, _) = self.begin(self.number.wrapping_sub(1), Transfer::Done);
+        self.invariant(action == expected);
         self.clock.wake();
     }
 
@@ -284,8 +284,8 @@ impl<const VALUES: usize> Environment<VALUES> {
     pub fn late(&mut self, number: u32) {
         self.boundary();
         self.observer.late();
-        let (given, _) = self.begin(number, Transfer::Done);
-        self.invariant(given == SlotUse::Idle);
+        let (action, _) = self.begin(number, Transfer::Done);
+        self.invariant(action == SlotUse::Idle);
         self.clock.wake();
     }
 

@@ -9,7 +9,7 @@ pub(in crate::campaign) struct Kept {
     pub counts: PeriodCounts,
     pub period: u32,
     /// Sensing slots of the period so far.
-    pub sensed: u32,
+    pub sensing_slots: u32,
     pub last: SlotUse,
     /// Whether there is no plan and slots stay idle.
     pub unplanned: bool,
@@ -20,6 +20,6 @@ pub(in crate::campaign) struct Kept {
 impl Kept {
     pub fn new(plan: &Plan, unplanned: bool, next: u32) -> Self {
         let (sequencer, counts) = (Sequencer::new(plan), PeriodCounts::default());
-        Kept { sequencer, counts, period: 0, sensed: 0, last: SlotUse::Idle, unplanned, next }
+        Kept { sequencer, counts, period: 0, sensing_slots: 0, last: SlotUse::Idle, unplanned, next }
     }
 }

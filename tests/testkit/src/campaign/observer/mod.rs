@@ -69,7 +69,7 @@ pub(in crate::campaign) struct Observer {
     reports_lost: u32,
     /// The next plan, whether its period has begun, and whether it has changed on its way.
     pub plan: Option<Plan>,
-    pub begun: bool,
+    pub plan_begun: bool,
     pub plan_damaged: bool,
     plan_requested: bool,
     totals: Option<(u32, [u32; USERS])>,
@@ -117,7 +117,7 @@ impl Observer {
             reports: Deque::new(),
             reports_lost: 0,
             plan: None,
-            begun: false,
+            plan_begun: false,
             plan_damaged: false,
             plan_requested: false,
             totals: None,
@@ -162,7 +162,7 @@ impl Observer {
     fn load(&mut self) -> bool {
         match self.damaged.take() {
             None | Some(Copies::Older) => {
-                if take(&mut self.begun) {
+                if take(&mut self.plan_begun) {
                     self.plan = None;
                 }
                 if take(&mut self.totals_used) {
@@ -174,7 +174,7 @@ impl Observer {
                 self.fault(Fault::StateRepaired);
                 let (next, last) = (self.kept.next, self.kept.last);
                 self.kept = self.saved[1].clone();
-                (self.begun, self.totals_used) = (false, false);
+                (self.plan_begun, self.totals_used) = (false, false);
                 for _ in 0..next.wrapping_sub(self.kept.next).min(CATCH_UP + 1) {
                     self.play(false);
                 }
@@ -184,7 +184,7 @@ impl Observer {
             Some(Copies::Both) => {
                 self.fault(Fault::StateLost);
                 self.kept = Kept::new(&Plan::IDLE, true, 0);
-                (self.plan_requested, self.begun, self.totals_used) = (false, false, false);
+                (self.plan_requested, self.plan_begun, self.totals_used) = (false, false, false);
                 (self.pending, self.anchored, self.release, self.goal) = (None, false, 0, None);
                 // the numbers go on, so that no period is taken for one before
                 self.kept.period = self.saved[0].period;
@@ -237,8 +237,8 @@ impl Observer {
                 (self.buffer, self.free) = (true, self.free - 1);
             }
             if self.buffer {
-                let Kept { period, sensed, sequencer, .. } = &self.kept;
-                let numbers = [*period, sensed.wrapping_sub(1), sequencer.sensing_left()];
+                let Kept { period, sensing_slots, sequencer, .. } = &self.kept;
+                let numbers = [*period, sensing_slots.wrapping_sub(1), sequencer.sensing_left()];
                 self.pending = Some(Filled { numbers, fault: None });
             } else {
                 self.fault(Fault::Overrun);
@@ -320,7 +320,7 @@ impl Observer {
 
     /// A plan that has changed on its way is reported, and another one asked for.
     fn check_plan(&mut self) {
-        if !self.begun && self.plan.is_some() && take(&mut self.plan_damaged) {
+        if !self.plan_begun && self.plan.is_some() && take(&mut self.plan_damaged) {
             self.plan = None;
             self.fault(Fault::PlanDamaged);
             self.report(Report::PlanNeeded);
@@ -332,11 +332,11 @@ impl Observer {
         if self.kept.sequencer.position() == 0 {
             self.check_plan();
             let kept = &mut self.kept;
-            let plan = self.plan.as_ref().filter(|_| !self.begun);
+            let plan = self.plan.as_ref().filter(|_| !self.plan_begun);
             let replanned = plan.is_some() || kept.period == 0;
             kept.sequencer.restart(plan);
-            self.begun |= plan.is_some();
-            (kept.period, kept.sensed) = (kept.period.wrapping_add(1), 0);
+            self.plan_begun |= plan.is_some();
+            (kept.period, kept.sensing_slots) = (kept.period.wrapping_add(1), 0);
             let (period, counts) = (kept.period, take(&mut kept.counts));
             if fresh {
                 self.report(Report::Period { period, replanned, counts });
@@ -359,7 +359,7 @@ impl Observer {
         }
         let kept = &mut self.kept;
         kept.last = kept.sequencer.next_slot();
-        kept.sensed += u32::from(kept.last == SlotUse::Sensing);
+        kept.sensing_slots += u32::from(kept.last == SlotUse::Sensing);
         kept.next = kept.next.wrapping_add(1);
         kept.last
     }

@@ -84,8 +84,8 @@ impl Observer {
     pub fn before(&self) -> u32 {
         let mut recording = self.recording.clone();
         self.filled.iter().for_each(|slot| _ = recording.take(slot, &self.needs));
-        let goes_on =
-            (self.kept.period, self.kept.sensed.wrapping_sub(1)) == (recording.period, recording.next_index);
+        let goes_on = (self.kept.period, self.kept.sensing_slots.wrapping_sub(1))
+            == (recording.period, recording.next_index);
         if goes_on { recording.taken } else { 0 }
     }
 
