@@ -30,7 +30,7 @@ fn write(folder: &TempDir, name: &str, content: impl AsRef<[u8]>) {
 }
 
 /// Names that are more than a name somewhere: in a shell script, in YAML 1.1, on a terminal, in a table or for the eye.
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 12] = [
     "a\n#SBATCH --wrap=reboot",
     "a\r\nb",
     "a\u{85}kind: Pod",
@@ -38,6 +38,9 @@ const NAMES: [&str; 9] = [
     "a\u{1b}[2J",
     "a\u{9b}2J",
     "a\u{202e}b",
+    "a\u{61c}b",
+    "a\u{fffe}",
+    "a\u{e0041}",
     "=1+1",
     "",
 ];
@@ -70,12 +73,16 @@ fn a_plan_and_its_folder_cannot_change_a_script_or_manifest() {
     write(&folder, "p.toml", "seeds = [1]\n");
     let slurm = ["sweep", "@/p.toml", "--slurm", "--dry-run", "--shards", "2"];
     let out = |path: &'static str| [&slurm[..], &["--out", path]].concat();
-    for path in ["@/a\n#SBATCH --wrap=reboot", "@/a\rb", "@/a\"b", "@/a\u{2028}b"] {
+    for path in ["@/a\n#SBATCH --wrap=reboot", "@/a\rb", "@/a\"b", "@/a\u{2028}b", "@/hetjob"] {
         refused(&folder, &out(path), &["--out is", "printable"]);
     }
-    for option in ["-p a\n#SBATCH --wrap=reboot", "-p a\rb", "reboot"] {
+    // a line with either of the last words begins another component of a heterogeneous job
+    for option in ["-p a\n#SBATCH --wrap=reboot", "-p a\rb", "reboot", "-p hetjob", "--comment=packjob"] {
         refused(&folder, &[&out("@/out")[..], &["--sbatch", option]].concat(), &["--sbatch is"]);
     }
+    write(&folder, "het.toml", "seeds = [1]\nname = \"hetjob-a\"\n");
+    let named = ["sweep", "@/het.toml", "--slurm", "--dry-run", "--out", "@/out"];
+    refused(&folder, &named, &["name is", "without hetjob"]);
     // image and claim are any text, and stay it
     let odd = "i\"\n---\nkind: Pod\u{85}\u{2028}";
     let claim = [&kubernetes[..], &["--claim", odd]].concat();
@@ -104,6 +111,16 @@ fn no_name_of_a_file_reaches_the_terminal_raw() {
             &["calibrate", "--measured", &file, "--carrier", "24e9", "--out", "@/out"],
             &["\\u{"],
         );
+    }
+}
+
+#[test]
+fn no_argument_reaches_the_terminal_raw() {
+    let folder = folder();
+    for argument in ["--\u{1b}[2J", "a\u{9b}2J", "a\u{202e}b"] {
+        refused(&folder, &["run", argument], &["\\u{"]);
+        refused(&folder, &["run", "--seed", argument], &["\\u{"]);
+        refused(&folder, &[argument], &["\\u{"]);
     }
 }
 

@@ -26,7 +26,7 @@ mod pipeline;
 pub mod predictor;
 mod progress;
 pub mod recordings;
-mod report;
+pub mod report;
 pub mod reproduce;
 pub mod results;
 pub mod scenario;
@@ -34,7 +34,7 @@ mod scheduling;
 pub mod schemas;
 pub mod simulator;
 pub mod store;
-mod text;
+pub mod text;
 
 pub use cli::main;
 

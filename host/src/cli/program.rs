@@ -10,10 +10,7 @@ use std::process::ExitCode;
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
+        Err(error) => return misused(error),
     };
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global() {
         return refused(&format!("--threads: {error}"));
@@ -29,6 +26,15 @@ pub fn main() -> ExitCode {
         Ok(false) => ExitCode::from(1),
         Err(error) => refused(&error.to_string()),
     }
+}
+
+/// The parser's answer: an error, help or the version. It quotes arguments as they are, so they are parsed again as a terminal may show
+/// them.
+fn misused(error: clap::Error) -> ExitCode {
+    let arguments = std::env::args_os().map(|argument| shown(&argument.to_string_lossy()).into_owned());
+    let error = Cli::try_parse_from(arguments).err().unwrap_or(error);
+    let _ = error.print();
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
 }
 
 fn refused(reason: &str) -> ExitCode {

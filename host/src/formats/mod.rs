@@ -4,5 +4,5 @@ pub mod model_file;
 pub(crate) mod numpy;
 pub mod points;
 pub mod slots;
-pub(crate) mod table;
+pub mod table;
 pub mod tflite;

@@ -45,10 +45,12 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// A cell that a spreadsheet takes for text too: what it would take for a formula gets an apostrophe before it. Numbers stay.
+/// A cell that a spreadsheet takes for text too: what it would take for a formula, also by a sign of double width, gets an apostrophe
+/// before it. Numbers stay.
 fn text_of(cell: String) -> String {
-    let formula = cell.len() > 1 && cell.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    if formula && cell.parse::<f64>().is_err() { format!("'{cell}") } else { cell }
+    const SIGNS: [char; 11] = ['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠'];
+    let formula = cell.starts_with(SIGNS) && cell.parse::<f64>().is_err();
+    if formula { format!("'{cell}") } else { cell }
 }
 
 /// The cells of a line of CSV, without the blanks around them.
@@ -68,8 +70,8 @@ mod tests {
 
     #[test]
     fn no_cell_is_a_formula() {
-        let row = ["=1+1", "@SUM(A1)", "-1.5e-3", "+3", "-", "-x"].map(str::to_owned).to_vec();
-        assert_eq!(csv(&["a"], [row]), "a\n'=1+1,'@SUM(A1),-1.5e-3,+3,-,'-x\n");
+        let row = ["=1+1", "@SUM(A1)", "-1.5e-3", "+3", "-", "-x", "\n=1", "＝1"].map(str::to_owned).to_vec();
+        assert_eq!(csv(&["a"], [row]), "a\n'=1+1,'@SUM(A1),-1.5e-3,+3,'-,'-x,\"'\n=1\",'＝1\n");
     }
 
     #[test]

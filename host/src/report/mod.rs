@@ -13,12 +13,12 @@ pub(crate) mod figures;
 pub(crate) mod gallery;
 mod page;
 pub(crate) mod panels;
-pub(crate) mod paper;
+pub mod paper;
 pub(crate) mod plot;
 pub(crate) mod spectrograms;
 #[cfg(feature = "train")]
 pub(crate) mod studies;
-pub(crate) mod sweep;
+pub mod sweep;
 pub(crate) mod tables;
 pub(crate) mod timeline;
 

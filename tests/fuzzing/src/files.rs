@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Where a process keeps its files: in memory where the system has such a folder.
-fn place(name: &str) -> PathBuf {
+pub fn place(name: &str) -> PathBuf {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
     folder.join(format!("sdp3-fuzz-{}{name}", std::process::id()))

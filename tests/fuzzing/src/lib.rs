@@ -1,6 +1,8 @@
 //! Bytes as numbers, and model files made of bytes, for the fuzz targets.
 
 pub mod files;
+#[cfg(feature = "parsers")]
+pub mod parsed;
 
 use sdp3_core::crc32::crc32;
 

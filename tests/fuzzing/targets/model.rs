@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::dsn::{Model, Portable, Shape, infer};
 use sdp3_core::dims::ROWS;
+use sdp3_core::dsn::{Model, Portable, Shape, infer};
 use sdp3_fuzz::set_checksum;
 
 fn judge(file: &[u8], image: &[u8]) {

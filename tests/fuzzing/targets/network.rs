@@ -5,9 +5,9 @@
 use libfuzzer_sys::fuzz_target;
 use sdp3::conformance::reference;
 use sdp3::network::inference::{Isa, VectorKernels};
+use sdp3_core::dims::ROWS;
 use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model, Portable, infer};
-use sdp3_core::dims::ROWS;
 use sdp3_core::probe::Probe;
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_fuzz::{Bytes, Sizes, model};

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use sdp3_core::scheduler::{Plan, USERS, Sequencer, SlotUse, apportion};
+use sdp3_core::scheduler::{Plan, Sequencer, SlotUse, USERS, apportion};
 use sdp3_fuzz::Bytes;
 
 /// A legal plan of at most 200 slots.

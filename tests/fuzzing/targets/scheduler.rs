@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3_core::scheduler::layout::LONGEST_PERIOD;
-use sdp3_core::scheduler::{Plan, USERS, Scheduler, SensingLayout, SlotUse};
+use sdp3_core::scheduler::{Plan, Scheduler, SensingLayout, SlotUse, USERS};
 use sdp3_fuzz::Bytes;
 
 /// Sensing of a period of at most 256 slots.
@@ -78,7 +78,9 @@ fn play(bytes: &mut Bytes<'_>) {
 /// Periods up to the longest, rates up to the largest.
 fn stretch(bytes: &mut Bytes<'_>) {
     let (period, spacing, slots) = (bytes.u32() % (LONGEST_PERIOD + 2), bytes.u32(), bytes.u32());
-    let Ok(sensing) = SensingLayout::new(period, spacing >> (spacing % 32), slots >> (slots % 32)) else { return };
+    let Ok(sensing) = SensingLayout::new(period, spacing >> (spacing % 32), slots >> (slots % 32)) else {
+        return;
+    };
     let mut scheduler = Scheduler::new(sensing, std::array::from_fn(|_| rate(bytes)));
     let others = |plan: &Plan| plan.shares().iter().sum::<u32>();
     let plan = scheduler.plan();

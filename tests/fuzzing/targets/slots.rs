@@ -2,11 +2,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use sdp3_core::Error;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Classification, Model, Shape};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::Pipeline;
-use sdp3_core::Error;
 use sdp3_core::pipeline_memory;
 use sdp3_fuzz::{Bytes, Sizes, model};
 use std::collections::VecDeque;

@@ -11,13 +11,13 @@
 
 #[cfg(feature = "train")]
 mod cell;
-pub(crate) mod kubernetes;
+pub mod kubernetes;
 pub(crate) mod merge;
 pub mod plan;
 #[cfg(feature = "train")]
 pub(crate) mod run;
 pub(crate) mod shard;
-pub(crate) mod slurm;
+pub mod slurm;
 pub(crate) mod status;
 pub mod store;
 

@@ -18,6 +18,9 @@ pub const RESTARTS: u32 = 3;
 /// Folder of the jobs' logs.
 const LOGS: &str = "logs";
 
+/// sbatch takes these words, anywhere in a line of options, for the border between two components of a heterogeneous job.
+const BORDERS: [&str; 2] = ["hetjob", "packjob"];
+
 /// The scripts of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Jobs {
@@ -32,23 +35,32 @@ pub struct Jobs {
 ///
 /// A folder of another sweep, or one that cannot be written; an option that is none.
 pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) -> Result<Jobs, Failure> {
-    let option = |option: &&String| !option.starts_with('-') || !option.chars().all(is_printable);
-    if let Some(bad) = options.iter().find(option) {
-        return Err(Invalid::option("--sbatch", format!("{bad:?}"), "an option of sbatch").into());
+    let border = |text: &str| BORDERS.iter().any(|word| text.contains(word));
+    let option = |text: &str| text.starts_with('-') && text.chars().all(is_printable) && !border(text);
+    if let Some(bad) = options.iter().find(|text| !option(text)) {
+        let legal = "an option of sbatch, without hetjob and packjob";
+        return Err(Invalid::option("--sbatch", format!("{bad:?}"), legal).into());
     }
+    let name = &sweep.plan.name;
+    Invalid::unless(
+        !border(name),
+        "name",
+        format!("{name:?}"),
+        "a name without hetjob and packjob for Slurm",
+    )
+    .map_err(|invalid| invalid.at("plan"))?;
     let (folder, program) = (output.folder().canonicalize()?, std::env::current_exe()?);
     for (field, path) in [("--out", &folder), ("path of sdp3", &program)] {
         // a line of `#SBATCH` ends at a line break, and a word of it at a quotation mark
-        let plain = path
-            .to_str()
-            .is_some_and(|path| path.chars().all(|c| is_printable(c) && !matches!(c, '"' | '\\')));
-        let legal = "a path of printable characters without \" and \\";
+        let plain = path.to_str().is_some_and(|path| {
+            path.chars().all(|c| is_printable(c) && !matches!(c, '"' | '\\')) && !border(path)
+        });
+        let legal = "a path of printable characters without \" and \\, and without hetjob and packjob";
         Invalid::unless(plain, field, format!("{path:?}"), legal)
             .map_err(|invalid| invalid.at("command line"))?;
     }
     sweep.open(output)?;
     std::fs::create_dir_all(folder.join(LOGS))?;
-    let name = &sweep.plan.name;
     let head = |name: &str, log: &str, more: &str| {
         let log = folder.join(LOGS).display().to_string().replace('%', "%%") + "/" + log;
         let options: String = options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
@@ -84,6 +96,7 @@ pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) ->
 }
 
 impl Jobs {
+    /// Their files, not submitted.
     pub fn written(&self) -> Submitted {
         let files = [&self.array, &self.merge].map(|file| file.display().to_string()).to_vec();
         Submitted { shards: self.shards, files, array: None, merge: None }

@@ -26,10 +26,20 @@ const CSS: f32 = 96.0;
 pub enum PaperError {
     /// It is not SVG.
     #[error("figure {name}: {source}")]
-    Svg { name: String, source: resvg::usvg::Error },
+    Svg {
+        /// The picture.
+        name: String,
+        /// What the reader of SVG says.
+        source: resvg::usvg::Error,
+    },
     /// It is too large, or cannot be encoded.
     #[error("figure {name}: {reason}")]
-    Draw { name: String, reason: String },
+    Draw {
+        /// The picture.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
 }
 
 /// Every figure of a run: file names and bytes.
@@ -105,7 +115,7 @@ pub fn draw(output: &Output, name: &str, svg: &str) -> Result<(), Failure> {
 }
 
 /// A picture that stands alone: on white, every CSS variable replaced by its fallback.
-fn on_white(svg: &str) -> String {
+pub fn on_white(svg: &str) -> String {
     let svg = svg.replacen("</title>", "</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>", 1);
     let mut parts = svg.split('<');
     let mut plain = parts.next().unwrap_or_default().to_owned();

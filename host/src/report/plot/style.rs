@@ -1,11 +1,14 @@
 //! Colours, markers and dashes of series, and numbers as words.
 
+use crate::text::shown;
+
 /// Colours of series, safe for the colour-blind (Okabe and Ito); neighbours differ in lightness.
 pub const COLOURS: [&str; 7] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#7f7f7f"];
 
-/// Text made safe for HTML and SVG.
+/// Text made safe for HTML and SVG; XML has no control characters, not even escaped.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
+    shown(text)
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
