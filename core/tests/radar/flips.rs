@@ -126,3 +126,41 @@ fn a_damaged_model_is_reported_once_and_the_other_exits_go_on() {
         assert_eq!(period(&mut radio), (left, 1), "reported again");
     }
 }
+
+#[test]
+fn every_area_without_a_checksum_is_found_apart_from_the_others() {
+    use sdp3_core::areas::Area;
+    let areas = [
+        Area::WaitingSlot(0),
+        Area::WaitingSlot(1),
+        Area::WaitingSlot(2),
+        Area::Beats,
+        Area::Gram,
+        Area::SlowTime,
+        Area::LogMagnitudes,
+        Area::Activations,
+        Area::PackedWeights,
+        Area::OperatorWords,
+        Area::Weights(0),
+        Area::Threshold,
+    ];
+    let mut radio = Radio::new(0);
+    radio.polls = 4;
+    // the logits of a first exit have no place in a module of one
+    assert!(radio.processing.area(Area::Logits).is_empty());
+    let mut found = [false; 12];
+    for number in 0..2400 {
+        if radio.given(number) == Use::Sense {
+            radio.slots.samples_ready();
+        }
+        let places = areas.map(|area| radio.processing.area(area));
+        for (k, place) in places.iter().enumerate() {
+            found[k] |= !place.is_empty();
+            let apart = |other: &Range<*const u8>| place.end <= other.start || other.end <= place.start;
+            let others = places[..k].iter().filter(|other| !other.is_empty() && !place.is_empty());
+            assert!(others.into_iter().all(apart), "{:?}", areas[k]);
+        }
+        radio.poll();
+    }
+    assert_eq!(found, [true; 12], "{areas:?}");
+}
