@@ -104,3 +104,15 @@ fn references_are_the_windowed_sums_of_bins() {
         }
     }
 }
+
+#[test]
+fn blocks_of_a_sweep_that_the_sensor_dechirps_are_summed_and_conjugated() {
+    let config = RadarConfig { dechirp: Dechirp::Analog, ..RadarConfig::PAPER };
+    let blocks = FastTime::new(config, &mut []).unwrap();
+    let slot: Vec<i16> = (0..1000).flat_map(|n| [3 * n - 700, 900 - 2 * n]).collect();
+    for (k, value) in blocks.beat(&slot).unwrap().iter().enumerate() {
+        let part = || (125 * k as i32..).take(125);
+        let (re, im): (i32, i32) = (part().map(|n| 3 * n - 700).sum(), part().map(|n| 900 - 2 * n).sum());
+        assert_eq!((value.re, value.im), (re, -im), "block {k}");
+    }
+}
