@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Whether a character is shown as itself everywhere: no control character, no line break of any system, no noncharacter, and none that
-/// turns the direction of writing or is not seen (Unicode's `Default_Ignorable_Code_Point` and interlinear annotations; the selectors of
-/// variants after a letter or an emoji may stay).
+/// changes the direction of writing or is invisible (Unicode's `Default_Ignorable_Code_Point` and interlinear annotations; variation
+/// selectors after a letter or an emoji are allowed).
 pub fn is_printable(c: char) -> bool {
     let hidden = matches!(c,
         '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}' | '\u{180e}'

@@ -38,17 +38,17 @@ fn what_does_not_fit_is_refused() {
 
 /// The rules of the fields' documentation, in whole numbers without a limit.
 fn fits(c: &RadarConfig) -> bool {
-    let (samples, kept) = (i64::from(c.samples), i64::from(c.range_samples));
+    let (samples, count) = (i64::from(c.samples), i64::from(c.range_samples));
     let real = c.format == SampleFormat::Real;
     let ranges =
-        (64..=2048).contains(&samples) && (1..=8).contains(&kept) && (8..=16).contains(&c.converter_bits);
+        (64..=2048).contains(&samples) && (1..=8).contains(&count) && (8..=16).contains(&c.converter_bits);
     ranges
         && match c.gate {
-            None => !real && samples % kept == 0,
+            None => !real && samples % count == 0,
             Some(gate) => {
                 let bins = i64::from(gate.bins_per_sample);
                 let profile = if real { samples / 2 } else { samples };
-                let inside = i64::from(gate.first_bin) + bins * kept <= profile;
+                let inside = i64::from(gate.first_bin) + bins * count <= profile;
                 c.dechirp == Dechirp::Analog && (1..=32).contains(&bins) && inside
             }
         }
@@ -83,8 +83,8 @@ fn validity_and_bytes_follow_the_rules_at_every_edge() {
                         assert_eq!(config.is_valid(), fits(&config), "{config:?}");
                         let back = RadarConfig::from_bytes(config.to_bytes());
                         // no gate and one without bins have the same bytes, and zeros are the paper's
-                        let none = gate.is_some_and(|gate| gate.bins_per_sample == 0) || samples == 0;
-                        assert!(none || back == fits(&config).then_some(config), "{config:?}");
+                        let ambiguous = gate.is_some_and(|gate| gate.bins_per_sample == 0) || samples == 0;
+                        assert!(ambiguous || back == fits(&config).then_some(config), "{config:?}");
                         valid += usize::from(config.is_valid());
                     }
                 }

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return misused(error),
+        Err(error) => return usage_error(error),
     };
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.common.threads).build_global() {
         return refused(&format!("--threads: {error}"));
@@ -28,9 +28,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The parser's answer: an error, help or the version. It quotes arguments as they are, so they are parsed again as a terminal may show
-/// them.
-fn misused(error: clap::Error) -> ExitCode {
+/// Prints the parser's error, help or version. An error quotes arguments unescaped, so the escaped arguments are parsed again.
+fn usage_error(error: clap::Error) -> ExitCode {
     let arguments = std::env::args_os().map(|argument| shown(&argument.to_string_lossy()).into_owned());
     let error = Cli::try_parse_from(arguments).err().unwrap_or(error);
     let _ = error.print();

@@ -1,7 +1,6 @@
-//! What programs of others make of a text that the host wrote: the parts that a parser finds, one string each, in order.
+//! What third-party parsers find in a text that the host wrote: its parts, one string each, in order.
 //!
-//! No parser here is one that the host uses. Nobody's parser reads options of sbatch or tables outside Slurm and spreadsheets: those two
-//! are written here, by Slurm's manual and by RFC 4180.
+//! No parser here is one that the host uses. Options of sbatch and cells of CSV are read by code of our own, by Slurm's manual and RFC 4180.
 
 use brush_parser::word::{WordPiece, parse};
 use brush_parser::{ParserOptions, Token};
@@ -12,7 +11,11 @@ use unicode_bidi::{BidiClass, bidi_class};
 /// The parts of a text.
 pub type Parts = Vec<String>;
 
-/// Whether a text with `mark` in it and one with another word there mean the same but for the word, which may stand in any of some forms.
+/// Compares the parts of a text with the placeholder `mark` and of the same text with another word in its place, written in any of `forms`.
+///
+/// # Errors
+///
+/// The first part that differs in more than the word.
 pub fn same_but_for(mark: &str, forms: &[&str], with_mark: &Parts, other: &Parts) -> Result<(), String> {
     if with_mark.len() != other.len() {
         return Err(format!("{} parts, not {}", other.len(), with_mark.len()));
@@ -56,7 +59,7 @@ pub fn svg(picture: &str) -> Result<Parts, String> {
     Ok(parsed.root().descendants().map(part).collect())
 }
 
-/// Places and sizes follow the lengths of texts; addresses do not.
+/// Coordinates and sizes depend on the lengths of texts, so only addresses and styles are compared by value.
 fn attribute(name: &str, value: &str) -> String {
     match name.starts_with("on") || matches!(name, "href" | "src" | "style" | "fill" | "stroke") {
         true => format!(" {name}={value}"),
@@ -103,8 +106,8 @@ pub fn sbatch(script: &str) -> Parts {
     let mut parts = Vec::new();
     for line in comments {
         let Some(options) = line.strip_prefix("#SBATCH") else { continue };
-        if ["hetjob", "packjob"].iter().any(|border| line.contains(border)) {
-            parts.push("border".into());
+        if ["hetjob", "packjob"].iter().any(|separator| line.contains(separator)) {
+            parts.push("component".into());
         }
         let (mut word, mut quote, mut escaped) = (None::<String>, None, false);
         for c in options.chars() {
@@ -153,7 +156,7 @@ pub fn is_formula(cell: &str) -> bool {
     cell.starts_with(signs) && cell.parse::<f64>().is_err()
 }
 
-/// What a terminal does with a text other than to show it, if anything.
+/// What a terminal does with a text other than display it, if anything.
 pub fn terminal(text: &str) -> Option<String> {
     let mut found = Found::default();
     vte::Parser::new().advance(&mut found, text.as_bytes());

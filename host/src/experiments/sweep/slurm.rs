@@ -18,8 +18,8 @@ pub const RESTARTS: u32 = 3;
 /// Folder of the jobs' logs.
 const LOGS: &str = "logs";
 
-/// sbatch takes these words, anywhere in a line of options, for the border between two components of a heterogeneous job.
-const BORDERS: [&str; 2] = ["hetjob", "packjob"];
+/// Either word, anywhere in a line of options, begins another component of a heterogeneous job.
+const COMPONENT_SEPARATORS: [&str; 2] = ["hetjob", "packjob"];
 
 /// The scripts of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,15 +35,15 @@ pub struct Jobs {
 ///
 /// A folder of another sweep, or one that cannot be written; an option that is none.
 pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) -> Result<Jobs, Failure> {
-    let border = |text: &str| BORDERS.iter().any(|word| text.contains(word));
-    let option = |text: &str| text.starts_with('-') && text.chars().all(is_printable) && !border(text);
+    let separates = |text: &str| COMPONENT_SEPARATORS.iter().any(|word| text.contains(word));
+    let option = |text: &str| text.starts_with('-') && text.chars().all(is_printable) && !separates(text);
     if let Some(bad) = options.iter().find(|text| !option(text)) {
         let legal = "an option of sbatch, without hetjob and packjob";
         return Err(Invalid::option("--sbatch", format!("{bad:?}"), legal).into());
     }
     let name = &sweep.plan.name;
     Invalid::unless(
-        !border(name),
+        !separates(name),
         "name",
         format!("{name:?}"),
         "a name without hetjob and packjob for Slurm",
@@ -53,7 +53,7 @@ pub fn write(sweep: &Sweep, shards: u32, options: &[String], output: &Output) ->
     for (field, path) in [("--out", &folder), ("path of sdp3", &program)] {
         // a line of `#SBATCH` ends at a line break, and a word of it at a quotation mark
         let plain = path.to_str().is_some_and(|path| {
-            path.chars().all(|c| is_printable(c) && !matches!(c, '"' | '\\')) && !border(path)
+            path.chars().all(|c| is_printable(c) && !matches!(c, '"' | '\\')) && !separates(path)
         });
         let legal = "a path of printable characters without \" and \\, and without hetjob and packjob";
         Invalid::unless(plain, field, format!("{path:?}"), legal)
