@@ -1,6 +1,7 @@
 //! Helpers shared by the cross-crate tests: the built command, a small scenario, and one run of it.
 
 pub mod networks;
+pub mod suites;
 pub mod vectors;
 
 use sdp3::scenario::Scenario;

@@ -2,8 +2,10 @@
 //!
 //! `elf footprint FIRMWARE` prints flash, RAM and stack of every configuration on every machine and holds the limits;
 //! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs with reported frames;
-//! `elf no-panic FIRMWARE` looks for panics and an allocator in them.
+//! `elf no-panic FIRMWARE` looks for panics and an allocator in them;
+//! `elf board NAME FILE FLASH RAM` checks a program for a board, whose memories are given as `ADDRESS+LENGTH`.
 
+mod board;
 mod stack;
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind};
@@ -235,12 +237,15 @@ fn or_all<'a>(wanted: &[&'a str]) -> Vec<&'a str> {
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let done = match &words[..] {
-        ["footprint", folder, wanted @ ..] => footprint(Path::new(folder), &or_all(wanted)),
-        ["stack", folder, wanted @ ..] => static_stack(Path::new(folder), &or_all(wanted)),
-        ["no-panic", folder, wanted @ ..] => no_panic(Path::new(folder), &or_all(wanted)),
-        _ => Err("usage: elf footprint|stack|no-panic FIRMWARE [MACHINE...]".into()),
-    };
+    let done =
+        match &words[..] {
+            ["footprint", folder, wanted @ ..] => footprint(Path::new(folder), &or_all(wanted)),
+            ["stack", folder, wanted @ ..] => static_stack(Path::new(folder), &or_all(wanted)),
+            ["no-panic", folder, wanted @ ..] => no_panic(Path::new(folder), &or_all(wanted)),
+            ["board", name, file, flash, ram] => board::check(name, file, flash, ram),
+            _ => Err("usage: elf footprint|stack|no-panic FIRMWARE [MACHINE...] | board NAME FILE FLASH RAM"
+                .into()),
+        };
     match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),

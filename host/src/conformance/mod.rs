@@ -10,5 +10,5 @@ pub(crate) mod locate;
 pub mod qemu;
 pub mod reference;
 pub mod suite;
-pub(crate) mod transcript;
+pub mod transcript;
 pub mod verification;

@@ -8,10 +8,12 @@ use sdp3_core::values::Stage;
 /// Name, number of values and digest of a stage.
 pub type StageDigest = (String, u64, u64);
 
+/// A whole output.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Transcript {
     /// Digest of the power-on self test.
     pub selftest: u64,
+    /// The cases, in the suite's order.
     pub cases: Vec<CaseReport>,
     /// Slots and digest of the schedule.
     pub schedule: (u64, u64),
@@ -19,8 +21,10 @@ pub struct Transcript {
     pub stack_bytes: u64,
 }
 
+/// What was printed of a case.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CaseReport {
+    /// Every stage.
     pub stages: Vec<StageDigest>,
     /// Instructions of one recognition.
     pub instructions: u64,

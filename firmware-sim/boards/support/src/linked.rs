@@ -1,0 +1,30 @@
+//! What the linker script says: the data in flash that is no part of the program, and how deep the stack has been.
+#![allow(unsafe_code)]
+
+unsafe extern "C" {
+    static _flash_data_start: u8;
+    static _flash_data_end: u8;
+    static _stack_start: u32;
+    static _stack_end: u32;
+}
+
+/// What `cortex-m-rt` paints the stack with.
+const PAINT: u32 = 0xCCCC_CCCC;
+
+/// The part of flash that a recording or a suite is written to.
+pub fn data() -> &'static [u8] {
+    let (start, end) = (&raw const _flash_data_start, &raw const _flash_data_end);
+    // SAFETY: `memory.x` gives this part of flash to nothing else. It is readable, any bytes are values, and no program writes it.
+    unsafe { core::slice::from_raw_parts(start, end as usize - start as usize) }
+}
+
+/// Bytes of stack used since start-up.
+pub fn stack_used() -> usize {
+    let (lowest, top) = (&raw const _stack_end, &raw const _stack_start as usize);
+    let mut word = lowest;
+    // SAFETY: both symbols bound the stack, which is readable memory.
+    while (word as usize) < top && unsafe { word.read_volatile() } == PAINT {
+        word = word.wrapping_add(1);
+    }
+    top - word as usize
+}
