@@ -111,22 +111,16 @@ fn station(command: &[String]) -> Result<bool> {
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let done = match &arguments[..] {
-        [what, file] if what == "recording" => std::fs::write(file, walk().to_le_bytes())
-            .map(|()| true)
-            .map_err(|e| format!("{file}: {e}").into()),
-        [what, file, most, command @ ..] if what == "conformance" => {
-            conformance(file, most, usize::MAX, command)
-        }
-        [what, file, most, command @ ..] if what == "conformance-short" => {
-            conformance(file, most, 1, command)
-        }
-        [what, command @ ..] if what == "station" => station(command),
-        _ => Err(
-            "usage: board recording FILE | conformance SUITE BYTES COMMAND... | station COMMAND..."
-                .into(),
-        ),
-    };
+    let done =
+        match &arguments[..] {
+            [what, file] if what == "recording" => std::fs::write(file, walk().to_le_bytes())
+                .map(|()| true)
+                .map_err(|e| format!("{file}: {e}").into()),
+            [what, file, most, command @ ..] if what == "conformance" => conformance(file, most, command),
+            [what, command @ ..] if what == "station" => station(command),
+            _ => Err("usage: board recording FILE | conformance SUITE BYTES COMMAND... | station COMMAND..."
+                .into()),
+        };
     match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
