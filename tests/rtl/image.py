@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """image.py ELF: the program's words at their addresses from 0x40000000 on, in the format of $readmemh."""
 import struct
 import sys

@@ -101,10 +101,10 @@ mod firmware {
             };
             // the second time the code is in the caches
             for _ in 0..2 {
-                stages.start();
                 stages.empty = [0; 2];
                 stages.sums = [[0; 2]; NAMES.len()];
                 stages.events = none;
+                stages.start();
                 stages.add(Stage::Nothing);
                 stages.empty = stages.sums[Stage::Nothing as usize];
             }
