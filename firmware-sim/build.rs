@@ -6,7 +6,7 @@
 fn main() {
     println!("cargo:rustc-check-cfg=cfg(armv8m)");
     println!(
-        "cargo:rustc-check-cfg=cfg(board, values(\"mps2\", \"an505\", \"an547\", \"riscv-virt\", \"arm-virt\"))"
+        "cargo:rustc-check-cfg=cfg(board, values(\"mps2\", \"an505\", \"an547\", \"riscv-virt\", \"rtl\", \"arm-virt\"))"
     );
     println!("cargo:rerun-if-changed=memory");
     for name in ["SDP3_MEMORY", "SDP3_TICK_PS", "SDP3_INSTRUCTION_PS", "SDP3_SLOT_INSTRUCTIONS"] {

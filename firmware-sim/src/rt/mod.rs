@@ -10,6 +10,7 @@
 //! one counter. Its resolution is one tick: 0.5 to 0.8 instructions on Cortex-M, 1.6 on RISC-V, 1 on AArch64.
 #![allow(unsafe_code)]
 
+mod counters;
 #[cfg_attr(target_arch = "arm", path = "cortex_m.rs")]
 #[cfg_attr(target_arch = "riscv32", path = "riscv.rs")]
 #[cfg_attr(target_arch = "aarch64", path = "aarch64.rs")]
@@ -17,6 +18,7 @@ mod family;
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
+pub use counters::{MARKS, counters, mark};
 use family::trap;
 pub use family::{reset, wait};
 
