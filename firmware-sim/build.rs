@@ -1,10 +1,12 @@
 //! Hands the machine's memory map to the linker, and its counter, virtual clock and slot to the runtime. A host build needs none.
 //!
-//! `build` sets the variables from the table `machines`. The cfgs are `board`, the memory map's name, and `armv8m`, a processor
-//! with a stack limit register.
+//! `build` sets the variables from the table `machines`. The cfgs are `board`, the memory map's name, `armv6m`, a processor
+//! without a register for access to an FPU, and `armv8m`, one with a stack limit register.
 
 fn main() {
+    println!("cargo:rustc-check-cfg=cfg(armv6m)");
     println!("cargo:rustc-check-cfg=cfg(armv8m)");
+    println!("cargo:rustc-check-cfg=cfg(vectors)");
     println!(
         "cargo:rustc-check-cfg=cfg(board, values(\"mps2\", \"an505\", \"an547\", \"riscv-virt\", \"rtl\", \"arm-virt\"))"
     );
@@ -18,8 +20,10 @@ fn main() {
         return;
     }
     println!("cargo:rustc-cfg=board=\"{memory}\"");
-    if read("TARGET").starts_with("thumbv8m.main") {
-        println!("cargo:rustc-cfg=armv8m");
+    for (architecture, name) in [("thumbv6m", "armv6m"), ("thumbv8m.main", "armv8m")] {
+        if read("TARGET").starts_with(architecture) {
+            println!("cargo:rustc-cfg={name}");
+        }
     }
     println!("cargo:rustc-link-arg-bins=-L{}/memory", read("CARGO_MANIFEST_DIR"));
     println!("cargo:rustc-link-arg-bins=-T{memory}.ld");

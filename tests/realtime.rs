@@ -33,7 +33,7 @@ struct Machine {
 
 impl Machine {
     fn all() -> Result<Vec<Machine>> {
-        let rows = TABLE.lines().filter(|line| !line.starts_with('#'));
+        let rows = TABLE.lines().filter(|line| !line.starts_with('#') && !line.contains("| - "));
         rows.map(|row| match row.split('|').map(str::trim).collect::<Vec<_>>()[..] {
             [name, _, _, _, _, clock, cycles, _] => {
                 Ok(Machine { name, clock: clock.parse()?, cycles: cycles.parse()? })

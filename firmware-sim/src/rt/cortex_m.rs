@@ -29,22 +29,33 @@ core::arch::global_asm!(
     "ldr r2, =_data_load",
     "1: cmp r0, r1",
     "bhs 2f",
-    "ldr r3, [r2], #4",
-    "str r3, [r0], #4",
+    "ldmia r2!, {{r3}}",
+    "stmia r0!, {{r3}}",
     "b 1b",
     "2: ldr r0, =_bss_start",
     "ldr r1, =_bss_end",
     "movs r3, #0",
     "3: cmp r0, r1",
     "bhs 4f",
-    "str r3, [r0], #4",
+    "stmia r0!, {{r3}}",
     "b 3b",
-    "4: ldr r0, =0xE000ED88", // CPACR: full access to the FPU, where there is one
+    "4:",
+);
+
+// CPACR: full access to the FPU, where there is one
+#[cfg(not(armv6m))]
+core::arch::global_asm!(
+    ".section .text.reset, \"ax\"",
+    "ldr r0, =0xE000ED88",
     "ldr r1, [r0]",
     "orr r1, r1, #0xF00000",
     "str r1, [r0]",
     "dsb",
     "isb",
+);
+
+core::arch::global_asm!(
+    ".section .text.reset, \"ax\"",
     "bl firmware_main",
     "b .",
     ".global fault",

@@ -7,7 +7,7 @@ core::arch::global_asm!(
     "la sp, _stack_top",
     "la t0, fault",
     "csrw mtvec, t0",
-    "li t0, 0x2000", // mstatus.FS: the FPU on, where there is one
+    "li t0, 0x2200", // mstatus.FS and VS: FPU and vectors on, where there are any
     "csrs mstatus, t0",
     "la t0, _data_start",
     "la t1, _data_end",
@@ -99,7 +99,51 @@ macro_rules! float_registers {
 #[cfg(target_feature = "f")]
 core::arch::global_asm!(float_registers!("fsw"));
 
+// Where there are vectors of 128 bits, all their registers and what they are configured by.
+#[cfg(vectors)]
+core::arch::global_asm!(
+    ".option push",
+    ".option arch, +zve32x",
+    "addi sp, sp, -528",
+    "csrr t0, vl",
+    "csrr t1, vtype",
+    "csrr t2, vstart",
+    "sw t0, 512(sp)",
+    "sw t1, 516(sp)",
+    "sw t2, 520(sp)",
+    "mv t0, sp",
+    "vs8r.v v0, (t0)",
+    "addi t0, t0, 128",
+    "vs8r.v v8, (t0)",
+    "addi t0, t0, 128",
+    "vs8r.v v16, (t0)",
+    "addi t0, t0, 128",
+    "vs8r.v v24, (t0)",
+    ".option pop",
+);
+
 core::arch::global_asm!("csrr a0, mcause", "call firmware_trap");
+
+#[cfg(vectors)]
+core::arch::global_asm!(
+    ".option push",
+    ".option arch, +zve32x",
+    "mv t0, sp",
+    "vl8re8.v v0, (t0)",
+    "addi t0, t0, 128",
+    "vl8re8.v v8, (t0)",
+    "addi t0, t0, 128",
+    "vl8re8.v v16, (t0)",
+    "addi t0, t0, 128",
+    "vl8re8.v v24, (t0)",
+    "lw t0, 512(sp)",
+    "lw t1, 516(sp)",
+    "lw t2, 520(sp)",
+    "vsetvl zero, t0, t1",
+    "csrw vstart, t2",
+    "addi sp, sp, 528",
+    ".option pop",
+);
 
 #[cfg(target_feature = "f")]
 core::arch::global_asm!(float_registers!("flw"));

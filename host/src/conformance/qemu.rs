@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// The emulated machines, by name: those of the table `firmware-sim/machines`.
+/// The emulated machines with a clock in the table `firmware-sim/machines`, by name.
 pub const MACHINES: [&str; 8] = [
     "cortex-m3",
     "cortex-m4f",
@@ -18,6 +18,9 @@ pub const MACHINES: [&str; 8] = [
     "riscv32imafc",
     "cortex-a53",
 ];
+
+/// Those without one, which run the conformance suite.
+pub const UNTIMED: [&str; 3] = ["cortex-m0plus", "riscv32imc", "riscv32zve"];
 
 /// An emulated machine and a program for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,7 +68,8 @@ pub enum QemuError {
 
 /// A program of the firmware in `folder`, on every machine.
 pub fn machines(folder: &Path, program: &str) -> Vec<Firmware> {
-    MACHINES.map(|name| Firmware { name, elf: folder.join(name).join(program) }).into()
+    let firmware = |name| Firmware { name, elf: folder.join(name).join(program) };
+    MACHINES.into_iter().chain(UNTIMED).map(firmware).collect()
 }
 
 /// Where the firmware is or will be built: an explicit folder, `SDP3_FIRMWARE`, or beside this program's profile.
