@@ -4,7 +4,7 @@
 //! program.
 #![no_std]
 
-mod cycles;
+mod registers;
 
 use core::panic::PanicInfo;
 use defmt_rtt as _;
@@ -65,14 +65,15 @@ pub struct Board {
     pub timer: SlotTimer,
 }
 
-/// Sets the processor's clock to 160 MHz, the serial line, and the cycle counter. For one call.
+/// Sets the processor's clock to 160 MHz, the serial line, and the cycle counter, and lets interrupts through. For one call.
 pub fn board() -> Option<Board> {
     paint_stack();
     let device = esp_hal::init(Config::default().with_cpu_clock(CpuClock::_160MHz));
     let config = uart::Config::default().with_baudrate(BAUD);
     let uart = UartTx::new(device.UART0, config).ok()?.with_tx(device.GPIO21);
     let timer = PeriodicTimer::new(SystemTimer::new(device.SYSTIMER).alarm0);
-    cycles::enable();
+    registers::enable_cycles();
+    registers::enable_interrupts();
     Some(Board { uart: Uart(uart), timer: SlotTimer(timer) })
 }
 
@@ -90,7 +91,7 @@ pub fn suite() -> &'static [u8] {
 pub fn cycle_counter() -> impl FnMut() -> u64 {
     let (mut last, mut high) = (0, 0_u64);
     move || {
-        let now = cycles::count();
+        let now = registers::cycles();
         high += u64::from(now < last) << 32;
         last = now;
         high | u64::from(now)
