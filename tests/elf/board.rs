@@ -18,7 +18,7 @@ const OF_DRIVERS: [&str; 8] = [
     "rust_begin_unwind",
 ];
 
-/// Functions of drivers, and of the formatting of their messages, that index with a check, on the processors whose calls are read.
+/// Functions of drivers, and of the formatting of their messages, that index with a check; for RISC-V, where calls are read.
 const INDEXING: [&str; 5] =
     ["7esp_hal", "$LT$esp_hal..", "handle_interrupts", "__mktime", "escape_debug_ext"];
 

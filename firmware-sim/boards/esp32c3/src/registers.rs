@@ -1,4 +1,4 @@
-//! The processor's registers that esp-hal leaves alone: its own counter of cycles (it has no `mcycle`), and the interrupts' switch.
+//! The processor's registers that esp-hal does not touch: its own counter of cycles (it has no `mcycle`), and the interrupts' switch.
 #![allow(unsafe_code)]
 
 use core::arch::asm;

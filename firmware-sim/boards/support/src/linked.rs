@@ -12,7 +12,7 @@ unsafe extern "C" {
 const PAINT: u32 = 0xCCCC_CCCC;
 /// Words at the end of the stack that a start-up may guard: they are not painted.
 const GUARDED: usize = 16;
-/// Words below the painter's frame that it leaves alone, for its calls.
+/// Words below the painter's frame that it does not paint, for its calls.
 const MARGIN: usize = 64;
 
 /// The part of flash that a recording or a suite is written to.

@@ -6,7 +6,7 @@ mod retained {
     #![allow(unsafe_code)] // the section
     use sdp3_core::Retained;
 
-    #[unsafe(link_section = ".uninit.retained")] // RAM that start-up leaves alone
+    #[unsafe(link_section = ".uninit.retained")] // RAM that start-up does not write
     pub static RETAINED: Retained = Retained::new();
 }
 
