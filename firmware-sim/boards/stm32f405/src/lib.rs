@@ -54,8 +54,11 @@ fn clocks(rcc: pac::RCC) -> Rcc {
 
 /// Sets clocks and serial line, once.
 pub fn board() -> Option<Board> {
-    let device = Peripherals::take()?;
-    let mut core = cortex_m::Peripherals::take()?;
+    set_up(Peripherals::take()?, cortex_m::Peripherals::take()?)
+}
+
+/// Sets clocks and serial line.
+pub fn set_up(device: Peripherals, mut core: cortex_m::Peripherals) -> Option<Board> {
     let mut rcc = clocks(device.RCC);
     let pins = device.GPIOA.split(&mut rcc);
     let config = serial::Config::default().baudrate(BAUD.bps()).stopbits(StopBits::STOP1);

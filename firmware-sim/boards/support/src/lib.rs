@@ -6,4 +6,5 @@ pub mod line;
 pub mod linked;
 pub mod recording;
 pub mod run;
+pub mod station;
 pub mod suite;

@@ -10,6 +10,10 @@ unsafe extern "C" {
 
 /// What `cortex-m-rt` paints the stack with.
 const PAINT: u32 = 0xCCCC_CCCC;
+/// Words at the end of the stack that a start-up may guard: they are not painted.
+const GUARDED: usize = 16;
+/// Words below the painter's frame that it does not paint, for its calls.
+const MARGIN: usize = 64;
 
 /// The part of flash that a recording or a suite is written to.
 pub fn data() -> &'static [u8] {
@@ -18,9 +22,22 @@ pub fn data() -> &'static [u8] {
     unsafe { core::slice::from_raw_parts(start, end as usize - start as usize) }
 }
 
-/// Bytes of stack used since start-up.
+/// Paints the free stack, where start-up does not. To be called before anything that is to be counted.
+#[inline(never)]
+pub fn paint_stack() {
+    let here = 0_u32;
+    let end = (&raw const here).wrapping_sub(MARGIN);
+    let mut word = (&raw const _stack_end).wrapping_add(GUARDED).cast_mut();
+    while word.cast_const() < end {
+        // SAFETY: the word lies between the stack's end and this function's frame: it is writable, and nothing uses it.
+        unsafe { word.write_volatile(PAINT) };
+        word = word.wrapping_add(1);
+    }
+}
+
+/// Bytes of stack used since start-up or [`paint_stack`].
 pub fn stack_used() -> usize {
-    let (lowest, top) = (&raw const _stack_end, &raw const _stack_start as usize);
+    let (lowest, top) = ((&raw const _stack_end).wrapping_add(GUARDED), &raw const _stack_start as usize);
     let mut word = lowest;
     // SAFETY: both symbols bound the stack, which is readable memory.
     while (word as usize) < top && unsafe { word.read_volatile() } == PAINT {

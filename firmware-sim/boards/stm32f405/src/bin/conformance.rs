@@ -4,6 +4,7 @@
 
 use cortex_m_rt::entry;
 use sdp3_board_support::line::Board;
+use sdp3_board_support::linked::data;
 use sdp3_board_support::suite::{MODEL_BYTES, SLOT_VALUES, SuiteMemory};
 use sdp3_conformance::run;
 use sdp3_stm32f405::{board, cycle_counter};
@@ -16,7 +17,7 @@ static MODEL: ConstStaticCell<[u8; MODEL_BYTES]> = ConstStaticCell::new([0; MODE
 #[entry]
 fn main() -> ! {
     if let Some(board) = board() {
-        let mut machine = Board { serial: board.uart, cycles: cycle_counter() };
+        let mut machine = Board { suite: data(), serial: board.uart, cycles: cycle_counter() };
         if let Err(failure) = run(&mut machine, MEMORY.take(), SLOT.take(), MODEL.take(), &mut ()) {
             failure.tell(&mut machine);
         }

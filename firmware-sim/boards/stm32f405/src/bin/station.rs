@@ -30,16 +30,12 @@ fn SysTick() {
 mod board {
     use core::cell::RefCell;
     use core::fmt::Arguments;
-    use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
     use cortex_m::peripheral::{SCB, SYST};
     use critical_section::Mutex;
-    use rand_core::SeedableRng;
-    use rand_xoshiro::Xoshiro128PlusPlus;
-    use sdp3_board_support::{line::print, linked::stack_used, recording::Recording, run::Run};
+    pub use sdp3_board_support::station::BITS;
+    use sdp3_board_support::{line::print, linked::data, station::Station};
     use sdp3_core::dsn::Shape;
     use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
-    use sdp3_core::scheduler::USERS;
-    use sdp3_core::selftest;
     use sdp3_stm32f405::{Uart, board, start_slots};
     pub use sdp3_testkit::models::DSN_200 as MODEL;
 
@@ -48,15 +44,7 @@ mod board {
     pub type Slots = SlotContext<VALUES>;
     type Task = ProcessingContext<VALUES>;
 
-    /// Bits that a slot carries to each user.
-    pub const BITS: [u32; USERS] = [1500, 2500, 3000, 0, 0, 0, 0, 0];
-    /// Slots after which the counts are printed.
-    const REPORTED: u32 = 10_000;
-
-    /// Slots of 1000 complex samples in flash: `tests/boards` makes the recording.
-    static RECORDING: Recording = Recording::new(200);
-    static RUN: Run = Run::new();
-    static PRINTED: AtomicBool = AtomicBool::new(false);
+    static STATION: Station = Station::new(data);
     static SLOTS: Mutex<RefCell<Option<Slots>>> = Mutex::new(RefCell::new(None));
     static UART: Mutex<RefCell<Option<Uart>>> = Mutex::new(RefCell::new(None));
     static TIMER: Mutex<RefCell<Option<SYST>>> = Mutex::new(RefCell::new(None));
@@ -68,11 +56,7 @@ mod board {
             *UART.borrow_ref_mut(cs) = Some(board.uart);
             *TIMER.borrow_ref_mut(cs) = Some(board.timer);
         });
-        let good = selftest::run(&mut Xoshiro128PlusPlus::seed_from_u64(3)) == selftest::KNOWN_ANSWERS;
-        if !good {
-            say(format_args!("error: the self test of the signal chain failed"));
-        }
-        good
+        STATION.test_signal_chain(say)
     }
 
     /// Prints a line. Slot interrupts come in between.
@@ -87,21 +71,20 @@ mod board {
     pub fn slot_interrupt() {
         critical_section::with(|cs| {
             if let Some(slots) = SLOTS.borrow_ref_mut(cs).as_mut() {
-                crate::porting::slot(slots, RUN.begin());
-                if RUN.transferred() {
+                crate::porting::slot(slots, STATION.run.begin());
+                if STATION.run.transferred() {
                     slots.samples_ready();
                 }
             }
         });
         if SCB::is_pendst_pending() {
-            RUN.late();
+            STATION.run.late();
         }
     }
 
     /// Copies the samples of a slot: there is no sensor.
     pub fn start_transfer(buffer: &mut [i16]) {
-        RECORDING.play(buffer);
-        RUN.transfer();
+        STATION.start_transfer(buffer);
     }
 
     /// The radio, which is not part of this program.
@@ -109,8 +92,8 @@ mod board {
 
     /// Tests the networks, then starts the slot timer.
     pub fn start(slots: Slots, task: &mut Task) {
-        if !task.self_test(&mut Xoshiro128PlusPlus::seed_from_u64(3)) {
-            return say(format_args!("error: the self test of a network failed"));
+        if !STATION.test_networks(task, say) {
+            return;
         }
         critical_section::with(|cs| {
             *SLOTS.borrow_ref_mut(cs) = Some(slots);
@@ -122,21 +105,12 @@ mod board {
 
     /// Logs and counts an event, and prints a recognition.
     pub fn report(task: &Task, event: Event) {
-        RUN.event(&event);
-        if let Event::Classification { period, classification, .. } = event {
-            say(format_args!("period {period}: {}", task.class_name(classification.class)));
-        }
+        STATION.report(task, &event, say);
     }
 
     /// Sleeps until the next interrupt; prints the counts once they are of enough slots.
     pub fn sleep() {
-        let [slots, late, faults, recognitions] = RUN.counts();
-        if slots >= REPORTED && !PRINTED.load(Relaxed) {
-            PRINTED.store(true, Relaxed);
-            say(format_args!("slots {slots}, late {late}, faults {faults}, recognitions {recognitions}"));
-            say(format_args!("stack {}", stack_used()));
-            say(format_args!("done"));
-        }
+        STATION.counts(say);
         cortex_m::asm::wfi();
     }
 }
