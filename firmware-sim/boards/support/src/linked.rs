@@ -8,7 +8,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// What `cortex-m-rt` paints the stack with.
+/// What the stack is painted with, as by `cortex-m-rt`.
 const PAINT: u32 = 0xCCCC_CCCC;
 
 /// The part of flash that a recording or a suite is written to.
@@ -27,4 +27,19 @@ pub fn stack_used() -> usize {
         word = word.wrapping_add(1);
     }
     top - word as usize
+}
+
+/// Bytes of stack that `paint_stack` may use itself.
+const MARGIN: usize = 256;
+
+/// Paints the free stack, for start-ups that do not.
+#[inline(never)]
+pub fn paint_stack() {
+    let here = 0_u32;
+    let (mut word, end) = (&raw const _stack_end as *mut u32, &raw const here as usize - MARGIN);
+    while (word as usize) < end {
+        // SAFETY: between the stack's end and this function's frame nothing is stored.
+        unsafe { word.write_volatile(PAINT) };
+        word = word.wrapping_add(1);
+    }
 }

@@ -35,7 +35,8 @@ type Task = ProcessingContext<VALUES>;
 
 #[cfg(feature = "bgt60")]
 const _: () = assert!(
-    u64::from_le_bytes(SHAPE.radar.to_bytes()) == u64::from_le_bytes(sdp3_core::config::RadarConfig::BGT60.to_bytes())
+    u64::from_le_bytes(SHAPE.radar.to_bytes())
+        == u64::from_le_bytes(sdp3_core::config::RadarConfig::BGT60.to_bytes())
         && VALUES == crate::bgt60::SAMPLES,
     "SDP3_MODEL is not a model of the scenario bgt60"
 );
