@@ -8,7 +8,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// What `cortex-m-rt` paints the stack with.
+/// What the stack is painted with, as by `cortex-m-rt`.
 const PAINT: u32 = 0xCCCC_CCCC;
 /// Words at the end of the stack that a start-up may guard: they are not painted.
 const GUARDED: usize = 16;

@@ -1,0 +1,21 @@
+//! The executor of the slot task: in an interrupt of its own, below those of DMA and time, above the loop in thread mode.
+#![allow(unsafe_code)]
+
+use embassy_executor::{InterruptExecutor, SendSpawner};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+
+static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+
+/// Starts the executor, once.
+pub fn start() -> SendSpawner {
+    interrupt::CEC.set_priority(Priority::P6);
+    EXECUTOR.start(interrupt::CEC)
+}
+
+/// No program uses this peripheral.
+#[interrupt]
+unsafe fn CEC() {
+    // SAFETY: `start` unmasks this interrupt once the executor is there, and nothing else calls this.
+    unsafe { EXECUTOR.on_interrupt() }
+}
