@@ -165,7 +165,7 @@ impl<S: SpiBus, C: OutputPin, R: OutputPin, D: DelayNs> Bgt60<S, C, R, D> {
         Err(Error::Reset)
     }
 
-    /// Empties the FIFO and begins the sweeps anew. The first is ready after some slots.
+    /// Empties the FIFO and begins the sweeps again. The first is ready after some slots.
     async fn restart(&mut self) -> Result<(), Error> {
         self.trigger(RESET_FRAMES).await?;
         self.trigger(RESET_FIFO).await?;
