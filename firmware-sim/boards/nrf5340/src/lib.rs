@@ -13,8 +13,8 @@ use cortex_m::peripheral::DWT;
 use defmt_rtt as _;
 use embassy_nrf::bind_interrupts;
 use embassy_nrf::config::{Config, HfclkSource, LfclkSource};
-use embassy_nrf::pac::CLOCK_S;
 use embassy_nrf::pac::clock::vals::Hclk;
+use embassy_nrf::pac::{CACHE_S, CLOCK_S};
 use embassy_nrf::peripherals::SERIAL0;
 use embassy_nrf::uarte::{self, Baudrate, UarteTx};
 use panic_probe as _;
@@ -65,6 +65,7 @@ pub fn board() -> Option<Board> {
     core.DWT.enable_cycle_counter();
     let device = embassy_nrf::init(clocks());
     CLOCK_S.hfclkctrl().write(|w| w.set_hclk(Hclk::Div1)); // 64 MHz after a reset
+    CACHE_S.enable().write(|w| w.set_enable(true)); // of flash; off after a reset
     let mut config = uarte::Config::default();
     config.baudrate = Baudrate::Baud921600;
     let uart = Uart(UarteTx::new(device.SERIAL0, Interrupts, device.P0_20, config));

@@ -5,6 +5,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 use defmt_rtt as _;
 use panic_probe as _;
+use sdp3_board_support::cycles::extended;
 use sdp3_board_support::line::Serial;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::pac::{Peripherals, USART1};
@@ -81,13 +82,7 @@ pub fn start_slots(timer: &mut SYST) {
     timer.enable_counter();
 }
 
-/// Cycles so far, over the overflows of a counter of 32 bits that is read at least once in each.
+/// Cycles so far.
 pub fn cycle_counter() -> impl FnMut() -> u64 {
-    let (mut last, mut high) = (0, 0_u64);
-    move || {
-        let now = DWT::cycle_count();
-        high += u64::from(now < last) << 32;
-        last = now;
-        high | u64::from(now)
-    }
+    extended(DWT::cycle_count)
 }
