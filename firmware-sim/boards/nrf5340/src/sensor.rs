@@ -6,9 +6,9 @@ use embassy_nrf::peripherals::{P0_08, P0_09, P0_10, SPIM4};
 use embassy_nrf::spim::{Config, Frequency, InterruptHandler, Spim};
 use embassy_nrf::{Peri, bind_interrupts};
 use embassy_time::Delay;
+use sdp3_board_support::async_station::REGISTERS;
 use sdp3_board_support::bgt60::{Bgt60, DmaBuffer};
 use sdp3_board_support::spi::Stopped;
-use sdp3_board_support::async_station::REGISTERS;
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Interrupts {

@@ -5,9 +5,9 @@ use embassy_rp::peripherals::{DMA_CH0, DMA_CH1, PIN_16, PIN_18, PIN_19, SPI0};
 use embassy_rp::spi::{Async, Config, Spi};
 use embassy_rp::{Peri, bind_interrupts, dma, pac};
 use embassy_time::Delay;
+use sdp3_board_support::async_station::REGISTERS;
 use sdp3_board_support::bgt60::{Bgt60, DmaBuffer, SPI_HZ};
 use sdp3_board_support::spi::Stopped;
-use sdp3_board_support::async_station::REGISTERS;
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Interrupts {

@@ -8,8 +8,8 @@ use embassy_stm32::spi::{Config, Spi, mode::Master};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Peri, bind_interrupts, dma};
 use embassy_time::Delay;
-use sdp3_board_support::bgt60::{Bgt60, SPI_HZ};
 use sdp3_board_support::async_station::REGISTERS;
+use sdp3_board_support::bgt60::{Bgt60, SPI_HZ};
 
 bind_interrupts!(struct Interrupts {
     DMA1_STREAM0 => dma::InterruptHandler<DMA1_CH0>;

@@ -3,8 +3,8 @@
 #![no_main]
 
 use cortex_m_rt::entry;
-use sdp3_board_support::slots;
 use sdp3_board_support::async_station::{self, STATION, Slots};
+use sdp3_board_support::slots;
 use sdp3_nrf5340::{Board, Radar, SlotTimer, board, executor};
 
 #[embassy_executor::task]

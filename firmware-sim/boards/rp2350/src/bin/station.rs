@@ -3,8 +3,8 @@
 #![no_main]
 
 use cortex_m_rt::entry;
-use sdp3_board_support::slots::{self, SLOT_US, TimeDriver};
 use sdp3_board_support::async_station::{self, STATION, Slots};
+use sdp3_board_support::slots::{self, SLOT_US, TimeDriver};
 use sdp3_rp2350::{Board, Radar, board, executor};
 
 #[embassy_executor::task]
