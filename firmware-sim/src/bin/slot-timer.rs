@@ -96,7 +96,7 @@ mod firmware {
         // and the one after it end when the next is due; what is not counted of an interrupt is the assembly
         let good = count == expected
             && INTERRUPTS.load(Relaxed) == count
-            && latest < 200
+            && latest < 250
             && overruns == 2
             && most >= alone
             && most < alone + 200 * (2 + alone / u64::from(slot));
