@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// Least bytes of RAM for the stack: the deepest painted one is below 35 KiB, of `conformance`.
 const STACK: u64 = 36 * 1024;
-/// Panics of drivers, whose set-up checks its arguments. What an index or a slice of the signal chain could bring is not among them.
+/// Panics of drivers: their set-up checks its arguments. What an index or a slice of the signal chain could bring is not among them.
 const OF_DRIVERS: [&str; 8] = [
     "9panic_fmt",
     "9panicking5panic",

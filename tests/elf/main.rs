@@ -3,7 +3,7 @@
 //! `elf footprint FIRMWARE` prints flash, RAM and stack of every configuration on every machine and holds the limits;
 //! `elf stack FIRMWARE` prints the worst-case stack found without running them, of programs with reported frames;
 //! `elf no-panic FIRMWARE` looks for panics and an allocator in them;
-//! `elf board NAME FILE FLASH RAM` checks a program for a board, whose memories are given as `ADDRESS+LENGTH`, several with commas.
+//! `elf board NAME FILE FLASH RAM` checks a program for a board with memories given as `ADDRESS+LENGTH`, several with commas.
 
 mod board;
 mod calls;

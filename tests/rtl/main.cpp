@@ -20,7 +20,7 @@ int main(int argc, char **argv) {
             std::printf("error: %lu cycles and no end\n", most);
             return 3;
         }
-        bench.reset = cycle >= 2 && cycle < 8; // the edge resets flip-flops whose clock is off
+        bench.reset = cycle >= 2 && cycle < 8; // the edge resets flip-flops without a clock
         bench.clk = 0;
         bench.eval();
         bench.clk = 1;
