@@ -16,6 +16,8 @@ use esp_hal::timer::PeriodicTimer;
 use esp_hal::timer::systimer::SystemTimer;
 use esp_hal::uart::{self, UartTx};
 use esp_hal::{Blocking, Config};
+use sdp3_board_support::cycles::extended;
+use sdp3_board_support::interrupt_station;
 use sdp3_board_support::line::Serial;
 use sdp3_board_support::linked::paint_stack;
 
@@ -39,20 +41,23 @@ impl Serial for Uart {
 pub struct SlotTimer(PeriodicTimer<'static, Blocking>);
 
 impl SlotTimer {
-    /// Interrupts every slot from now on; whether it does.
-    pub fn start(&mut self, interrupt: InterruptHandler) -> bool {
+    /// What begins a slot.
+    pub fn set_handler(&mut self, interrupt: InterruptHandler) {
         self.0.set_interrupt_handler(interrupt);
+    }
+}
+
+impl interrupt_station::SlotTimer for SlotTimer {
+    fn start(&mut self) -> bool {
         self.0.listen();
         self.0.start(Duration::from_micros(SLOT_US)).is_ok()
     }
 
-    /// Begins a slot: until then its interrupt is pending.
-    pub fn acknowledge(&mut self) {
+    fn acknowledge(&mut self) {
         self.0.clear_interrupt();
     }
 
-    /// Whether a slot has begun that is not acknowledged.
-    pub fn pending() -> bool {
+    fn late(&self) -> bool {
         InterruptStatus::is_pending(Interrupt::SYSTIMER_TARGET0)
     }
 }
@@ -87,15 +92,9 @@ pub fn suite() -> &'static [u8] {
     include_bytes!(concat!(env!("OUT_DIR"), "/suite"))
 }
 
-/// Cycles so far, over the overflows of a counter of 32 bits that is read at least once in each.
+/// Cycles so far.
 pub fn cycle_counter() -> impl FnMut() -> u64 {
-    let (mut last, mut high) = (0, 0_u64);
-    move || {
-        let now = registers::cycles();
-        high += u64::from(now < last) << 32;
-        last = now;
-        high | u64::from(now)
-    }
+    extended(registers::cycles)
 }
 
 #[panic_handler]

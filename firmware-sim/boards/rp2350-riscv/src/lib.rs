@@ -41,7 +41,7 @@ pub struct Board {
     pub timer: SlotTimer,
 }
 
-/// Sets clocks (150 MHz), serial line and cycle counter, once. Paints the stack.
+/// Sets clocks (150 MHz), serial line and cycle counter, and lets interrupts through, once. Paints the stack.
 pub fn board() -> Option<Board> {
     paint_stack();
     let device = Peripherals::take()?;
@@ -65,6 +65,7 @@ pub fn board() -> Option<Board> {
     let uart = Uart(uart.enable(config, clocks.peripheral_clock.freq()).ok()?);
     let timer = SlotTimer::new(Timer::new_timer0(device.TIMER0, &mut resets, &clocks))?;
     start::enable_counters();
+    start::enable_interrupts();
     Some(Board { uart, timer })
 }
 

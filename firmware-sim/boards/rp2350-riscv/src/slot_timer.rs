@@ -1,10 +1,11 @@
 //! The slot interrupt: an alarm of TIMER0.
 #![allow(unsafe_code)] // unmasks the interrupt
 
-use rp235x_hal::arch::{interrupt_enable, interrupt_unmask};
+use rp235x_hal::arch::interrupt_unmask;
 use rp235x_hal::fugit::MicrosDurationU64;
 use rp235x_hal::pac::Interrupt;
 use rp235x_hal::timer::{Alarm, Alarm0, CopyableTimer0, Instant, Timer};
+use sdp3_board_support::interrupt_station::SlotTimer as Slots;
 
 /// A slot.
 const SLOT: MicrosDurationU64 = MicrosDurationU64::micros(250);
@@ -22,28 +23,26 @@ impl SlotTimer {
         let alarm = timer.alarm_0()?;
         Some(SlotTimer { timer, alarm, next: timer.get_counter() })
     }
+}
 
-    /// Interrupts every slot from now on.
-    pub fn start(&mut self) {
+impl Slots for SlotTimer {
+    fn start(&mut self) -> bool {
         self.next = self.timer.get_counter();
         self.alarm.enable_interrupt();
-        self.again();
-        // SAFETY: called outside of critical sections, which mask all interrupts.
-        unsafe {
-            interrupt_unmask(Interrupt::TIMER0_IRQ_0);
-            interrupt_enable();
-        }
+        self.acknowledge();
+        // SAFETY: critical sections mask all interrupts, not this one.
+        unsafe { interrupt_unmask(Interrupt::TIMER0_IRQ_0) };
+        true
     }
 
-    /// At the begin of the interrupt: the next one comes a slot after this one was due.
-    pub fn again(&mut self) {
+    /// The next interrupt comes a slot after this one was due.
+    fn acknowledge(&mut self) {
         self.alarm.clear_interrupt();
         self.next += SLOT;
         let _ = self.alarm.schedule_at(self.next); // a slot ahead is never too far
     }
 
-    /// Whether the next slot has begun.
-    pub fn late(&self) -> bool {
+    fn late(&self) -> bool {
         self.timer.get_counter() >= self.next
     }
 }

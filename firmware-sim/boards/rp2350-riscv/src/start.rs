@@ -24,3 +24,9 @@ fn panic(what: &PanicInfo<'_>) -> ! {
         riscv::asm::wfi();
     }
 }
+
+/// Lets interrupts through; each is masked until it is wanted.
+pub fn enable_interrupts() {
+    // SAFETY: called once at start-up, outside of critical sections.
+    unsafe { rp235x_hal::arch::interrupt_enable() };
+}

@@ -2,10 +2,11 @@
 #![no_std]
 
 use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m::peripheral::{DCB, DWT, SYST};
+use cortex_m::peripheral::{DCB, DWT, SCB, SYST};
 use defmt_rtt as _;
 use panic_probe as _;
 use sdp3_board_support::cycles::extended;
+use sdp3_board_support::interrupt_station::SlotTimer;
 use sdp3_board_support::line::Serial;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::pac::{Peripherals, USART1};
@@ -36,7 +37,7 @@ pub struct Board {
     /// The serial line.
     pub uart: Uart,
     /// The slot timer, off.
-    pub timer: SYST,
+    pub timer: SysTick,
     /// The cycle counter, on.
     pub cycles: DWT,
 }
@@ -65,7 +66,7 @@ pub fn set_up(device: Peripherals, mut core: cortex_m::Peripherals) -> Option<Bo
     let config = serial::Config::default().baudrate(BAUD.bps()).stopbits(StopBits::STOP1);
     let uart = device.USART1.tx(pins.pa9, config, &mut rcc).ok()?;
     enable(&mut core.DCB, &mut core.DWT);
-    Some(Board { uart: Uart(uart), timer: core.SYST, cycles: core.DWT })
+    Some(Board { uart: Uart(uart), timer: SysTick(core.SYST), cycles: core.DWT })
 }
 
 fn enable(debug: &mut DCB, cycles: &mut DWT) {
@@ -73,13 +74,22 @@ fn enable(debug: &mut DCB, cycles: &mut DWT) {
     cycles.enable_cycle_counter();
 }
 
-/// Interrupts every slot from now on.
-pub fn start_slots(timer: &mut SYST) {
-    timer.set_clock_source(SystClkSource::Core);
-    timer.set_reload(CLOCK_MHZ * SLOT_US - 1);
-    timer.clear_current();
-    timer.enable_interrupt();
-    timer.enable_counter();
+/// SysTick, which begins a slot each time it has counted down.
+pub struct SysTick(SYST);
+
+impl SlotTimer for SysTick {
+    fn start(&mut self) -> bool {
+        self.0.set_clock_source(SystClkSource::Core);
+        self.0.set_reload(CLOCK_MHZ * SLOT_US - 1);
+        self.0.clear_current();
+        self.0.enable_interrupt();
+        self.0.enable_counter();
+        true
+    }
+
+    fn late(&self) -> bool {
+        SCB::is_pendst_pending()
+    }
 }
 
 /// Cycles so far.

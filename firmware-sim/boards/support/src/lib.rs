@@ -9,6 +9,7 @@ pub mod bgt60;
 pub mod cycles;
 #[cfg(feature = "async")]
 pub mod front_end;
+pub mod interrupt_station;
 pub mod line;
 pub mod linked;
 pub mod recording;

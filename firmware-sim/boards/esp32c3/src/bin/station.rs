@@ -28,11 +28,9 @@ fn slot_interrupt() {
 }
 
 mod board {
-    use core::cell::RefCell;
     use core::fmt::Arguments;
-    use critical_section::Mutex;
+    use sdp3_board_support::interrupt_station::InterruptStation;
     pub use sdp3_board_support::station::BITS;
-    use sdp3_board_support::{line::print, station::Station};
     use sdp3_core::dsn::Shape;
     use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
     use sdp3_esp32c3::{SlotTimer, Uart, board, recording};
@@ -43,45 +41,23 @@ mod board {
     pub type Slots = SlotContext<VALUES>;
     type Task = ProcessingContext<VALUES>;
 
-    static STATION: Station = Station::new(recording);
-    static SLOTS: Mutex<RefCell<Option<Slots>>> = Mutex::new(RefCell::new(None));
-    static UART: Mutex<RefCell<Option<Uart>>> = Mutex::new(RefCell::new(None));
-    static TIMER: Mutex<RefCell<Option<SlotTimer>>> = Mutex::new(RefCell::new(None));
+    static STATION: InterruptStation<Uart, SlotTimer, VALUES> = InterruptStation::new(recording);
 
     /// Sets the board up and tests the signal chain.
     pub fn power_on() -> bool {
-        let Some(board) = board() else { return false };
-        critical_section::with(|cs| {
-            *UART.borrow_ref_mut(cs) = Some(board.uart);
-            *TIMER.borrow_ref_mut(cs) = Some(board.timer);
-        });
-        STATION.test_signal_chain(say)
+        let Some(mut board) = board() else { return false };
+        board.timer.set_handler(crate::slot_interrupt);
+        STATION.power_on(board.uart, board.timer)
     }
 
-    /// Prints a line. Slot interrupts come in between.
+    /// Prints a line.
     pub fn say(line: Arguments<'_>) {
-        let uart = critical_section::with(|cs| UART.borrow_ref_mut(cs).take());
-        let Some(mut uart) = uart else { return };
-        print(&mut uart, line);
-        critical_section::with(|cs| *UART.borrow_ref_mut(cs) = Some(uart));
+        STATION.say(line);
     }
 
     /// The slot timer's interrupt.
     pub fn slot_interrupt() {
-        critical_section::with(|cs| {
-            if let Some(timer) = TIMER.borrow_ref_mut(cs).as_mut() {
-                timer.acknowledge();
-            }
-            if let Some(slots) = SLOTS.borrow_ref_mut(cs).as_mut() {
-                crate::porting::slot(slots, STATION.run.begin());
-                if STATION.run.transferred() {
-                    slots.samples_ready();
-                }
-            }
-        });
-        if SlotTimer::pending() {
-            STATION.run.late();
-        }
+        STATION.interrupt(crate::porting::slot);
     }
 
     /// Copies the samples of a slot: there is no sensor.
@@ -94,26 +70,17 @@ mod board {
 
     /// Tests the networks, then starts the slot timer.
     pub fn start(slots: Slots, task: &mut Task) {
-        if !STATION.test_networks(task, say) {
-            return;
-        }
-        let started = critical_section::with(|cs| {
-            *SLOTS.borrow_ref_mut(cs) = Some(slots);
-            TIMER.borrow_ref_mut(cs).as_mut().is_some_and(|timer| timer.start(crate::slot_interrupt))
-        });
-        if !started {
-            say(format_args!("error: the slot timer does not start"));
-        }
+        STATION.start(slots, task);
     }
 
     /// Logs and counts an event, and prints a recognition.
     pub fn report(task: &Task, event: Event) {
-        STATION.report(task, &event, say);
+        STATION.report(task, &event);
     }
 
     /// Sleeps until the next interrupt; prints the counts once they are of enough slots.
     pub fn sleep() {
-        STATION.counts(say);
+        STATION.counts();
         super::wait_for_interrupt();
     }
 }

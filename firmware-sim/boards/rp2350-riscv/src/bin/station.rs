@@ -34,11 +34,10 @@ mod interrupt {
 }
 
 mod board {
-    use core::cell::RefCell;
     use core::fmt::Arguments;
-    use critical_section::Mutex;
+    use sdp3_board_support::interrupt_station::InterruptStation;
+    use sdp3_board_support::linked::data;
     pub use sdp3_board_support::station::BITS;
-    use sdp3_board_support::{line::print, linked::data, station::Station};
     use sdp3_core::dsn::Shape;
     use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
     use sdp3_rp2350_riscv::{SlotTimer, Uart, board};
@@ -49,45 +48,21 @@ mod board {
     pub type Slots = SlotContext<VALUES>;
     type Task = ProcessingContext<VALUES>;
 
-    static STATION: Station = Station::new(data);
-    static SLOTS: Mutex<RefCell<Option<Slots>>> = Mutex::new(RefCell::new(None));
-    static UART: Mutex<RefCell<Option<Uart>>> = Mutex::new(RefCell::new(None));
-    static TIMER: Mutex<RefCell<Option<SlotTimer>>> = Mutex::new(RefCell::new(None));
+    static STATION: InterruptStation<Uart, SlotTimer, VALUES> = InterruptStation::new(data);
 
     /// Sets the board up and tests the signal chain.
     pub fn power_on() -> bool {
-        let Some(board) = board() else { return false };
-        critical_section::with(|cs| {
-            *UART.borrow_ref_mut(cs) = Some(board.uart);
-            *TIMER.borrow_ref_mut(cs) = Some(board.timer);
-        });
-        STATION.test_signal_chain(say)
+        board().is_some_and(|board| STATION.power_on(board.uart, board.timer))
     }
 
-    /// Prints a line. Slot interrupts come in between.
+    /// Prints a line.
     pub fn say(line: Arguments<'_>) {
-        let uart = critical_section::with(|cs| UART.borrow_ref_mut(cs).take());
-        let Some(mut uart) = uart else { return };
-        print(&mut uart, line);
-        critical_section::with(|cs| *UART.borrow_ref_mut(cs) = Some(uart));
+        STATION.say(line);
     }
 
     /// The slot timer's interrupt.
     pub fn slot_interrupt() {
-        critical_section::with(|cs| {
-            if let Some(timer) = TIMER.borrow_ref_mut(cs).as_mut() {
-                timer.again();
-            }
-            if let Some(slots) = SLOTS.borrow_ref_mut(cs).as_mut() {
-                crate::porting::slot(slots, STATION.run.begin());
-                if STATION.run.transferred() {
-                    slots.samples_ready();
-                }
-            }
-            if TIMER.borrow_ref(cs).as_ref().is_some_and(SlotTimer::late) {
-                STATION.run.late();
-            }
-        });
+        STATION.interrupt(crate::porting::slot);
     }
 
     /// Copies the samples of a slot: there is no sensor.
@@ -100,25 +75,17 @@ mod board {
 
     /// Tests the networks, then starts the slot timer.
     pub fn start(slots: Slots, task: &mut Task) {
-        if !STATION.test_networks(task, say) {
-            return;
-        }
-        critical_section::with(|cs| {
-            *SLOTS.borrow_ref_mut(cs) = Some(slots);
-            if let Some(timer) = TIMER.borrow_ref_mut(cs).as_mut() {
-                timer.start();
-            }
-        });
+        STATION.start(slots, task);
     }
 
     /// Logs and counts an event, and prints a recognition.
     pub fn report(task: &Task, event: Event) {
-        STATION.report(task, &event, say);
+        STATION.report(task, &event);
     }
 
     /// Sleeps until the next interrupt; prints the counts once they are of enough slots.
     pub fn sleep() {
-        STATION.counts(say);
+        STATION.counts();
         riscv::asm::wfi();
     }
 }

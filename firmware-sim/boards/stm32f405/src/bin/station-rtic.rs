@@ -13,13 +13,13 @@ mod retained {
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
     use crate::retained::RETAINED;
-    use cortex_m::peripheral::SCB;
+    use sdp3_board_support::interrupt_station::SlotTimer;
     use sdp3_board_support::line::print;
     use sdp3_board_support::linked::data;
     use sdp3_board_support::station::{BITS, Station};
     use sdp3_core::radar::{ProcessingContext, SlotContext};
     use sdp3_core::{Progress, RadarModule, SensingLayout, Settings, Shape, SlotAction, radar_memory};
-    use sdp3_stm32f405::{Board, Uart, set_up, start_slots};
+    use sdp3_stm32f405::{Board, SysTick as Timer, Uart, set_up};
     use sdp3_testkit::models::DSN_200 as MODEL;
 
     const SHAPE: Shape = Shape::of(MODEL).expect("a model");
@@ -37,14 +37,15 @@ mod app {
         slots: SlotContext<VALUES>,
         task: ProcessingContext<VALUES>,
         uart: Uart,
+        timer: Timer,
     }
 
     #[init(local = [memory: Memory = Memory::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
         let Some(Board { mut uart, mut timer, .. }) = set_up(context.device, context.core) else { stop() };
         let Some((slots, task)) = contexts(context.local.memory, &mut uart) else { stop() };
-        start_slots(&mut timer);
-        (Shared {}, Local { slots, task, uart })
+        timer.start();
+        (Shared {}, Local { slots, task, uart, timer })
     }
 
     /// The module's two contexts, tested; says what went wrong.
@@ -73,7 +74,7 @@ mod app {
         }
     }
 
-    #[task(binds = SysTick, local = [slots])]
+    #[task(binds = SysTick, local = [slots, timer])]
     fn slot(context: slot::Context) {
         let slots = context.local.slots;
         match slots.begin(STATION.run.begin()) {
@@ -84,7 +85,7 @@ mod app {
         if STATION.run.transferred() {
             slots.samples_ready();
         }
-        if SCB::is_pendst_pending() {
+        if context.local.timer.late() {
             STATION.run.late();
         }
     }
