@@ -28,7 +28,7 @@ const LARGEST: (usize, usize, usize) = (200, 16, 24 * 1024);
 /// Slots that the station plays before it prints its counts.
 const PLAYED: u64 = 10_000;
 
-fn walk() -> Slots {
+fn walking_adult() -> Slots {
     let scenario = sdp3_tests::printed_room();
     recording(&scenario, stored_rho(&scenario).0, 5, Set::Demo, Class::AdultWalking, 0, 200).slots
 }
@@ -48,12 +48,12 @@ fn files(most: usize) -> Result<Vec<Suite>> {
     let mut files: Vec<Suite> = Vec::new();
     for case in cases.into_iter().filter(fits) {
         let bytes = |suite: &Suite| suite.to_bytes().len();
-        let alone = of(vec![case]);
-        let room = files.last().is_some_and(|last| bytes(last) + bytes(&alone) <= most);
+        let single = of(vec![case]);
+        let fits_last = files.last().is_some_and(|last| bytes(last) + bytes(&single) <= most);
         match files.last_mut() {
-            Some(last) if room => last.cases.extend(alone.cases),
-            _ if bytes(&alone) <= most => files.push(alone),
-            _ => return Err(format!("a case takes {} bytes, of {most}", bytes(&alone)).into()),
+            Some(last) if fits_last => last.cases.extend(single.cases),
+            _ if bytes(&single) <= most => files.push(single),
+            _ => return Err(format!("a case takes {} bytes, of {most}", bytes(&single)).into()),
         }
     }
     let fitting: usize = files.iter().map(|suite| suite.cases.len()).sum();
@@ -85,7 +85,7 @@ fn expected() -> Result<String> {
     let parsed = Model::parse(DSN_200)?;
     let mut memory = OwnedMemory::for_model(&parsed);
     let mut pipeline = memory.pipeline::<FixedStft>(parsed)?;
-    for slot in walk().iter() {
+    for slot in walking_adult().iter() {
         pipeline.push(slot, &mut ())?;
     }
     let answer = pipeline.classify(&mut ()).ok_or("the recording is shorter than the model's")?;
@@ -113,7 +113,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done =
         match &arguments[..] {
-            [what, file] if what == "recording" => std::fs::write(file, walk().to_le_bytes())
+            [what, file] if what == "recording" => std::fs::write(file, walking_adult().to_le_bytes())
                 .map(|()| true)
                 .map_err(|e| format!("{file}: {e}").into()),
             [what, file, most, command @ ..] if what == "conformance" => conformance(file, most, command),

@@ -155,7 +155,7 @@ def bounded():
 def summary(table, bounds):
     """The table of docs/benchmarks.md."""
     columns = [(core, waits) for core in CORES for waits in "01"]
-    heads = [f"{name}, {waits} wait states" for name in CORES.values() for waits in "01"]
+    heads = [f"{name}, {waits}" for name in CORES.values() for waits in ("0 wait states", "1 wait state")]
     print(f"\nCycles an instruction\n| stage | instructions | {' | '.join(heads)} | Cortex-M4F, instructions | by its manual |")
     for (core, waits, slots, stage), (instructions, _) in table.items():
         if (core, waits) == ("ibex", "0"):

@@ -50,7 +50,7 @@ pub trait Machine {
     fn stack(&mut self) -> usize;
 }
 
-/// Memory that lends the buffers of one pipeline after another.
+/// Memory for one pipeline after another.
 pub trait Memory {
     /// The buffers.
     fn buffers(&mut self) -> PipelineBuffers<'_>;
@@ -83,7 +83,7 @@ pub enum Failure {
 
 impl Failure {
     /// Logs and prints it.
-    pub fn tell(&self, machine: &mut impl Machine) {
+    pub fn report(&self, machine: &mut impl Machine) {
         let what = match self {
             Failure::Suite(what) => what,
             Failure::Core(what, error) => {

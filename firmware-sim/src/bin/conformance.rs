@@ -116,7 +116,7 @@ mod firmware {
         let Some(file) = File::open(path) else { fail("the suite file cannot be opened") };
         let mut machine = Emulator(file);
         if let Err(failure) = run(&mut machine, MEMORY.take(), SLOT.take(), MODEL.take(), &mut values) {
-            failure.tell(&mut machine);
+            failure.report(&mut machine);
             exit(2)
         }
         values.0.flush();

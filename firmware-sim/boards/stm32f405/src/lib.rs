@@ -38,8 +38,6 @@ pub struct Board {
     pub uart: Uart,
     /// The slot timer, off.
     pub timer: SysTick,
-    /// The cycle counter, on.
-    pub cycles: DWT,
 }
 
 /// 168 MHz from the crystal.
@@ -54,19 +52,19 @@ fn clocks(rcc: pac::RCC) -> Rcc {
     }
 }
 
-/// Sets clocks and serial line, once.
+/// Sets clocks, serial line and cycle counter, once.
 pub fn board() -> Option<Board> {
     set_up(Peripherals::take()?, cortex_m::Peripherals::take()?)
 }
 
-/// Sets clocks and serial line.
+/// Sets clocks, serial line and cycle counter.
 pub fn set_up(device: Peripherals, mut core: cortex_m::Peripherals) -> Option<Board> {
     let mut rcc = clocks(device.RCC);
     let pins = device.GPIOA.split(&mut rcc);
     let config = serial::Config::default().baudrate(BAUD.bps()).stopbits(StopBits::STOP1);
     let uart = device.USART1.tx(pins.pa9, config, &mut rcc).ok()?;
     enable(&mut core.DCB, &mut core.DWT);
-    Some(Board { uart: Uart(uart), timer: SysTick(core.SYST), cycles: core.DWT })
+    Some(Board { uart: Uart(uart), timer: SysTick(core.SYST) })
 }
 
 fn enable(debug: &mut DCB, cycles: &mut DWT) {

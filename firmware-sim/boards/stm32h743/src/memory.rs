@@ -35,16 +35,16 @@ pub fn enable_caches(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) {
 
 struct Uncached(UnsafeCell<MaybeUninit<DmaBuffer>>);
 
-// SAFETY: `dma_buffer` lends it once.
+// SAFETY: `dma_buffer` returns a reference once.
 unsafe impl Sync for Uncached {}
 
 #[unsafe(link_section = ".uncached")]
 static BUFFER: Uncached = Uncached(UnsafeCell::new(MaybeUninit::uninit()));
-static LENT: AtomicBool = AtomicBool::new(false);
+static TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// The buffer of the SPI's DMA, once. Start-up does not write its memory: this does.
 pub fn dma_buffer() -> Option<&'static mut DmaBuffer> {
-    if LENT.swap(true, Relaxed) {
+    if TAKEN.swap(true, Relaxed) {
         return None;
     }
     // SAFETY: nobody else has a reference to it, and none is made again.

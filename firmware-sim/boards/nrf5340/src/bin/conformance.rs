@@ -19,7 +19,7 @@ fn main() -> ! {
     if let Some(board) = board() {
         let mut machine = Board { suite: data(), serial: board.uart, cycles: cycle_counter() };
         if let Err(failure) = run(&mut machine, MEMORY.take(), SLOT.take(), MODEL.take(), &mut ()) {
-            failure.tell(&mut machine);
+            failure.report(&mut machine);
         }
     }
     loop {
