@@ -1,8 +1,9 @@
 //! What happens to every pixel between two convolutions: normalisation, ReLU, their gradients, and sums per channel.
 //!
-//! Sums are kept in sixteen lanes and then added in double precision, in index order: the same bits on every processor.
+//! Every channel is a lane of its own: a row is summed in four interleaved parts, and the rows in their order. The same bits on
+//! every processor.
 
-use super::products::LANES;
+use super::layout::{Geometry, Padded};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Two sums over the pixels of a channel.
@@ -16,135 +17,295 @@ impl std::ops::AddAssign for Sums {
     }
 }
 
-/// Sums two values over vectors of pixels, `at(0)` to `at(count - 1)`, every lane of [`LANES`] on its own.
+/// Where some channels of a pixel are, in vectors.
+#[derive(Clone, Copy)]
+struct Place {
+    /// In an image.
+    image: usize,
+    /// In a [`Padded`] image.
+    padded: usize,
+    /// In what is the same for all pixels.
+    channel: usize,
+}
+
+/// Calls `at` for all channels of all pixels, and adds up the two values that it gives, channel by channel.
 #[inline(always)]
-fn summed<S: Simd>(simd: S, count: usize, at: impl FnMut(usize) -> (S::f32s, S::f32s)) -> Sums {
-    match S::F32_LANES {
-        16 => lanes::<S, 1>(simd, count, at),
-        8 => lanes::<S, 2>(simd, count, at),
-        4 => lanes::<S, 4>(simd, count, at),
-        _ => lanes::<S, LANES>(simd, count, at),
+fn summed<S: Simd>(
+    simd: S,
+    geometry: &Geometry,
+    sums: &mut [Sums],
+    mut at: impl FnMut(Place) -> [S::f32s; 2],
+) {
+    const PARTS: usize = 4;
+    let vectors = geometry.channels / S::F32_LANES;
+    let [row, padded_row] = [geometry.row(), geometry.padded_row()].map(|values| values / S::F32_LANES);
+    let zero = [simd.splat_f32s(0.0); 2];
+    for (channel, sums) in sums.chunks_exact_mut(S::F32_LANES).enumerate() {
+        let mut total = zero;
+        for r in 0..geometry.height {
+            let (image, padded) = (r * row + channel, (r + 1) * padded_row + vectors + channel);
+            let mut parts = [zero; PARTS];
+            let mut first = 0;
+            while first < geometry.width {
+                for (n, part) in parts.iter_mut().enumerate() {
+                    let pixel = first + n;
+                    if pixel < geometry.width {
+                        let step = pixel * vectors;
+                        let found = at(Place { image: image + step, padded: padded + step, channel });
+                        *part = [simd.add_f32s(part[0], found[0]), simd.add_f32s(part[1], found[1])];
+                    }
+                }
+                first += PARTS;
+            }
+            for (which, total) in total.iter_mut().enumerate() {
+                let left = simd.add_f32s(parts[0][which], parts[1][which]);
+                let right = simd.add_f32s(parts[2][which], parts[3][which]);
+                *total = simd.add_f32s(*total, simd.add_f32s(left, right));
+            }
+        }
+        // as many lanes as the widest vectors have
+        let mut lanes = [[0.0f32; 16]; 2];
+        for (lanes, total) in lanes.iter_mut().zip(total) {
+            S::as_mut_simd_f32s(lanes).0[0] = total;
+        }
+        for (l, sums) in sums.iter_mut().enumerate() {
+            *sums += Sums(f64::from(lanes[0][l]), f64::from(lanes[1][l]));
+        }
     }
 }
 
-/// U vectors to sixteen lanes.
+/// As [`summed`], without sums.
 #[inline(always)]
-fn lanes<S: Simd, const U: usize>(
-    simd: S,
-    count: usize,
-    mut at: impl FnMut(usize) -> (S::f32s, S::f32s),
-) -> Sums {
-    let mut sums = [[simd.splat_f32s(0.0); U]; 2];
-    for p in 0..count / U {
-        for u in 0..U {
-            let (a, b) = at(p * U + u);
-            sums[0][u] = simd.add_f32s(sums[0][u], a);
-            sums[1][u] = simd.add_f32s(sums[1][u], b);
+fn each<S: Simd>(geometry: &Geometry, mut at: impl FnMut(Place)) {
+    let vectors = geometry.channels / S::F32_LANES;
+    let [row, padded_row] = [geometry.row(), geometry.padded_row()].map(|values| values / S::F32_LANES);
+    for (channel, r) in (0..vectors).flat_map(|channel| (0..geometry.height).map(move |r| (channel, r))) {
+        let (image, padded) = (r * row + channel, (r + 1) * padded_row + vectors + channel);
+        for step in (0..geometry.width).map(|pixel| pixel * vectors) {
+            at(Place { image: image + step, padded: padded + step, channel });
         }
     }
-    let mut lanes = [[0.0f32; LANES]; 2];
-    for (lanes, sums) in lanes.iter_mut().zip(&sums) {
-        S::as_mut_simd_f32s(lanes).0.copy_from_slice(sums);
-    }
-    let total = |lanes: &[f32; LANES]| lanes.iter().map(|&v| f64::from(v)).sum();
-    Sums(total(&lanes[0]), total(&lanes[1]))
+}
+
+/// Factors and offsets, `[C]` each.
+#[derive(Debug, Clone)]
+pub struct Affine {
+    pub factors: Vec<f32>,
+    pub offsets: Vec<f32>,
 }
 
 /// `y = max(factor x + offset, 0)`.
-pub fn affine_relu(arch: Arch, x: &[f32], factor: f32, offset: f32, y: &mut [f32]) {
-    arch.dispatch(
+pub fn affine_relu(arch: Arch, geometry: &Geometry, x: &[f32], affine: &Affine, y: &mut Padded) {
+    struct Relu<'a>(&'a Geometry, &'a [f32], &'a Affine, &'a mut [f32]);
+    impl WithSimd for Relu<'_> {
+        type Output = ();
+
         #[inline(always)]
-        || {
-            for (y, x) in y.iter_mut().zip(x) {
-                let v = x * factor + offset;
-                *y = if v > 0.0 { v } else { 0.0 };
-            }
-        },
-    );
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Relu(geometry, x, Affine { factors, offsets }, y) = self;
+            let (x, y) = (S::as_simd_f32s(x).0, S::as_mut_simd_f32s(y).0);
+            let (factors, offsets) = (S::as_simd_f32s(factors).0, S::as_simd_f32s(offsets).0);
+            let zero = simd.splat_f32s(0.0);
+            each::<S>(
+                geometry,
+                #[inline(always)]
+                |at| {
+                    let v = simd.mul_add_f32s(x[at.image], factors[at.channel], offsets[at.channel]);
+                    y[at.padded] = simd.select_f32s(simd.less_than_f32s(zero, v), v, zero);
+                },
+            );
+        }
+    }
+    arch.dispatch(Relu(geometry, x, affine, y.values_mut()));
 }
 
-/// Sum of the values and of their squares.
-pub fn moments(arch: Arch, x: &[f32]) -> Sums {
-    struct Moments<'a>(&'a [f32]);
+/// Adds the sums of the values and of their squares.
+pub fn moments(arch: Arch, geometry: &Geometry, x: &[f32], sums: &mut [Sums]) {
+    struct Moments<'a>(&'a Geometry, &'a [f32], &'a mut [Sums]);
     impl WithSimd for Moments<'_> {
-        type Output = Sums;
+        type Output = ();
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> Sums {
-            let x = S::as_simd_f32s(self.0).0;
-            summed(simd, x.len(), |p| (x[p], simd.mul_f32s(x[p], x[p])))
+        fn with_simd<S: Simd>(self, simd: S) {
+            let x = S::as_simd_f32s(self.1).0;
+            summed(
+                simd,
+                self.0,
+                self.2,
+                #[inline(always)]
+                |at| [x[at.image], simd.mul_f32s(x[at.image], x[at.image])],
+            );
         }
     }
-    arch.dispatch(Moments(x))
+    arch.dispatch(Moments(geometry, x, sums));
 }
 
-/// `y = x + t`.
-pub fn add(arch: Arch, x: &[f32], t: &[f32], y: &mut [f32]) {
-    arch.dispatch(
+/// `y += bias`, and `y += x` if there is one; adds the moments of `y`.
+pub fn add(
+    arch: Arch,
+    geometry: &Geometry,
+    x: Option<&[f32]>,
+    bias: &[f32],
+    y: &mut [f32],
+    sums: &mut [Sums],
+) {
+    struct Add<'a>(&'a Geometry, Option<&'a [f32]>, &'a [f32], &'a mut [f32], &'a mut [Sums]);
+    impl WithSimd for Add<'_> {
+        type Output = ();
+
         #[inline(always)]
-        || {
-            for ((y, x), t) in y.iter_mut().zip(x).zip(t) {
-                *y = x + t;
-            }
-        },
-    );
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Add(geometry, x, bias, y, sums) = self;
+            let (bias, y) = (S::as_simd_f32s(bias).0, S::as_mut_simd_f32s(y).0);
+            let x = S::as_simd_f32s(x.unwrap_or_default()).0;
+            summed(
+                simd,
+                geometry,
+                sums,
+                #[inline(always)]
+                |at| {
+                    let mut v = simd.add_f32s(y[at.image], bias[at.channel]);
+                    if let Some(&x) = x.get(at.image) {
+                        v = simd.add_f32s(x, v);
+                    }
+                    y[at.image] = v;
+                    [v, simd.mul_f32s(v, v)]
+                },
+            );
+        }
+    }
+    arch.dispatch(Add(geometry, x, bias, y, sums));
 }
 
-/// ReLU's gradient in place, `g = 0` where `active` is not positive; sums of g and of `g (x - mean)`.
-pub fn gate(arch: Arch, g: &mut [f32], active: &[f32], x: &[f32], mean: f32) -> Sums {
-    struct Gate<'a>(&'a mut [f32], &'a [f32], &'a [f32], f32);
+/// ReLU's gradient in place, `g = 0` where `active` is not positive; adds the sums of g and of `g (x - mean)`.
+pub fn gate(
+    arch: Arch,
+    geometry: &Geometry,
+    g: &mut [f32],
+    active: &Padded,
+    (x, means): (&[f32], &[f32]),
+    sums: &mut [Sums],
+) {
+    struct Gate<'a>(&'a Geometry, &'a mut [f32], &'a [f32], (&'a [f32], &'a [f32]), &'a mut [Sums]);
     impl WithSimd for Gate<'_> {
-        type Output = Sums;
+        type Output = ();
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> Sums {
-            let g = S::as_mut_simd_f32s(self.0).0;
-            let (active, x) = (&S::as_simd_f32s(self.1).0[..g.len()], &S::as_simd_f32s(self.2).0[..g.len()]);
-            let (zero, mean) = (simd.splat_f32s(0.0), simd.splat_f32s(self.3));
-            summed(simd, g.len(), |p| {
-                let on = simd.less_than_f32s(zero, active[p]);
-                g[p] = simd.select_f32s(on, g[p], zero);
-                (g[p], simd.mul_f32s(g[p], simd.sub_f32s(x[p], mean)))
-            })
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Gate(geometry, g, active, (x, means), sums) = self;
+            let (g, active) = (S::as_mut_simd_f32s(g).0, S::as_simd_f32s(active).0);
+            let (x, means, zero) = (S::as_simd_f32s(x).0, S::as_simd_f32s(means).0, simd.splat_f32s(0.0));
+            summed(
+                simd,
+                geometry,
+                sums,
+                #[inline(always)]
+                |at| {
+                    let on = simd.less_than_f32s(zero, active[at.padded]);
+                    let v = simd.select_f32s(on, g[at.image], zero);
+                    g[at.image] = v;
+                    [v, simd.mul_f32s(v, simd.sub_f32s(x[at.image], means[at.channel]))]
+                },
+            );
         }
     }
-    arch.dispatch(Gate(g, active, x, mean))
+    arch.dispatch(Gate(geometry, g, active.values(), (x, means), sums));
 }
 
-/// Gradient of a batch normalisation: `dx = outer g + slope (x - mean) + constant`.
-#[derive(Debug, Clone, Copy, Default)]
+/// Gradient of a batch normalisation: `dx = outer g + slope (x - mean) + constant`, every one `[C]`.
+#[derive(Debug, Clone, Default)]
 pub struct NormGradient {
     /// Factor of the gradient behind the normalisation.
-    pub outer: f32,
+    pub outer: Vec<f32>,
     /// Factor of the centred input.
-    pub slope: f32,
+    pub slope: Vec<f32>,
     /// What is the same for every pixel.
-    pub constant: f32,
-    pub mean: f32,
+    pub constant: Vec<f32>,
+    pub mean: Vec<f32>,
 }
 
 impl NormGradient {
-    pub fn set(&self, arch: Arch, g: &[f32], x: &[f32], y: &mut [f32]) {
-        let n = *self;
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for ((y, g), x) in y.iter_mut().zip(g).zip(x) {
-                    *y = n.outer * g + (n.slope * (x - n.mean) + n.constant);
-                }
-            },
-        );
+    /// The same at every pixel, whatever comes from behind.
+    pub fn constant(values: impl Iterator<Item = f32>) -> NormGradient {
+        let constant: Vec<f32> = values.collect();
+        let zero = vec![0.0; constant.len()];
+        NormGradient { outer: zero.clone(), slope: zero.clone(), mean: zero, constant }
     }
 
-    pub fn add(&self, arch: Arch, g: &[f32], x: &[f32], y: &mut [f32]) {
-        let n = *self;
-        arch.dispatch(
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, channel: usize, g: S::f32s, x: S::f32s) -> S::f32s {
+        let [outer, slope] =
+            [S::as_simd_f32s(&self.outer).0[channel], S::as_simd_f32s(&self.slope).0[channel]];
+        let [constant, mean] =
+            [S::as_simd_f32s(&self.constant).0[channel], S::as_simd_f32s(&self.mean).0[channel]];
+        simd.mul_add_f32s(outer, g, simd.mul_add_f32s(slope, simd.sub_f32s(x, mean), constant))
+    }
+
+    /// Sets `y` to the gradient of the input `x` from that of the output, `g`.
+    pub fn set(&self, arch: Arch, geometry: &Geometry, g: &[f32], x: &[f32], y: &mut Padded) {
+        struct Set<'a>(&'a NormGradient, &'a Geometry, &'a [f32], &'a [f32], &'a mut [f32]);
+        impl WithSimd for Set<'_> {
+            type Output = ();
+
             #[inline(always)]
-            || {
-                for ((y, g), x) in y.iter_mut().zip(g).zip(x) {
-                    *y += n.outer * g + (n.slope * (x - n.mean) + n.constant);
-                }
-            },
-        );
+            fn with_simd<S: Simd>(self, simd: S) {
+                let Set(norm, geometry, g, x, y) = self;
+                let (g, x, y) = (S::as_simd_f32s(g).0, S::as_simd_f32s(x).0, S::as_mut_simd_f32s(y).0);
+                each::<S>(
+                    geometry,
+                    #[inline(always)]
+                    |at| {
+                        y[at.padded] = norm.at(simd, at.channel, g[at.image], x[at.image]);
+                    },
+                );
+            }
+        }
+        arch.dispatch(Set(self, geometry, g, x, y.values_mut()));
+    }
+
+    /// As [`NormGradient::set`], but sets `outer` as well, and adds what it is before, if it is `kept`; adds the sums of it.
+    pub fn add(
+        &self,
+        arch: Arch,
+        geometry: &Geometry,
+        (g, x): (&[f32], &[f32]),
+        (kept, outer): (bool, &mut [f32]),
+        y: &mut Padded,
+        sums: &mut [Sums],
+    ) {
+        struct Add<'a> {
+            norm: &'a NormGradient,
+            geometry: &'a Geometry,
+            g: &'a [f32],
+            x: &'a [f32],
+            kept: bool,
+            outer: &'a mut [f32],
+            y: &'a mut [f32],
+            sums: &'a mut [Sums],
+        }
+        impl WithSimd for Add<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, simd: S) {
+                let Add { norm, geometry, g, x, kept, outer, y, sums } = self;
+                let (g, x, y) = (S::as_simd_f32s(g).0, S::as_simd_f32s(x).0, S::as_mut_simd_f32s(y).0);
+                let (outer, zero) = (S::as_mut_simd_f32s(outer).0, simd.splat_f32s(0.0));
+                summed(
+                    simd,
+                    geometry,
+                    sums,
+                    #[inline(always)]
+                    |at| {
+                        let before = if kept { outer[at.image] } else { zero };
+                        let v = simd.add_f32s(before, norm.at(simd, at.channel, g[at.image], x[at.image]));
+                        (outer[at.image], y[at.padded]) = (v, v);
+                        [v, zero]
+                    },
+                );
+            }
+        }
+        let y = y.values_mut();
+        arch.dispatch(Add { norm: self, geometry, g, x, kept, outer, y, sums });
     }
 }

@@ -2,17 +2,20 @@
 //!
 //! Forward and backward passes are written out for this one topology (paper, section V; He et al., 2016, for the
 //! pre-activation block) on the CPU, because burn 0.22's CPU backend derives a convolution's gradients from transposed
-//! and swapped convolutions. Nothing between the convolutions is stored that can be computed again from two tensors
-//! per block. Images are shared among threads in chunks; their number depends on the batch alone, and sums of chunks are
-//! added in their order: the bits do not depend on the number of threads.
+//! and swapped convolutions. Convolutions are Winograd's; a vector holds channels of one pixel. Nothing between the
+//! convolutions is stored that can be computed again from two tensors per block. Images are shared among threads in
+//! chunks; their number depends on the batch alone, and sums of chunks are added in their order: the bits do not depend on
+//! the number of threads.
 
 mod backward;
 mod elementwise;
 mod forward;
+mod kernels;
+mod layout;
 pub(crate) mod operation;
-mod planes;
 mod products;
 mod stem;
+mod winograd;
 
 pub use backward::backward;
 pub use forward::{Forward, forward};
@@ -20,7 +23,10 @@ pub use forward::{Forward, forward};
 use super::float_network::same_padding;
 use super::parameters::BATCH_NORM_EPSILON;
 use elementwise::Sums;
-use planes::Geometry;
+use layout::{Aligned, CHANNELS, Geometry};
+use pulp::Arch;
+use std::borrow::Cow;
+use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex};
 
 /// Most chunks that a batch is cut into.
@@ -71,6 +77,37 @@ impl Shape {
     fn geometry(&self) -> Geometry {
         let pooled = |size| same_padding(size, self.stem_stride).0 / 2;
         Geometry { channels: self.channels, height: pooled(self.rows), width: pooled(self.frames) }
+    }
+
+    /// The widest vectors of this processor that the channels fill.
+    fn arch(&self) -> Arch {
+        #[cfg(target_arch = "x86_64")]
+        if !self.channels.is_multiple_of(2 * CHANNELS)
+            && let Some(narrow) = pulp::x86::V3::try_new()
+        {
+            return Arch::V3(narrow);
+        }
+        Arch::new()
+    }
+
+    /// As many channels as [`CHANNELS`] needs.
+    fn widened(self) -> Shape {
+        Shape { channels: self.channels.next_multiple_of(CHANNELS), ..self }
+    }
+
+    /// The parameters, or their gradient, of this shape with another number of channels: new ones are zero.
+    fn parameters_of<'a>(&self, from: usize, parameters: &'a [f32]) -> Cow<'a, [f32]> {
+        // kernels with `[C]` inputs, and taps
+        let stem = [(false, 9), (false, 1)];
+        let half = [(false, 1), (false, 1), (true, 9)];
+        let block = || half.into_iter().chain(half).chain([(false, 1)]);
+        let fields = stem.into_iter().chain((0..self.blocks).flat_map(|_| block()));
+        with_channels(parameters, fields, from, self.channels)
+    }
+
+    /// Weights `[9][C]` of the input convolution from `[C][9]`.
+    fn stem_weights(&self, weights: &[f32]) -> Vec<f32> {
+        (0..9 * self.channels).map(|at| weights[at % self.channels * 9 + at / self.channels]).collect()
     }
 
     /// What the normalisations take off: the statistics of the `count` values behind the sums, or nothing.
@@ -156,9 +193,41 @@ impl Statistics {
     }
 }
 
+/// Fields `[C][inputs][taps]` one behind the other, with another number of channels; new ones are zero, those that are too many go.
+/// Of a field it is known whether it has `[C]` inputs or one, and how many taps.
+fn with_channels(
+    values: &[f32],
+    fields: impl Iterator<Item = (bool, usize)>,
+    from: usize,
+    to: usize,
+) -> Cow<'_, [f32]> {
+    if from == to {
+        return Cow::Borrowed(values);
+    }
+    let (mut rest, mut found) = (values, Vec::new());
+    for (square, taps) in fields {
+        let [old, new] = [from, to].map(|channels| if square { channels } else { 1 });
+        let (field, behind) = rest.split_at(from * old * taps);
+        rest = behind;
+        for (o, i) in (0..to).flat_map(|o| (0..new).map(move |i| (o, i))) {
+            match o < from && i < old {
+                true => found.extend_from_slice(&field[(o * old + i) * taps..][..taps]),
+                false => found.extend(std::iter::repeat_n(0.0, taps)),
+            }
+        }
+    }
+    Cow::Owned(found)
+}
+
+/// Rows of `[C]` with another number of channels.
+fn rows_with_channels(values: &[f32], from: usize, to: usize) -> Vec<f32> {
+    let rows = values.len() / from;
+    with_channels(values, std::iter::repeat_n((false, 1), rows), from, to).into_owned()
+}
+
 /// Memory that one training step leaves to the next.
 #[derive(Debug, Clone, Default)]
-pub struct Workspace(Arc<Mutex<Vec<Vec<f32>>>>);
+pub struct Workspace(Arc<Mutex<Vec<Aligned>>>);
 
 impl Workspace {
     /// `length` values, whatever they are.
@@ -166,7 +235,7 @@ impl Workspace {
         let mut free = self.0.lock().unwrap_or_else(|e| e.into_inner());
         let values = match free.iter().position(|b| b.len() == length) {
             Some(index) => free.swap_remove(index),
-            None => vec![0.0; length],
+            None => Aligned::new(length),
         };
         Buffer { values, home: self.clone() }
     }
@@ -175,8 +244,22 @@ impl Workspace {
 /// A piece of a [`Workspace`], given back when dropped.
 #[derive(Debug)]
 struct Buffer {
-    values: Vec<f32>,
+    values: Aligned,
     home: Workspace,
+}
+
+impl Deref for Buffer {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        &self.values
+    }
+}
+
+impl DerefMut for Buffer {
+    fn deref_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
 }
 
 impl Drop for Buffer {
@@ -194,4 +277,30 @@ fn total(chunks: impl IntoIterator<Item = Vec<Sums>>) -> Vec<Sums> {
         total.iter_mut().zip(chunk).for_each(|(t, c)| *t += c);
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn numbers(count: usize, seed: u32) -> Vec<f32> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    /// Every instruction set that this processor has and the channels fill.
+    pub(super) fn every_arch(channels: usize) -> Vec<Arch> {
+        #[cfg(target_arch = "x86_64")]
+        let wider = [
+            pulp::x86::V3::try_new().map(Arch::V3),
+            pulp::x86::V4::try_new().map(Arch::V4).filter(|_| channels.is_multiple_of(16)),
+        ];
+        #[cfg(not(target_arch = "x86_64"))]
+        let wider = [Some(Arch::new()).filter(|_| channels > 0)];
+        [Arch::Scalar].into_iter().chain(wider.into_iter().flatten()).collect()
+    }
 }

@@ -1,227 +1,131 @@
-//! Two sums of products over shifted images, in the processor's widest vectors: all the work of training a convolution.
+//! Products of small matrices in the processor's widest vectors: what a Winograd transform leaves of a convolution.
 //!
-//! An image is a row of planes, one per channel, each a flat list of pixels in which a tap of the kernel is a constant
-//! shift. A 3x3 convolution is then `y[o][p] = sum_k w[k][o] x[shift[k] + p]`, one k per input channel and tap; its
-//! input gradient is the same with mirrored weights, its weight gradient is `sum_p x[shift[k] + p] g[o][p]`.
-//!
-//! Every product is fused with its sum and lanes are counted in sixteens on every processor, so the bits are the same
-//! with AVX-512, AVX2, NEON or none of them. Without fused instructions in hardware they are emulated, slowly.
+//! Every product is fused with its sum and every sum is taken in index order in a lane of its own, so the bits are the
+//! same with AVX-512, AVX2, NEON or none of them. Without fused instructions in hardware they are emulated, slowly.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 
-/// Planes are a multiple of this many pixels long.
-pub const BLOCK: usize = 48;
-/// Lanes of a weight gradient's sum.
-pub const LANES: usize = 16;
-
-/// `y[o * plane + p] = bias[o] + sum_k weights[k * outputs + o] * x[shifts[k] + p]` for `p` in `0..pixels`.
-///
-/// `bias` holds one value per output, a multiple of 4 of them; `pixels` is a multiple of [`BLOCK`].
-#[derive(Debug)]
-pub struct Convolve<'a> {
-    /// Planes of the input.
-    pub x: &'a [f32],
-    /// Where each k begins in `x`.
-    pub shifts: &'a [usize],
-    pub weights: &'a [f32],
-    pub bias: &'a [f32],
-    /// Pixels of a plane of the output.
-    pub pixels: usize,
-    /// Planes of the output, one behind the other.
-    pub y: &'a mut [f32],
+/// `y = a b`: `y` `[rows][outputs]`, `a` `[rows][depth]`, `b` `[depth][outputs]`; outputs are a multiple of 8.
+#[inline(always)]
+pub fn multiply<S: Simd>(simd: S, a: &[f32], b: &[f32], outputs: usize, y: &mut [f32]) {
+    let (rows, depth) = (y.len() / outputs, b.len() / outputs);
+    Product::<false> { a, b, rows, depth, outputs }.all(simd, y);
 }
 
-impl Convolve<'_> {
-    pub fn run(self, arch: Arch) {
-        arch.dispatch(self);
+/// `y += a' b`: `y` `[rows][outputs]`, `a` `[depth][rows]`, `b` `[depth][outputs]`; outputs are a multiple of 8.
+#[inline(always)]
+pub fn accumulate<S: Simd>(simd: S, a: &[f32], b: &[f32], outputs: usize, y: &mut [f32]) {
+    let (rows, depth) = (y.len() / outputs, b.len() / outputs);
+    Product::<true> { a, b, rows, depth, outputs }.all(simd, y);
+}
+
+/// Adds to `y`, and `a` is transposed, if `TRANSPOSED`.
+#[derive(Clone, Copy)]
+struct Product<'a, const TRANSPOSED: bool> {
+    a: &'a [f32],
+    b: &'a [f32],
+    rows: usize,
+    depth: usize,
+    outputs: usize,
+}
+
+impl<const TRANSPOSED: bool> Product<'_, TRANSPOSED> {
+    #[inline(always)]
+    fn all<S: Simd>(self, simd: S, y: &mut [f32]) {
+        // as many sums as hide the latency of a fused sum and leave registers for the factors
+        match S::F32_LANES {
+            16 => self.columns::<S, 16, 1>(simd, y),
+            8 if self.outputs.is_multiple_of(16) => self.columns::<S, 4, 2>(simd, y),
+            8 => self.columns::<S, 8, 1>(simd, y),
+            4 => self.columns::<S, 8, 2>(simd, y),
+            _ => self.columns::<S, 2, 4>(simd, y),
+        }
     }
 
     #[inline(always)]
-    fn tiles<S: Simd, const O: usize, const V: usize>(&mut self, simd: S, first: usize) {
-        let (outputs, width) = (self.bias.len(), V * S::F32_LANES);
-        let bias = &self.bias[first..first + O];
-        for p in (0..self.pixels).step_by(width) {
-            let mut sums: [[S::f32s; V]; O] = std::array::from_fn(|o| [simd.splat_f32s(bias[o]); V]);
-            for (&shift, weights) in self.shifts.iter().zip(self.weights.chunks_exact(outputs)) {
-                let (x, _) = S::as_simd_f32s(&self.x[shift + p..][..width]);
-                let weights = &weights[first..first + O];
-                for o in 0..O {
-                    let w = simd.splat_f32s(weights[o]);
-                    for v in 0..V {
-                        sums[o][v] = simd.mul_add_f32s(w, x[v], sums[o][v]);
-                    }
-                }
+    fn columns<S: Simd, const R: usize, const V: usize>(self, simd: S, y: &mut [f32]) {
+        for v in (0..self.outputs / S::F32_LANES).step_by(V) {
+            let mut row = 0;
+            while row + R <= self.rows {
+                self.tile::<S, R, V>(simd, row, v, y);
+                row += R;
             }
-            for o in 0..O {
-                let (y, _) = S::as_mut_simd_f32s(&mut self.y[(first + o) * self.pixels + p..][..width]);
-                y[..V].copy_from_slice(&sums[o]);
+            while row + 4 <= self.rows {
+                self.tile::<S, 4, V>(simd, row, v, y);
+                row += 4;
+            }
+            while row < self.rows {
+                self.tile::<S, 1, V>(simd, row, v, y);
+                row += 1;
             }
         }
     }
-}
 
-impl WithSimd for Convolve<'_> {
-    type Output = ();
-
+    /// R rows by V vectors of outputs.
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let mut first = 0;
-        while first < self.bias.len() {
-            if S::F32_LANES == 16 && self.bias.len() - first >= 8 {
-                self.tiles::<S, 8, 3>(simd, first);
-                first += 8;
-            } else {
-                self.tiles::<S, 4, 3>(simd, first);
-                first += 4;
+    fn tile<S: Simd, const R: usize, const V: usize>(self, simd: S, row: usize, v: usize, y: &mut [f32]) {
+        let width = self.outputs / S::F32_LANES;
+        let y = &mut S::as_mut_simd_f32s(y).0[row * width..][..R * width];
+        let mut sums = [[simd.splat_f32s(0.0); V]; R];
+        if TRANSPOSED {
+            for (sums, y) in sums.iter_mut().zip(y.chunks_exact(width)) {
+                sums.copy_from_slice(&y[v..][..V]);
             }
         }
-    }
-}
-
-/// `sums[(k * outputs + o) * LANES + l] += sum_p x[shifts[k] + p] * g[o * plane + p]` over `p` = l modulo [`LANES`].
-///
-/// Shifts come in threes; `outputs` is a multiple of 4, `pixels` of [`LANES`]. Fastest where `g` is aligned to 64 bytes.
-#[derive(Debug)]
-pub struct Correlate<'a> {
-    /// Planes of the input.
-    pub x: &'a [f32],
-    /// Where each k begins in `x`.
-    pub shifts: &'a [usize],
-    /// Planes of the output's gradient.
-    pub g: &'a [f32],
-    /// Distance of the planes in `g`.
-    pub plane: usize,
-    /// Number of planes in `g`.
-    pub outputs: usize,
-    pub pixels: usize,
-    pub sums: &'a mut [f32],
-}
-
-impl Correlate<'_> {
-    pub fn run(self, arch: Arch) {
-        arch.dispatch(self);
-    }
-
-    /// Three shifts by O outputs, U vectors to sixteen lanes.
-    #[inline(always)]
-    fn tile<S: Simd, const O: usize, const U: usize>(&mut self, simd: S, k: usize, first: usize) {
-        let count = self.pixels / S::F32_LANES;
-        let x: [&[S::f32s]; 3] = std::array::from_fn(|i| {
-            &S::as_simd_f32s(&self.x[self.shifts[k + i]..][..self.pixels]).0[..count]
-        });
-        let g: [&[S::f32s]; O] = std::array::from_fn(|o| {
-            &S::as_simd_f32s(&self.g[(first + o) * self.plane..][..self.pixels]).0[..count]
-        });
-        let mut sums = [[[simd.splat_f32s(0.0); U]; O]; 3];
-        for p in 0..count / U {
-            for u in 0..U {
-                for o in 0..O {
-                    let g = g[o][p * U + u];
-                    for i in 0..3 {
-                        sums[i][o][u] = simd.mul_add_f32s(x[i][p * U + u], g, sums[i][o][u]);
-                    }
+        let mut lines: [&[f32]; R] = [&[]; R];
+        if !TRANSPOSED {
+            for (r, line) in lines.iter_mut().enumerate() {
+                *line = &self.a[(row + r) * self.depth..][..self.depth];
+            }
+        }
+        for (k, b) in self.b.chunks_exact(self.outputs).enumerate().take(self.depth) {
+            let b = &S::as_simd_f32s(b).0[v..][..V];
+            let column = if TRANSPOSED { &self.a[k * self.rows + row..][..R] } else { &[] };
+            for r in 0..R {
+                let a = simd.splat_f32s(if TRANSPOSED { column[r] } else { lines[r][k] });
+                for v in 0..V {
+                    sums[r][v] = simd.mul_add_f32s(a, b[v], sums[r][v]);
                 }
             }
         }
-        for (i, o) in (0..3).flat_map(|i| (0..O).map(move |o| (i, o))) {
-            let at = ((k + i) * self.outputs + first + o) * LANES;
-            let (total, _) = S::as_mut_simd_f32s(&mut self.sums[at..][..LANES]);
-            for u in 0..U {
-                total[u] = simd.add_f32s(total[u], sums[i][o][u]);
-            }
-        }
-    }
-}
-
-impl WithSimd for Correlate<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        for k in (0..self.shifts.len()).step_by(3) {
-            let mut first = 0;
-            while first < self.outputs {
-                let left = self.outputs - first;
-                first += match S::F32_LANES {
-                    16 if left >= 8 => {
-                        self.tile::<S, 8, 1>(simd, k, first);
-                        8
-                    }
-                    16 => {
-                        self.tile::<S, 4, 1>(simd, k, first);
-                        4
-                    }
-                    8 => {
-                        self.tile::<S, 2, 2>(simd, k, first);
-                        2
-                    }
-                    4 => {
-                        self.tile::<S, 2, 4>(simd, k, first);
-                        2
-                    }
-                    _ => {
-                        self.tile::<S, 1, 16>(simd, k, first);
-                        1
-                    }
-                };
-            }
+        for (sums, y) in sums.iter().zip(y.chunks_exact_mut(width)) {
+            y[v..][..V].copy_from_slice(sums);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{every_arch, numbers};
     use super::*;
+    use pulp::WithSimd;
 
-    fn numbers(count: usize, seed: u32) -> Vec<f32> {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        };
-        (0..count).map(|_| next()).collect()
-    }
+    struct Both<'a>(usize, &'a [f32], &'a [f32], &'a [f32], &'a mut [f32], &'a mut [f32]);
+    impl WithSimd for Both<'_> {
+        type Output = ();
 
-    /// Every instruction set that this processor has.
-    fn every() -> Vec<Arch> {
-        #[cfg(target_arch = "x86_64")]
-        let wider = [pulp::x86::V3::try_new().map(Arch::V3), pulp::x86::V4::try_new().map(Arch::V4)];
-        #[cfg(not(target_arch = "x86_64"))]
-        let wider = [Some(Arch::new())];
-        [Arch::Scalar].into_iter().chain(wider.into_iter().flatten()).collect()
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Both(outputs, a, transposed, b, y, sums) = self;
+            multiply(simd, a, b, outputs, y);
+            accumulate(simd, transposed, b, outputs, sums);
+        }
     }
 
     #[test]
-    fn both_are_their_formulas_and_the_same_bits_on_every_instruction_set() {
-        let (pixels, slack) = (2 * BLOCK, 7);
-        for outputs in [4, 8, 12] {
-            let shifts = [0, 1, 5, pixels + slack, pixels + slack + 2, pixels + slack + 6];
-            let x = numbers(2 * (pixels + slack), 1);
-            let (weights, bias) = (numbers(6 * outputs, 2), numbers(outputs, 3));
-            let g = numbers(outputs * (pixels + slack), 4);
-            let mut found: Option<(Vec<f32>, Vec<f32>)> = None;
-            for arch in every() {
-                let mut y = vec![0.0; outputs * pixels];
-                let (x, shifts) = (&x[..], &shifts[..]);
-                Convolve { x, shifts, weights: &weights, bias: &bias, pixels, y: &mut y }.run(arch);
-                let mut sums = vec![0.5; 6 * outputs * LANES];
-                let plane = pixels + slack;
-                Correlate { x, shifts, g: &g, plane, outputs, pixels, sums: &mut sums }.run(arch);
-                let (y0, sums0) = found.get_or_insert_with(|| (y.clone(), sums.clone()));
-                assert_eq!((&y, &sums), (&*y0, &*sums0));
-            }
-            let (y, sums) = found.unwrap();
-            for (o, p) in (0..outputs).flat_map(|o| (0..pixels).map(move |p| (o, p))) {
-                let fused =
-                    (0..6).fold(bias[o], |s, k| weights[k * outputs + o].mul_add(x[shifts[k] + p], s));
-                assert_eq!(y[o * pixels + p], fused);
-            }
-            for (k, o) in (0..6).flat_map(|k| (0..outputs).map(move |o| (k, o))) {
-                let product = |p| f64::from(x[shifts[k] + p]) * f64::from(g[o * (pixels + slack) + p]);
-                let expected = 8.0 + (0..pixels).map(product).sum::<f64>();
-                let lanes = &sums[(k * outputs + o) * LANES..][..LANES];
-                let sum: f64 = lanes.iter().map(|&s| f64::from(s)).sum();
-                assert!((sum - expected).abs() < 1e-4, "{sum} {expected}");
+    fn both_are_their_formulas_on_every_instruction_set() {
+        for (rows, depth, outputs) in [(1, 3, 8), (16, 16, 16), (21, 5, 24), (39, 1, 32), (7, 16, 16)] {
+            let (a, b) = (numbers(rows * depth, 1), numbers(depth * outputs, 2));
+            let transposed: Vec<f32> = (0..rows * depth).map(|n| a[n % rows * depth + n / rows]).collect();
+            for arch in every_arch(outputs) {
+                let (mut y, mut sums) = (vec![f32::NAN; rows * outputs], vec![0.5; rows * outputs]);
+                arch.dispatch(Both(outputs, &a, &transposed, &b, &mut y, &mut sums));
+                for (r, o) in (0..rows).flat_map(|r| (0..outputs).map(move |o| (r, o))) {
+                    let fused = |start: f32| {
+                        (0..depth).fold(start, |sum, k| a[r * depth + k].mul_add(b[k * outputs + o], sum))
+                    };
+                    assert_eq!([y[r * outputs + o], sums[r * outputs + o]], [fused(0.0), fused(0.5)]);
+                }
             }
         }
     }

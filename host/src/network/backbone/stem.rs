@@ -1,14 +1,12 @@
 //! The input convolution with its pooling, as the maximum of four convolutions, and its gradient.
 //!
 //! Pixel (r, c) of the pooled image is the maximum of the convolution at (2r, 2c), (2r, 2c+1), (2r+1, 2c), (2r+1, 2c+1):
-//! its four phases. All taps of all phases are planes of every (2 stride)-th pixel of the image, gathered once.
+//! its four phases. Which of them it was is not stored: the backward pass computes them again.
 
 use super::Shape;
-use super::elementwise::{Sums, moments};
-use super::planes::Geometry;
-use super::products::{Convolve, Correlate};
+use super::layout::Geometry;
 use crate::network::float_network::same_padding;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// What a thread needs for an image.
 #[derive(Debug)]
@@ -18,117 +16,168 @@ pub struct Stem {
     stride: usize,
     pads: [usize; 2],
     size: [usize; 2],
+    /// The image with zeros all round, and the length of a row.
     image: Vec<f32>,
-    planes: Vec<f32>,
-    phases: [Vec<f32>; 4],
+    row: usize,
 }
+
+/// Taps of the kernel.
+const TAPS: usize = 9;
 
 impl Stem {
     /// For images of a shape.
     pub fn new(shape: &Shape, arch: Arch) -> Stem {
         let (geometry, stride) = (shape.geometry(), shape.stem_stride);
-        let pads = [shape.rows, shape.frames].map(|size| same_padding(size, stride).1);
         let size = [shape.rows, shape.frames];
-        let room = size.map(|size| size + 2 * stride + 4);
-        Stem {
-            arch,
-            geometry,
-            stride,
-            pads,
-            size,
-            image: vec![0.0; room[0] * room[1]],
-            planes: vec![0.0; (stride + 3).pow(2) * geometry.pixels()],
-            phases: std::array::from_fn(|_| vec![0.0; geometry.image()]),
+        let pads = size.map(|size| same_padding(size, stride).1);
+        let [height, row] = size.map(|size| size + 2 * stride + 4);
+        let image = vec![0.0; height * row];
+        Stem { arch, geometry, stride, pads, size, image, row }
+    }
+
+    fn load(&mut self, image: &[f32]) {
+        for (r, line) in image.chunks_exact(self.size[1]).enumerate() {
+            self.image[(r + self.pads[0]) * self.row + self.pads[1]..][..self.size[1]].copy_from_slice(line);
         }
     }
 
-    /// Where the nine taps of a phase begin.
-    fn shifts(&self, phase: usize) -> [usize; 9] {
-        let (side, pixels) = (self.stride + 3, self.geometry.pixels());
-        let [y, x] = [phase / 2, phase % 2].map(|p| p * self.stride);
-        std::array::from_fn(|tap| ((y + tap / 3) * side + x + tap % 3) * pixels)
+    /// The taps of the four phases of a pooled pixel.
+    #[inline(always)]
+    fn taps(&self, r: usize, c: usize) -> [[f32; TAPS]; 4] {
+        let start = 2 * self.stride * (r * self.row + c);
+        let mut taps = [[0.0; TAPS]; 4];
+        for (phase, taps) in taps.iter_mut().enumerate() {
+            let start = start + (phase / 2 * self.row + phase % 2) * self.stride;
+            for (y, taps) in taps.chunks_exact_mut(3).enumerate() {
+                taps.copy_from_slice(&self.image[start + y * self.row..][..3]);
+            }
+        }
+        taps
     }
 
-    fn gather(&mut self, image: &[f32]) {
-        let room = self.size[1] + 2 * self.stride + 4;
-        for (r, row) in image.chunks_exact(self.size[1]).enumerate() {
-            self.image[(r + self.pads[0]) * room + self.pads[1]..][..self.size[1]].copy_from_slice(row);
+    /// Pooled image `x`, `[pixel][C]`; `weights` are `[9][C]`.
+    pub fn forward(&mut self, image: &[f32], weights: &[f32], bias: &[f32], x: &mut [f32]) {
+        self.load(image);
+        self.arch.dispatch(Forward { stem: self, weights, bias, x });
+    }
+
+    /// Adds the gradient of the weights, `[9][C]`, for the gradient `g` of the pooled image.
+    pub fn backward(&mut self, image: &[f32], weights: &[f32], bias: &[f32], g: &[f32], total: &mut [f32]) {
+        self.load(image);
+        let arch = self.arch;
+        arch.dispatch(Backward { stem: self, weights, bias, g, total });
+    }
+}
+
+/// The four phases of some channels of a pixel.
+#[inline(always)]
+fn phases<S: Simd>(
+    simd: S,
+    taps: &[[f32; TAPS]; 4],
+    weights: &[S::f32s; TAPS],
+    bias: S::f32s,
+) -> [S::f32s; 4] {
+    let mut sums = [bias; 4];
+    for (sum, taps) in sums.iter_mut().zip(taps) {
+        for (&tap, &weight) in taps.iter().zip(weights) {
+            *sum = simd.mul_add_f32s(simd.splat_f32s(tap), weight, *sum);
         }
-        let (side, pixels, row) = (self.stride + 3, self.geometry.pixels(), self.geometry.row());
-        for (d, plane) in self.planes.chunks_exact_mut(pixels).enumerate() {
-            for r in 0..self.geometry.height {
-                let from = &self.image[(2 * self.stride * r + d / side) * room + d % side..];
-                let to = &mut plane[r * row..][..self.geometry.width];
-                to.iter_mut().zip(from.iter().step_by(2 * self.stride)).for_each(|(to, from)| *to = *from);
+    }
+    sums
+}
+
+/// The larger of two, the first of equals, and whether it is the second.
+#[inline(always)]
+fn larger<S: Simd>(simd: S, a: S::f32s, b: S::f32s) -> (S::f32s, S::m32s) {
+    let second = simd.less_than_f32s(a, b);
+    (simd.select_f32s(second, b, a), second)
+}
+
+#[inline(always)]
+fn column<S: Simd>(simd: S, weights: &[f32], v: usize, vectors: usize) -> [S::f32s; TAPS] {
+    let mut column = [simd.splat_f32s(0.0); TAPS];
+    for (to, from) in column.iter_mut().zip(S::as_simd_f32s(weights).0.chunks_exact(vectors)) {
+        *to = from[v];
+    }
+    column
+}
+
+struct Forward<'a> {
+    stem: &'a Stem,
+    weights: &'a [f32],
+    bias: &'a [f32],
+    x: &'a mut [f32],
+}
+
+impl WithSimd for Forward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let geometry = self.stem.geometry;
+        let vectors = geometry.channels / S::F32_LANES;
+        let x = S::as_mut_simd_f32s(self.x).0;
+        for v in 0..vectors {
+            let weights = column::<S>(simd, self.weights, v, vectors);
+            let bias = S::as_simd_f32s(self.bias).0[v];
+            for (r, row) in x.chunks_exact_mut(geometry.width * vectors).enumerate() {
+                for c in 0..geometry.width {
+                    let [a, b, p, q] = phases::<S>(simd, &self.stem.taps(r, c), &weights, bias);
+                    let (top, low) = (larger::<S>(simd, a, b).0, larger::<S>(simd, p, q).0);
+                    row[c * vectors + v] = larger::<S>(simd, top, low).0;
+                }
             }
         }
     }
+}
 
-    /// Pooled image `x` and the phase of each maximum, the first of equals; adds the moments of `x`.
-    ///
-    /// `weights` are `[9][C]`.
-    pub fn forward(
-        &mut self,
-        image: &[f32],
-        weights: &[f32],
-        bias: &[f32],
-        x: &mut [f32],
-        argmax: &mut [u8],
-        sums: &mut [Sums],
-    ) {
-        self.gather(image);
-        let (pixels, arch) = (self.geometry.pixels(), self.arch);
-        for phase in 0..4 {
-            let shifts = self.shifts(phase);
-            let (planes, y) = (&self.planes, &mut self.phases[phase]);
-            Convolve { x: planes, shifts: &shifts, weights, bias, pixels, y }.run(arch);
-        }
-        let [a, b, c, d] = &self.phases;
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                let phases = a.iter().zip(b).zip(c.iter().zip(d));
-                for ((x, argmax_index), ((&a, &b), (&c, &d))) in x.iter_mut().zip(argmax).zip(phases) {
-                    let (top, first) = if b > a { (b, 1) } else { (a, 0) };
-                    let (low, second) = if d > c { (d, 3) } else { (c, 2) };
-                    (*x, *argmax_index) = if low > top { (low, second) } else { (top, first) };
-                }
-            },
-        );
-        for (plane, sums) in x.chunks_exact_mut(pixels).zip(sums) {
-            self.geometry.clear(plane);
-            *sums += moments(arch, plane);
-        }
-    }
+struct Backward<'a> {
+    stem: &'a mut Stem,
+    weights: &'a [f32],
+    bias: &'a [f32],
+    g: &'a [f32],
+    total: &'a mut [f32],
+}
 
-    /// Adds the gradients of weights, `[9][C][lane]`, and biases for the gradient `g` of the pooled image.
-    pub fn backward(
-        &mut self,
-        image: &[f32],
-        g: &[f32],
-        argmax: &[u8],
-        lanes: &mut [f32],
-        bias: &mut [Sums],
-    ) {
-        self.gather(image);
-        let (pixels, arch) = (self.geometry.pixels(), self.arch);
-        for phase in 0..4 {
-            let shifts = self.shifts(phase);
-            let chosen = &mut self.phases[phase];
-            arch.dispatch(
-                #[inline(always)]
-                || {
-                    for ((y, &g), &argmax_index) in chosen.iter_mut().zip(g).zip(argmax) {
-                        *y = if argmax_index == phase as u8 { g } else { 0.0 };
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Backward { stem, weights, bias, g, total } = self;
+        let geometry = stem.geometry;
+        let vectors = geometry.channels / S::F32_LANES;
+        let (g, zero) = (S::as_simd_f32s(g).0, simd.splat_f32s(0.0));
+        let total = S::as_mut_simd_f32s(total).0;
+        for v in 0..vectors {
+            let weights = column::<S>(simd, weights, v, vectors);
+            let bias = S::as_simd_f32s(bias).0[v];
+            for (r, row) in g.chunks_exact(geometry.width * vectors).enumerate() {
+                let mut sums = [zero; TAPS];
+                for c in 0..geometry.width {
+                    let taps = stem.taps(r, c);
+                    let [a, b, p, q] = phases::<S>(simd, &taps, &weights, bias);
+                    let ((top, second), (low, fourth)) = (larger::<S>(simd, a, b), larger::<S>(simd, p, q));
+                    let (_, lower) = larger::<S>(simd, top, low);
+                    let g = row[c * vectors + v];
+                    let (up, down) = (simd.select_f32s(lower, zero, g), simd.select_f32s(lower, g, zero));
+                    let chosen = [
+                        simd.select_f32s(second, zero, up),
+                        simd.select_f32s(second, up, zero),
+                        simd.select_f32s(fourth, zero, down),
+                        simd.select_f32s(fourth, down, zero),
+                    ];
+                    for (taps, g) in taps.iter().zip(chosen) {
+                        for (sum, &tap) in sums.iter_mut().zip(taps) {
+                            *sum = simd.mul_add_f32s(simd.splat_f32s(tap), g, *sum);
+                        }
                     }
-                },
-            );
-            let outputs = self.geometry.channels;
-            let (x, g) = (&self.planes, &self.phases[phase]);
-            Correlate { x, shifts: &shifts, g, plane: pixels, outputs, pixels, sums: lanes }.run(arch);
-        }
-        for (plane, sums) in g.chunks_exact(pixels).zip(bias) {
-            *sums += moments(arch, plane);
+                }
+                for (tap, sum) in sums.into_iter().enumerate() {
+                    let total = &mut total[tap * vectors + v];
+                    *total = simd.add_f32s(*total, sum);
+                }
+            }
         }
     }
 }
