@@ -31,6 +31,7 @@ fn changes_wait_for_the_boundary_and_are_reported_there() {
     let first = period(&mut scheduler, |s, slot| {
         s.planner_mut().set_rate(2, 7);
         s.planner_mut().set_rate(1, 5);
+        assert_eq!(s.planner().rates(), [3, 5, 7, 0, 0, 0, 0, 0]);
         s.planner_mut().set_sensing_slots(4).unwrap();
         assert!(s.planner_mut().set_sensing_slots(11).is_err());
         if slot == SlotUse::Communication(0) {

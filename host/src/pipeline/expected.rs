@@ -22,8 +22,8 @@ use sdp3_core::dims::ROWS;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Products that a processor trains in a second: 13e9 with AVX-512 (docs/benchmarks.md), fewer in narrow networks.
-const TRAINED_PER_S: f64 = 1e10;
+/// Products that a processor trains in a second: 27e9 with AVX-512 (docs/benchmarks.md), fewer in narrow networks.
+const TRAINED_PER_S: f64 = 2e10;
 /// The same of the tuning with int8's rounding, which is not vectorised as well.
 const TUNED_PER_S: f64 = 1e9;
 /// Time of one emulated target in s, its build aside.
