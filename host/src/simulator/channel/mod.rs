@@ -217,7 +217,8 @@ pub fn add_blocks(beat: &mut Blocks, amplitude: Complex64, delay_s: f64) {
 }
 
 pub fn phasor(angle: f64) -> Complex64 {
-    Complex64::new(libm::cos(angle), libm::sin(angle))
+    let (sine, cosine) = libm::sincos(angle);
+    Complex64::new(cosine, sine)
 }
 
 /// exp(-j 2 pi length / lambda): whole wavelengths are taken off before the cosine.

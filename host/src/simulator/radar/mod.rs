@@ -10,6 +10,7 @@
 //! equations. Compression follows phase noise here: it takes magnitudes, which a phase leaves alone.
 
 mod impairments;
+mod interpolation;
 mod oscillator;
 mod range_samples;
 mod samples;
@@ -17,7 +18,7 @@ mod samples;
 use super::channel::response::{Response, Table};
 use super::channel::room::expected_power;
 use super::channel::{
-    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, SWEEP_S, Sweep, accumulate, node_time, phasor, tone,
+    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, accumulate, node_time, phasor, tone,
 };
 use crate::numerics::differentiation;
 use crate::numerics::random::Random;
@@ -50,24 +51,6 @@ fn chirp(samples: usize) -> Vec<Complex64> {
     let l = samples as u64;
     (1..=l).map(|n| phasor(PI * ((n * n) % (2 * l)) as f64 / l as f64)).collect()
 }
-
-/// Values of the Lagrange polynomials of the nodes at the samples, `[fast_time][node]`.
-static INTERPOLATION: LazyLock<Vec<[f64; NODES]>> = LazyLock::new(|| {
-    let node = |k: usize| (PI * (k as f64 + 0.5) / NODES as f64, k);
-    (1..=SAMPLES)
-        .map(|n| {
-            let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
-            let x = libm::acos(x.clamp(-1.0, 1.0));
-            // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
-            std::array::from_fn(|k| {
-                let (angle, _) = node(k);
-                let sum: f64 =
-                    (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * angle)).sum();
-                (1.0 + 2.0 * sum) / NODES as f64
-            })
-        })
-        .collect()
-});
 
 /// Derivative of a sweep's beat at the nodes in 1/s, `[node][node]`.
 static SLOPE: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
@@ -111,9 +94,26 @@ impl Converter {
     }
 
     /// Nearest integer (halves to even), saturated to the converter's range and justified.
+    #[inline(always)]
     fn convert(&self, x: f64) -> i16 {
         const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
-        ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC - MAGIC) as i16) << self.shift
+        // the integer is what the sum's mantissa ends with
+        ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC).to_bits() as i16) << self.shift
+    }
+
+    /// Appends real and imaginary parts by turns.
+    fn convert_all(&self, re: &[f64], im: &[f64], values: &mut Vec<i16>) {
+        let from = values.len();
+        values.resize(from + 2 * re.len(), 0);
+        let (pairs, _) = values[from..].as_chunks_mut::<2>();
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (pair, (&re, &im)) in pairs.iter_mut().zip(re.iter().zip(im)) {
+                    *pair = [self.convert(re), self.convert(im)];
+                }
+            },
+        );
     }
 }
 
@@ -283,52 +283,49 @@ impl<'a> Receiver<'a> {
         // in LSB from here on
         let limiter = limiter.map(|one| Limiter { steepness: one.steepness * converter.lsb * converter.lsb });
         let compressed = |z: Complex64| limiter.map_or(z, |one| z * one.gain(z.norm_sqr()));
-        let mut complex = |z: Complex64| {
-            let z = direct * z + image * z.conj() + offset;
-            values.push(converter.convert(z.re + noise_lsb * random.gaussian()));
-            values.push(converter.convert(z.im + noise_lsb * random.gaussian()));
-        };
+        let impaired = |z: Complex64| direct * z + image * z.conj() + offset;
         let tones = paths.iter().map(|path| (path.gain, path.delay_s));
         let tones = tones.chain(leakage.map(|one| (one.gain, one.delay_s)));
         if matches!(self.response, Response::Paper) {
             let mut sweep = Sweep::default();
             tones.for_each(|(gain, delay_s)| accumulate(&mut sweep, &tone(gain, delay_s)));
             let scaled: Sweep = sweep.map(|z| z * turn / converter.lsb);
-            let at = |row: &[f64; NODES], nodes: &Sweep| {
-                let (mut re, mut im) = (0.0, 0.0);
-                for (w, z) in row.iter().zip(nodes) {
-                    re += w * z.re;
-                    im += w * z.im;
-                }
-                Complex64::new(re, im)
-            };
-            if self.beat.frequency.is_empty() {
-                for (row, chirp) in INTERPOLATION.iter().zip(CHIRP.iter()) {
-                    complex(compressed(at(row, &scaled)) * chirp);
-                }
-                return;
+            self.beat.interpolate(&scaled, || time_shift(&scaled));
+            let Samples { re, im, .. } = &mut self.beat;
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for ((re, im), chirp) in re.iter_mut().zip(im.iter_mut()).zip(CHIRP.iter()) {
+                        let z = impaired(compressed(Complex64::new(*re, *im)) * chirp);
+                        (*re, *im) = (z.re, z.im);
+                    }
+                },
+            );
+            for (re, im) in re.iter_mut().zip(im.iter_mut()) {
+                *re += noise_lsb * random.gaussian();
+                *im += noise_lsb * random.gaussian();
             }
-            let shifted = time_shift(&scaled);
-            for ((row, chirp), frequency) in INTERPOLATION.iter().zip(CHIRP.iter()).zip(&self.beat.frequency)
-            {
-                let z = at(row, &scaled) + at(row, &shifted) * frequency;
-                complex(compressed(z) * chirp);
-            }
+            converter.convert_all(re, im, values);
             return;
         }
         self.beat.fill(tones, radar);
         let Samples { re, im, .. } = &self.beat;
         let beat = re.iter().zip(im.iter()).map(|(&re, &im)| Complex64::new(re, im));
+        let mut digitise = |x: f64| values.push(converter.convert(x + noise_lsb * random.gaussian()));
+        let mut complex = |z: Complex64| {
+            digitise(z.re);
+            digitise(z.im);
+        };
         match (radar.dechirp, radar.format) {
             (Dechirp::Digital, _) => {
-                beat.zip(&self.chirp).for_each(|(z, s)| complex(compressed(z * turn / converter.lsb) * s));
+                beat.zip(&self.chirp)
+                    .for_each(|(z, s)| complex(impaired(compressed(z * turn / converter.lsb) * s)));
             }
             (Dechirp::Analog, Format::Complex) => {
-                beat.for_each(|z| complex(compressed(z.conj() * turn / converter.lsb)));
+                beat.for_each(|z| complex(impaired(compressed(z.conj() * turn / converter.lsb))));
             }
             (Dechirp::Analog, Format::Real) => beat.for_each(|z| {
-                let x = compressed(z.conj() * turn / converter.lsb).re + offset.re;
-                values.push(converter.convert(x + noise_lsb * random.gaussian()));
+                digitise(compressed(z.conj() * turn / converter.lsb).re + offset.re);
             }),
         }
     }

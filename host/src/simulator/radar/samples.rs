@@ -1,7 +1,8 @@
-//! A slot's beat, sample by sample, of radars other than the paper's.
+//! A slot's beat, sample by sample.
 
+use super::interpolation::interpolate;
 use crate::scenario::{Dechirp, Radar};
-use crate::simulator::channel::{Complex64, phasor};
+use crate::simulator::channel::{Complex64, Sweep, phasor};
 use std::f64::consts::PI;
 
 /// A slot's beat at the samples.
@@ -29,6 +30,21 @@ impl Samples {
             moment_re: zeros(noisy),
             moment_im: zeros(noisy),
             frequency: zeros(noisy),
+        }
+    }
+
+    /// The beat of the paper's radar from its values at the nodes; `moment` has the same with every path weighted by its delay.
+    pub fn interpolate(&mut self, beat: &Sweep, moment: impl FnOnce() -> Sweep) {
+        let Samples { re, im, moment_re, moment_im, frequency } = self;
+        interpolate(beat, re, im);
+        if frequency.is_empty() {
+            return;
+        }
+        interpolate(&moment(), moment_re, moment_im);
+        let moments = moment_re.iter().zip(moment_im.iter()).zip(frequency.iter());
+        for ((re, im), ((moment_re, moment_im), frequency)) in re.iter_mut().zip(im).zip(moments) {
+            *re += moment_re * frequency;
+            *im += moment_im * frequency;
         }
     }
 

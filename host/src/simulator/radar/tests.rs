@@ -32,8 +32,10 @@ fn echo(scenario: &Scenario, amplitude: f64, distance_m: f64) -> Path {
 /// Largest error of the interpolation against the exact sum, relative to the echo, over the samples.
 fn error(delay: f64) -> f64 {
     let nodes = tone(Complex64::new(1.0, 0.0), delay);
-    let errors = INTERPOLATION.iter().enumerate().map(|(n, row)| {
-        let z: Complex64 = row.iter().zip(&nodes).map(|(w, z)| z * w).sum();
+    let (mut re, mut im) = (vec![0.0; SAMPLES], vec![0.0; SAMPLES]);
+    interpolation::interpolate(&nodes, &mut re, &mut im);
+    let errors = re.into_iter().zip(im).enumerate().map(|(n, (re, im))| {
+        let z = Complex64::new(re, im);
         let t = (n + 1) as f64 / SAMPLE_RATE;
         (z - phasor(PI * 1e11 * delay * delay - 2.0 * PI * 1e11 * delay * t)).norm()
     });
