@@ -19,7 +19,7 @@ static INTERPOLATION: LazyLock<[Vec<f64>; NODES]> = LazyLock::new(|| {
     std::array::from_fn(|k| (1..=SAMPLES).map(|n| at(k, n)).collect())
 });
 
-/// Samples whose sums stay in registers.
+/// Samples worked on together: their sums stay in registers.
 const BLOCK: usize = 20;
 
 /// Real and imaginary part at the samples, each summed over the nodes in their order.
