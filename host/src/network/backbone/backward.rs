@@ -93,7 +93,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
     let mut inner = forward.workspace.take(shape.batch * image);
     let mut gradient: Vec<Vec<f32>> = Vec::new();
     let mut behind: Option<NormGradient> = None;
-    let room = || Gradient::new(geometry, arch);
+    let scratch = || Gradient::new(geometry, arch);
     let part = || {
         let mut kernels = forward.workspace.take(transformed(c));
         kernels.fill(0.0);
@@ -128,7 +128,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
         let parts: Vec<Part> = saved
             .zip(gradients)
             .zip(features.par_chunks(chunk * c))
-            .map_init(room, |pass, (((t, x), (outer, inner)), features)| {
+            .map_init(scratch, |pass, (((t, x), (outer, inner)), features)| {
                 let mut part = part();
                 let saved = t.chunks_exact(image).zip(x.chunks_exact(image));
                 let gradients = outer.chunks_exact_mut(image).zip(inner.chunks_exact_mut(image));
@@ -150,7 +150,7 @@ pub fn backward(forward: &Forward, images: &[f32], parameters: &[f32], features:
         let saved = forward.x[b].par_chunks(chunk * image).zip(forward.t[b].par_chunks(chunk * image));
         let parts: Vec<Part> = saved
             .zip(inner.par_chunks_mut(chunk * image))
-            .map_init(room, |pass, ((x, t), inner)| {
+            .map_init(scratch, |pass, ((x, t), inner)| {
                 let mut part = part();
                 let saved = x.chunks_exact(image).zip(t.chunks_exact(image));
                 for ((x, t), inner) in saved.zip(inner.chunks_exact_mut(image)) {

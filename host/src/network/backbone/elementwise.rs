@@ -17,14 +17,14 @@ impl std::ops::AddAssign for Sums {
     }
 }
 
-/// Where some channels of a pixel are, in vectors.
+/// Offsets of some channels of a pixel, in vectors.
 #[derive(Clone, Copy)]
-struct Place {
+struct Offsets {
     /// In an image.
     image: usize,
     /// In a [`Padded`] image.
     padded: usize,
-    /// In what is the same for all pixels.
+    /// In values by channel.
     channel: usize,
 }
 
@@ -34,7 +34,7 @@ fn summed<S: Simd>(
     simd: S,
     geometry: &Geometry,
     sums: &mut [Sums],
-    mut at: impl FnMut(Place) -> [S::f32s; 2],
+    mut at: impl FnMut(Offsets) -> [S::f32s; 2],
 ) {
     const PARTS: usize = 4;
     let vectors = geometry.channels / S::F32_LANES;
@@ -51,7 +51,7 @@ fn summed<S: Simd>(
                     let pixel = first + n;
                     if pixel < geometry.width {
                         let step = pixel * vectors;
-                        let found = at(Place { image: image + step, padded: padded + step, channel });
+                        let found = at(Offsets { image: image + step, padded: padded + step, channel });
                         *part = [simd.add_f32s(part[0], found[0]), simd.add_f32s(part[1], found[1])];
                     }
                 }
@@ -76,13 +76,13 @@ fn summed<S: Simd>(
 
 /// As [`summed`], without sums.
 #[inline(always)]
-fn each<S: Simd>(geometry: &Geometry, mut at: impl FnMut(Place)) {
+fn each<S: Simd>(geometry: &Geometry, mut at: impl FnMut(Offsets)) {
     let vectors = geometry.channels / S::F32_LANES;
     let [row, padded_row] = [geometry.row(), geometry.padded_row()].map(|values| values / S::F32_LANES);
     for (channel, r) in (0..vectors).flat_map(|channel| (0..geometry.height).map(move |r| (channel, r))) {
         let (image, padded) = (r * row + channel, (r + 1) * padded_row + vectors + channel);
         for step in (0..geometry.width).map(|pixel| pixel * vectors) {
-            at(Place { image: image + step, padded: padded + step, channel });
+            at(Offsets { image: image + step, padded: padded + step, channel });
         }
     }
 }
@@ -225,7 +225,7 @@ pub struct NormGradient {
 }
 
 impl NormGradient {
-    /// The same at every pixel, whatever comes from behind.
+    /// The same gradient at every pixel, whatever that of the output is.
     pub fn constant(values: impl Iterator<Item = f32>) -> NormGradient {
         let constant: Vec<f32> = values.collect();
         let zero = vec![0.0; constant.len()];
@@ -263,13 +263,13 @@ impl NormGradient {
         arch.dispatch(Set(self, geometry, g, x, y.values_mut()));
     }
 
-    /// As [`NormGradient::set`], but sets `outer` as well, and adds what it is before, if it is `kept`; adds the sums of it.
+    /// Sets `y` and `outer` to the gradient, plus the previous `outer` if they `accumulate`; adds its sums.
     pub fn add(
         &self,
         arch: Arch,
         geometry: &Geometry,
         (g, x): (&[f32], &[f32]),
-        (kept, outer): (bool, &mut [f32]),
+        (accumulate, outer): (bool, &mut [f32]),
         y: &mut Padded,
         sums: &mut [Sums],
     ) {
@@ -278,7 +278,7 @@ impl NormGradient {
             geometry: &'a Geometry,
             g: &'a [f32],
             x: &'a [f32],
-            kept: bool,
+            accumulate: bool,
             outer: &'a mut [f32],
             y: &'a mut [f32],
             sums: &'a mut [Sums],
@@ -288,7 +288,7 @@ impl NormGradient {
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, simd: S) {
-                let Add { norm, geometry, g, x, kept, outer, y, sums } = self;
+                let Add { norm, geometry, g, x, accumulate, outer, y, sums } = self;
                 let (g, x, y) = (S::as_simd_f32s(g).0, S::as_simd_f32s(x).0, S::as_mut_simd_f32s(y).0);
                 let (outer, zero) = (S::as_mut_simd_f32s(outer).0, simd.splat_f32s(0.0));
                 summed(
@@ -297,7 +297,7 @@ impl NormGradient {
                     sums,
                     #[inline(always)]
                     |at| {
-                        let before = if kept { outer[at.image] } else { zero };
+                        let before = if accumulate { outer[at.image] } else { zero };
                         let v = simd.add_f32s(before, norm.at(simd, at.channel, g[at.image], x[at.image]));
                         (outer[at.image], y[at.padded]) = (v, v);
                         [v, zero]
@@ -306,6 +306,6 @@ impl NormGradient {
             }
         }
         let y = y.values_mut();
-        arch.dispatch(Add { norm: self, geometry, g, x, kept, outer, y, sums });
+        arch.dispatch(Add { norm: self, geometry, g, x, accumulate, outer, y, sums });
     }
 }

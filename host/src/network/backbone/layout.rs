@@ -74,7 +74,7 @@ impl DerefMut for Aligned {
     }
 }
 
-/// An image of whole tiles with one pixel of zeros all round; what sets its pixels leaves the rest zero.
+/// An image of whole tiles with one pixel of zeros all round; the border stays zero.
 #[derive(Debug)]
 pub struct Padded(Aligned);
 

@@ -72,17 +72,17 @@ impl<const TRANSPOSED: bool> Product<'_, TRANSPOSED> {
                 sums.copy_from_slice(&y[v..][..V]);
             }
         }
-        let mut lines: [&[f32]; R] = [&[]; R];
+        let mut rows: [&[f32]; R] = [&[]; R];
         if !TRANSPOSED {
-            for (r, line) in lines.iter_mut().enumerate() {
-                *line = &self.a[(row + r) * self.depth..][..self.depth];
+            for (r, values) in rows.iter_mut().enumerate() {
+                *values = &self.a[(row + r) * self.depth..][..self.depth];
             }
         }
         for (k, b) in self.b.chunks_exact(self.outputs).enumerate().take(self.depth) {
             let b = &S::as_simd_f32s(b).0[v..][..V];
             let column = if TRANSPOSED { &self.a[k * self.rows + row..][..R] } else { &[] };
             for r in 0..R {
-                let a = simd.splat_f32s(if TRANSPOSED { column[r] } else { lines[r][k] });
+                let a = simd.splat_f32s(if TRANSPOSED { column[r] } else { rows[r][k] });
                 for v in 0..V {
                     sums[r][v] = simd.mul_add_f32s(a, b[v], sums[r][v]);
                 }

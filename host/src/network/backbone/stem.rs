@@ -36,8 +36,9 @@ impl Stem {
     }
 
     fn load(&mut self, image: &[f32]) {
-        for (r, line) in image.chunks_exact(self.size[1]).enumerate() {
-            self.image[(r + self.pads[0]) * self.row + self.pads[1]..][..self.size[1]].copy_from_slice(line);
+        for (r, values) in image.chunks_exact(self.size[1]).enumerate() {
+            self.image[(r + self.pads[0]) * self.row + self.pads[1]..][..self.size[1]]
+                .copy_from_slice(values);
         }
     }
 
@@ -160,12 +161,12 @@ impl WithSimd for Backward<'_> {
                     let ((top, second), (low, fourth)) = (larger::<S>(simd, a, b), larger::<S>(simd, p, q));
                     let (_, lower) = larger::<S>(simd, top, low);
                     let g = row[c * vectors + v];
-                    let (up, down) = (simd.select_f32s(lower, zero, g), simd.select_f32s(lower, g, zero));
+                    let (top_g, low_g) = (simd.select_f32s(lower, zero, g), simd.select_f32s(lower, g, zero));
                     let chosen = [
-                        simd.select_f32s(second, zero, up),
-                        simd.select_f32s(second, up, zero),
-                        simd.select_f32s(fourth, zero, down),
-                        simd.select_f32s(fourth, down, zero),
+                        simd.select_f32s(second, zero, top_g),
+                        simd.select_f32s(second, top_g, zero),
+                        simd.select_f32s(fourth, zero, low_g),
+                        simd.select_f32s(fourth, low_g, zero),
                     ];
                     for (taps, g) in taps.iter().zip(chosen) {
                         for (sum, &tap) in sums.iter_mut().zip(taps) {

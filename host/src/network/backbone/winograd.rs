@@ -16,23 +16,23 @@ pub const POINTS: usize = PATCH * PATCH;
 /// Tiles that are transformed together: what stays in the processor's first caches.
 const STRIP: usize = 16;
 /// The default number of channels, for which the compiler sees a constant.
-const USUAL: usize = 16;
+const DEFAULT_CHANNELS: usize = 16;
 
-/// A transform of a line of pixels or points.
+/// A transform in one dimension, of pixels or of points.
 trait Transform<const N: usize, const M: usize> {
-    fn line<S: Simd>(simd: S, from: [S::f32s; N]) -> [S::f32s; M];
+    fn apply<S: Simd>(simd: S, from: [S::f32s; N]) -> [S::f32s; M];
 }
 
-/// `B'd`: a line of a patch to points.
+/// `B'd`: pixels of a patch to points.
 struct Patch;
-/// `A y`: a line of a tile's gradient to points.
+/// `A y`: a tile's gradient to points.
 struct Gradient;
-/// `A'm`: a line of points to a tile.
+/// `A'm`: points to pixels of a tile.
 struct Tile;
 
 impl Transform<PATCH, PATCH> for Patch {
     #[inline(always)]
-    fn line<S: Simd>(simd: S, d: [S::f32s; PATCH]) -> [S::f32s; PATCH] {
+    fn apply<S: Simd>(simd: S, d: [S::f32s; PATCH]) -> [S::f32s; PATCH] {
         let (two, four) = (simd.splat_f32s(2.0), simd.splat_f32s(4.0));
         let (minus_four, minus_five) = (simd.splat_f32s(-4.0), simd.splat_f32s(-5.0));
         let even = simd.mul_add_f32s(minus_four, d[2], d[4]);
@@ -51,7 +51,7 @@ impl Transform<PATCH, PATCH> for Patch {
 
 impl Transform<TILE, PATCH> for Gradient {
     #[inline(always)]
-    fn line<S: Simd>(simd: S, y: [S::f32s; TILE]) -> [S::f32s; PATCH] {
+    fn apply<S: Simd>(simd: S, y: [S::f32s; TILE]) -> [S::f32s; PATCH] {
         let (two, four) = (simd.splat_f32s(2.0), simd.splat_f32s(4.0));
         let (even, odd) = (simd.add_f32s(y[0], y[2]), simd.add_f32s(y[1], y[3]));
         let even2 = simd.mul_add_f32s(four, y[2], y[0]);
@@ -69,7 +69,7 @@ impl Transform<TILE, PATCH> for Gradient {
 
 impl Transform<PATCH, TILE> for Tile {
     #[inline(always)]
-    fn line<S: Simd>(simd: S, m: [S::f32s; PATCH]) -> [S::f32s; TILE] {
+    fn apply<S: Simd>(simd: S, m: [S::f32s; PATCH]) -> [S::f32s; TILE] {
         let [two, four, eight] = [simd.splat_f32s(2.0), simd.splat_f32s(4.0), simd.splat_f32s(8.0)];
         let (even, odd) = (simd.add_f32s(m[1], m[2]), simd.sub_f32s(m[1], m[2]));
         let (even2, odd2) = (simd.add_f32s(m[3], m[4]), simd.sub_f32s(m[3], m[4]));
@@ -93,7 +93,7 @@ pub struct Winograd {
     products: Aligned,
 }
 
-/// Values from one point to the next: a strip's and a cache line, lest all points lie in one set of the cache.
+/// Values from one point to the next: a strip's and a cache line, so that not all points lie in one set of the cache.
 const fn point(channels: usize) -> usize {
     STRIP * channels + 16
 }
@@ -134,7 +134,7 @@ fn multiply_points<S: Simd>(simd: S, c: usize, tiles: usize, from: &[f32], kerne
 
 /// Transforms N x N pixels of every tile of a strip to its points.
 #[inline(always)]
-fn to_points<S: Simd, T: Transform<N, PATCH>, const N: usize>(
+fn input_transform<S: Simd, T: Transform<N, PATCH>, const N: usize>(
     simd: S,
     (geometry, strip): (&Geometry, Range<usize>),
     image: &Padded,
@@ -148,20 +148,20 @@ fn to_points<S: Simd, T: Transform<N, PATCH>, const N: usize>(
         let start = (at / columns * TILE + border) * row + (at % columns * TILE + border) * vectors;
         for v in 0..vectors {
             let from = &x[start + v..][..(N - 1) * (row + vectors) + 1];
-            let mut lines = [[simd.splat_f32s(0.0); N]; PATCH];
+            let mut rows = [[simd.splat_f32s(0.0); N]; PATCH];
             for k in 0..N {
                 let mut column = [simd.splat_f32s(0.0); N];
                 for r in 0..N {
                     column[r] = from[r * row + k * vectors];
                 }
-                let column = T::line(simd, column);
+                let column = T::apply(simd, column);
                 for p in 0..PATCH {
-                    lines[p][k] = column[p];
+                    rows[p][k] = column[p];
                 }
             }
             let to = &mut points[index * vectors + v..][..(POINTS - 1) * point + 1];
-            for (p, line) in lines.into_iter().enumerate() {
-                for (q, value) in T::line(simd, line).into_iter().enumerate() {
+            for (p, values) in rows.into_iter().enumerate() {
+                for (q, value) in T::apply(simd, values).into_iter().enumerate() {
                     to[(p * PATCH + q) * point] = value;
                 }
             }
@@ -171,7 +171,12 @@ fn to_points<S: Simd, T: Transform<N, PATCH>, const N: usize>(
 
 /// Transforms the products of a strip to pixels of `y`.
 #[inline(always)]
-fn to_pixels<S: Simd>(simd: S, (geometry, strip): (&Geometry, Range<usize>), points: &[f32], y: &mut [f32]) {
+fn output_transform<S: Simd>(
+    simd: S,
+    (geometry, strip): (&Geometry, Range<usize>),
+    points: &[f32],
+    y: &mut [f32],
+) {
     let (vectors, row) = (geometry.channels / S::F32_LANES, geometry.row() / S::F32_LANES);
     let [_, columns] = geometry.tiles();
     let (points, y) = (S::as_simd_f32s(points).0, S::as_mut_simd_f32s(y).0);
@@ -181,20 +186,20 @@ fn to_pixels<S: Simd>(simd: S, (geometry, strip): (&Geometry, Range<usize>), poi
         let [height, width] = [geometry.height - top, geometry.width - left].map(|left| left.min(TILE));
         for v in 0..vectors {
             let from = &points[index * vectors + v..][..(POINTS - 1) * point + 1];
-            let mut lines = [[simd.splat_f32s(0.0); PATCH]; TILE];
+            let mut rows = [[simd.splat_f32s(0.0); PATCH]; TILE];
             for q in 0..PATCH {
                 let mut column = [simd.splat_f32s(0.0); PATCH];
                 for p in 0..PATCH {
                     column[p] = from[(p * PATCH + q) * point];
                 }
-                let column = Tile::line(simd, column);
+                let column = Tile::apply(simd, column);
                 for r in 0..TILE {
-                    lines[r][q] = column[r];
+                    rows[r][q] = column[r];
                 }
             }
-            for (r, line) in lines.into_iter().enumerate() {
+            for (r, values) in rows.into_iter().enumerate() {
                 if r < height {
-                    let pixels = Tile::line(simd, line);
+                    let pixels = Tile::apply(simd, values);
                     let to = &mut y[(top + r) * row + left * vectors + v..][..(width - 1) * vectors + 1];
                     for (k, value) in pixels.into_iter().enumerate() {
                         if k < width {
@@ -220,7 +225,7 @@ impl WithSimd for Convolve<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match self.pass.geometry.channels {
-            USUAL => self.run(simd, USUAL),
+            DEFAULT_CHANNELS => self.run(simd, DEFAULT_CHANNELS),
             channels => self.run(simd, channels),
         }
     }
@@ -233,9 +238,9 @@ impl Convolve<'_> {
         let geometry = Geometry { channels, ..pass.geometry };
         for strip in pass.strips() {
             let at = (&geometry, strip.clone());
-            to_points::<S, Patch, PATCH>(simd, at.clone(), x, &mut pass.input);
+            input_transform::<S, Patch, PATCH>(simd, at.clone(), x, &mut pass.input);
             multiply_points(simd, channels, strip.len(), &pass.input, kernels, &mut pass.products);
-            to_pixels(simd, at, &pass.products, y);
+            output_transform(simd, at, &pass.products, y);
         }
     }
 }
@@ -255,7 +260,7 @@ impl WithSimd for Gradients<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match self.pass.geometry.channels {
-            USUAL => self.run(simd, USUAL),
+            DEFAULT_CHANNELS => self.run(simd, DEFAULT_CHANNELS),
             channels => self.run(simd, channels),
         }
     }
@@ -269,15 +274,15 @@ impl Gradients<'_> {
         for strip in pass.strips() {
             let at = (&geometry, strip.clone());
             let values = strip.len() * c;
-            to_points::<S, Patch, PATCH>(simd, at.clone(), x, &mut pass.input);
-            to_points::<S, Gradient, TILE>(simd, at.clone(), g, &mut pass.gradient);
+            input_transform::<S, Patch, PATCH>(simd, at.clone(), x, &mut pass.input);
+            input_transform::<S, Gradient, TILE>(simd, at.clone(), g, &mut pass.gradient);
             let points = pass.input.chunks_exact(point(c)).zip(pass.gradient.chunks_exact(point(c)));
             for ((x, g), sums) in points.zip(sums.chunks_exact_mut(c * c)) {
                 accumulate(simd, &x[..values], &g[..values], c, sums);
             }
-            to_points::<S, Patch, PATCH>(simd, at.clone(), g, &mut pass.gradient);
+            input_transform::<S, Patch, PATCH>(simd, at.clone(), g, &mut pass.gradient);
             multiply_points(simd, c, strip.len(), &pass.gradient, kernels, &mut pass.products);
-            to_pixels(simd, at, &pass.products, y);
+            output_transform(simd, at, &pass.products, y);
         }
     }
 }
