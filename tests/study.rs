@@ -162,3 +162,92 @@ fn clutter_is_removed_by_decision_and_by_every_fixed_d() {
         assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
     }
 }
+
+#[test]
+fn candidates_are_compared_on_development_seeds_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (seed, seeds) in [("5", "1"), ("1000", "2")] {
+        let options = ["--seed", seed, "--seeds", seeds];
+        let (code, _, stderr) = study(folder.path(), "selection", &options);
+        assert_eq!(code, 2, "{stderr}");
+        assert!(stderr.contains("--seed") && stderr.contains("101 to 1000"), "{stderr}");
+    }
+    let (code, first, stderr) = study(folder.path(), "selection", &["--seeds", "1", "--threads", "1"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
+    let (candidates, rows) =
+        (found["candidates"].as_array().expect("candidates"), found["rows"].as_array().expect("rows"));
+    assert_eq!((rows.len(), &found["tested"]), (candidates.len() * 2 * 2, &20.into()));
+    assert_eq!(candidates[0]["fields"].as_array().map(Vec::len), Some(0));
+    for candidate in candidates {
+        let of = |row: &&Value| row["candidate"] == candidate["name"];
+        let each = rows.iter().filter(of).map(|row| row["accuracy"]["mean"].as_f64().expect("a mean"));
+        let mean = each.sum::<f64>() / 4.0;
+        assert!((candidate["accuracy"].as_f64().expect("a mean") - mean).abs() < 1e-9, "{candidate}");
+    }
+    let out = folder.path().join("out");
+    for name in ["selection.json", "selection.csv", "selection.md"] {
+        assert!(out.join(name).is_file(), "{name} is missing");
+    }
+    let (code, second, stderr) = study(folder.path(), "selection", &["--seeds", "1", "--threads", "2"]);
+    assert_eq!((code, &second), (0, &first), "{stderr}");
+}
+
+/// A recording of one number a time: a tone of some Hz, or noise-like nothing.
+fn wav(file: &Path, hz: f64, seconds: u32) {
+    let rate = 2000_u32;
+    let sample = |n: u32| {
+        let phase = std::f64::consts::TAU * hz * f64::from(n) / f64::from(rate);
+        ((20_000.0 * phase.sin()) as i16).to_le_bytes()
+    };
+    let data: Vec<u8> = (0..rate * seconds).flat_map(sample).collect();
+    let mut bytes = b"RIFF".to_vec();
+    bytes.extend((36 + data.len() as u32).to_le_bytes());
+    bytes.extend(b"WAVEfmt ");
+    bytes.extend(16_u32.to_le_bytes());
+    bytes.extend([1_u16, 1].into_iter().flat_map(u16::to_le_bytes));
+    bytes.extend([rate, 2 * rate].into_iter().flat_map(u32::to_le_bytes));
+    bytes.extend([2_u16, 16].into_iter().flat_map(u16::to_le_bytes));
+    bytes.extend(b"data");
+    bytes.extend((data.len() as u32).to_le_bytes());
+    bytes.extend(data);
+    std::fs::write(file, bytes).expect("a recording");
+}
+
+#[test]
+fn measured_recordings_are_scored_beside_other_ways_to_answer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (code, _, stderr) = study(folder.path(), "sim-to-real", &["--seeds", "1"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("--measured"), "{stderr}");
+    let measured = folder.path().join("measured");
+    std::fs::create_dir(&measured).expect("a folder");
+    for (name, hz, seconds) in
+        [("walking.wav", 150.0, 5), ("running.wav", 400.0, 3), ("short_walk.wav", 1.0, 0)]
+    {
+        wav(&measured.join(name), hz, seconds);
+    }
+    let measured = measured.to_string_lossy();
+    let options = ["--measured", &measured, "--carrier", "24.125e9", "--seeds", "2"];
+    let (code, first, stderr) = study(folder.path(), "sim-to-real", &options);
+    assert_eq!(code, 0, "{stderr}");
+    let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
+    let seconds: Vec<_> =
+        found["recordings"].as_array().expect("recordings").iter().map(|r| r["seconds"].clone()).collect();
+    assert_eq!(seconds, [3, 5]);
+    assert_eq!(found["left_out"].as_array().map(Vec::len), Some(1));
+    let scores = found["scores"].as_array().expect("scores");
+    assert!(scores.len() >= 6);
+    for score in scores {
+        let of = |end: &str| score["balanced"][end].as_f64().expect("a share");
+        assert!(of("low") <= of("mean") && of("mean") <= of("high"), "{score}");
+        let shares: Vec<f64> =
+            score["recordings"].as_array().expect("shares").iter().filter_map(Value::as_f64).collect();
+        assert!((of("mean") - (shares[0] + shares[1]) / 2.0).abs() < 1e-9, "{score}");
+    }
+    // always walking; and a network that never saw the recording's motion
+    assert_eq!(scores[3]["recordings"], serde_json::json!([0.0, 1.0]));
+    assert_eq!(scores[5]["balanced"]["mean"], 0.0);
+    let (code, second, stderr) = study(folder.path(), "sim-to-real", &options);
+    assert_eq!((code, &second), (0, &first), "{stderr}");
+}

@@ -91,9 +91,11 @@ enum Studied {
     LearningCurve(Box<crate::experiments::learning_curve::LearningCurve>),
     Robustness(crate::experiments::robustness::Robustness),
     Fidelity(Box<crate::experiments::fidelity::Fidelity>),
+    SimToReal(Box<crate::experiments::sim_to_real::SimToReal>),
     Baselines(crate::experiments::baselines::Baselines),
     Ablation(Box<crate::experiments::ablation::Ablation>),
     Clutter(crate::experiments::clutter::Clutter),
+    Selection(crate::reproduce::selection::Selection),
 }
 
 /// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.

@@ -12,7 +12,7 @@ Help: the tool and every command, with examples.
     channels     Run every channel model through the property tests of the paper's Table I
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters
-    study        Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter
+    study        Run a study that takes many trainings: learning curve, robustness, fidelity, sim to real, baselines, ablation, clutter, selection
     reproduce    Make the paper's tables and figures again, beside its numbers, each with a verdict
     sweep        Measure a plan of scenarios x carriers x rho x N_s x seeds, here or on a cluster
     merge        Join the cells of a sweep
@@ -397,7 +397,7 @@ Help: the tool and every command, with examples.
     sdp3 train --data data --set learning.epochs=40 --out trained
 
   $ sdp3 study --help
-  Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter.
+  Run a study that takes many trainings: learning curve, robustness, fidelity, sim to real, baselines, ablation, clutter, selection.
   
   After an interruption the same command resumes.
   
@@ -410,19 +410,21 @@ Help: the tool and every command, with examples.
             Possible values:
             - learning-curve: Accuracy over the number of sensing slots, and the curves of Table III
             - robustness:     Accuracy under other headings, rho, power, d, people and carriers
-            - fidelity:       Divergence and recognition against ray tracing, a richer model and measured recordings
+            - fidelity:       Divergence from ray tracing, a richer model and measured recordings, and recognition across the first two
+            - sim-to-real:    Recognition of measured recordings by networks that learned from simulated ones alone, beside other ways to answer
             - baselines:      Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots
             - ablation:       Accuracy with and without each effect of the simulation, the processing and the training, at 3.5 and 60 GHz, on seeds from 101 upwards
             - clutter:        Accuracy with adaptive and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards
+            - selection:      Accuracy of candidates for the hyper-parameters at the paper's carriers, at the scenario's full sizes, on seeds from 101 upwards
   
   Options:
         --seeds <SEEDS>
-            Seeds, from --seed upwards; of `ablation` and `clutter` from 101 where --seed is absent
+            Seeds, from --seed upwards; of `ablation`, `clutter` and `selection` from 101 where --seed is absent
             
             [default: 5]
   
         --measured <FOLDER>
-            Of `fidelity`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit)
+            Of `fidelity` and `sim-to-real`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit)
   
         --carrier <HZ>
             Carrier in Hz of recordings that do not say theirs
@@ -476,6 +478,7 @@ Help: the tool and every command, with examples.
     sdp3 study robustness --seeds 3 --out robustness
     sdp3 study ablation --seeds 5 --out ablation
     sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
+    sdp3 study sim-to-real --measured recordings --carrier 24.125e9 --out sim-to-real
 
   $ sdp3 reproduce --help
   Make the paper's tables and figures again, beside its numbers, each with a verdict.

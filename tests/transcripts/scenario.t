@@ -13,7 +13,7 @@ Scenarios: listed, shown, written, checked, set field by field.
 
   $ sdp3 scenario list
   conference-room  The paper's conference room: one person, 3.5 GHz, three users in two placements.
-  as-printed       The paper as printed: a room that fades while it is recorded and is seen at the antenna's maximum in every direction, an ideal front end, d = 2, 64 sub-carriers without a largest modulation; Kaiser beta 10, Adam with a batch of 500, one window a recording, no mask.
+  as-printed       The paper as printed: a room that fades while it is recorded and is seen at the antenna's maximum in every direction, an ideal front end, d = 2, 64 sub-carriers without a largest modulation; Kaiser beta 10, 50 dB, Adam with a batch of 500, one window a recording, no mask.
   second-person    The paper's scenario 2: a second person walks in the conference room and disturbs its channel.
   small-radar      A battery's budget: 200 sensing slots in a quarter of a second, one small network that fits a microcontroller.
   child-safe-room  Is it a child that moves? A playroom in which people walk in any direction, an adult walks behind them, and accuracy counts more than throughput.
@@ -227,15 +227,17 @@ Scenarios: listed, shown, written, checked, set field by field.
   # FFT bins averaged into one of the 64 rows: 1, 2 or 4. Legal: 1, 2 or 4.
   bins_per_row = 1
   # Dynamic range in dB; weaker is black. Legal: 1 to 190.
-  range_db = 50.0
+  range_db = 40.0
   
   # How networks are trained and tested.
   [learning]
   # Training recordings per class. Legal: 2 to 100000.
   train_per_class = 200
-  # Windows of every training recording, the first at its beginning, the last N_s slots later: with more than
-  # one, training recordings last twice the largest N_s, and every window is an image of its own. Legal: 1 to
-  # 100.
+  # Sensing slots of a training recording; the largest N_s if that is more, or if it has one window. The paper's
+  # have 1000, one scheduling period at 3.5 GHz. Legal: 1 to 8000.
+  recording_slots = 1000
+  # Windows of N_s slots of every training recording, each an image of its own, evenly spaced from its beginning
+  # to its end. Legal: 1 to 100.
   windows = 8
   # Test recordings per class, never trained on. Legal: 2 to 100000.
   test_per_class = 500

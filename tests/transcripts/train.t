@@ -39,7 +39,7 @@ Training by steps. Needs the feature `train`.
   error: invalid value 'weather' for '<NAME>'
 
   $ sdp3 study robustness --measured folder
-  sdp3: command line: --measured belongs to the study fidelity
+  sdp3: command line: --measured belongs to the studies fidelity and sim-to-real
   [2]
 
   $ sdp3 train --scenario small.toml --out noted 2>&1 | head -3

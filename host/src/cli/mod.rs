@@ -88,14 +88,15 @@ pub enum Command {
   sdp3 train --preset paper --recipe paper-adam --resume
   sdp3 train --data data --set learning.epochs=40 --out trained")]
     Train(training::TrainArgs),
-    /// Run a study that takes many trainings: learning curve, robustness, fidelity, baselines, ablation, clutter.
+    /// Run a study that takes many trainings: learning curve, robustness, fidelity, sim to real, baselines, ablation, clutter, selection.
     ///
     /// After an interruption the same command resumes.
     #[command(after_help = "Examples:
   sdp3 study learning-curve --out curve
   sdp3 study robustness --seeds 3 --out robustness
   sdp3 study ablation --seeds 5 --out ablation
-  sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity")]
+  sdp3 study fidelity --measured recordings --carrier 24.125e9 --out fidelity
+  sdp3 study sim-to-real --measured recordings --carrier 24.125e9 --out sim-to-real")]
     Study(training::StudyArgs),
     /// Make the paper's tables and figures again, beside its numbers, each with a verdict.
     ///

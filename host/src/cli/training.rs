@@ -86,10 +86,10 @@ pub struct StudyArgs {
     /// Which question.
     #[arg(value_enum)]
     pub name: Study,
-    /// Seeds, from --seed upwards; of `ablation` and `clutter` from 101 where --seed is absent.
+    /// Seeds, from --seed upwards; of `ablation`, `clutter` and `selection` from 101 where --seed is absent.
     #[arg(long, default_value_t = 5, value_parser = count(1..=1000))]
     pub seeds: u32,
-    /// Of `fidelity`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit).
+    /// Of `fidelity` and `sim-to-real`: a folder of measured recordings, in any depth, with the motion in their names (walk, run, still, stand, sit).
     #[arg(long, value_name = "FOLDER")]
     pub measured: Option<PathBuf>,
     /// Carrier in Hz of recordings that do not say theirs.

@@ -147,8 +147,7 @@ impl Stored {
     }
 
     /// The scenario to learn in: the dataset's, with its rho, and the learning settings of `asked`. One from a file (`stated`)
-    /// also says which N_s are studied, and must be of the same room, radar and people. Recordings too short for several
-    /// windows of the largest N_s give one window each.
+    /// also says which N_s are studied, and must be of the same room, radar and people. Recordings are as long as they are stored.
     ///
     /// # Errors
     ///
@@ -177,9 +176,7 @@ impl Stored {
             let legal = format!("at least {longest}, the largest N_s that --scenario asks for");
             return Err(self.files.value(SCENARIO, "frame.sensing_slots", self.slots(), legal));
         }
-        if found.learning.training_slots(longest) > self.slots() {
-            found.learning.windows = 1;
-        }
+        found.learning.recording_slots = found.learning.recording_slots.min(self.slots());
         Ok(found)
     }
 

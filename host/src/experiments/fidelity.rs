@@ -7,7 +7,6 @@
 
 use super::cells::Cells;
 use super::labelled::{LeftOut, Measured};
-use super::sim_to_real::{self, SimToReal};
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
 use crate::error::{Failure, Invalid};
@@ -76,8 +75,6 @@ pub struct Fidelity {
     pub int8: [[Spread; 3]; 3],
     /// Intensities against measured recordings.
     pub measured: Vec<MeasuredIntensities>,
-    /// Recognition of measured recordings after simulated ones alone.
-    pub sim_to_real: Option<SimToReal>,
     /// Files not used, and why.
     pub left_out: Vec<LeftOut>,
 }
@@ -206,11 +203,6 @@ pub fn study(
     (recordings, mut left_out): (Vec<Measured>, Vec<LeftOut>),
     context: RunContext,
 ) -> Result<Fidelity, Failure> {
-    // the measured part first: it is what nobody could have known
-    let sim_to_real = match recordings.is_empty() {
-        true => None,
-        false => Some(sim_to_real::study(request, cells, &recordings, &mut left_out, context)?),
-    };
     let mut measured = Vec::new();
     for recording in &recordings {
         let found = cells.get(&format!("intensities-{}", recording.key), || {
@@ -239,7 +231,6 @@ pub fn study(
         float: spread(|cell| cell.0),
         int8: spread(|cell| cell.1),
         measured,
-        sim_to_real,
         left_out,
     };
     cells.output.write_result("fidelity.json", &found)?;
@@ -290,9 +281,6 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
     let paper = [PAPER.map(|p| p.1), PAPER.map(|p| p.2)];
     for ((name, (own, transfer)), [low, high]) in DOMAINS.iter().zip(gaps(&found.int8)).zip(paper) {
         text += &format!("| {name} | {own:.3} | {transfer:.3} | {low} | {high} |\n");
-    }
-    if let Some(sim_to_real) = &found.sim_to_real {
-        text += &sim_to_real::table(sim_to_real);
     }
     if !found.left_out.is_empty() {
         text += "\n## Left out\n\n";

@@ -2,8 +2,9 @@
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
-//! (how near simulated recordings are to others, [`sim_to_real`] to measured ones), [`baselines`] (other ways to recognise),
-//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target).
+//! (how near simulated recordings are to others), [`sim_to_real`] (recognition of measured recordings), [`baselines`] (other ways to recognise),
+//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target). The candidates for the
+//! hyper-parameters are `reproduce::selection`.
 
 pub mod ablation;
 #[cfg(feature = "train")]
@@ -43,14 +44,18 @@ pub enum Study {
     LearningCurve,
     /// Accuracy under other headings, rho, power, d, people and carriers.
     Robustness,
-    /// Divergence and recognition against ray tracing, a richer model and measured recordings.
+    /// Divergence from ray tracing, a richer model and measured recordings, and recognition across the first two.
     Fidelity,
+    /// Recognition of measured recordings by networks that learned from simulated ones alone, beside other ways to answer.
+    SimToReal,
     /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
     Baselines,
     /// Accuracy with and without each effect of the simulation, the processing and the training, at 3.5 and 60 GHz, on seeds from 101 upwards.
     Ablation,
     /// Accuracy with adaptive and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards.
     Clutter,
+    /// Accuracy of candidates for the hyper-parameters at the paper's carriers, at the scenario's full sizes, on seeds from 101 upwards.
+    Selection,
 }
 
 impl Study {

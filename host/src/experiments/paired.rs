@@ -33,37 +33,26 @@ pub struct Difference {
     pub high: f64,
 }
 
-/// What is left of a seed: among how many recordings only the first, or only the second, was right.
-#[derive(Debug, Clone, Copy)]
-struct Seed {
-    recordings: usize,
-    first: usize,
-    second: usize,
-}
+/// What is left of a seed: every recording's difference, the largest first.
+struct Seed(Vec<f64>);
 
 impl Seed {
-    fn of((first, second): (&Vec<bool>, &Vec<bool>)) -> Self {
-        let only = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| **a && !**b).count();
-        Seed { recordings: first.len(), first: only(first, second), second: only(second, first) }
+    fn of((first, second): (&Vec<f64>, &Vec<f64>)) -> Self {
+        let mut differences: Vec<f64> =
+            first.iter().zip(second).map(|(first, second)| first - second).collect();
+        differences.sort_by(|a, b| b.total_cmp(a));
+        Seed(differences)
     }
 
     fn difference(&self) -> f64 {
-        (self.first as f64 - self.second as f64) / self.recordings.max(1) as f64
+        self.0.iter().sum::<f64>() / self.0.len().max(1) as f64
     }
 
     /// The difference of as many recordings, each drawn from all of them.
     fn redrawn(&self, random: &mut Random) -> f64 {
-        if self.first + self.second == 0 {
-            return 0.0;
-        }
-        let n = self.recordings as f64;
-        let (first, either) = (self.first as f64, (self.first + self.second) as f64);
-        let mut sum = 0;
-        for _ in 0..self.recordings {
-            let place = n * random.uniform();
-            sum += if place < first { 1 } else { -i32::from(place < either) };
-        }
-        f64::from(sum) / n
+        let n = self.0.len() as f64;
+        let drawn = self.0.iter().map(|_| self.0[(n * random.uniform()) as usize]);
+        drawn.sum::<f64>() / n.max(1.0)
     }
 }
 
@@ -76,6 +65,14 @@ pub fn spread(marks: &Marks) -> Spread {
 
 /// The accuracy of `first` less that of `second`, on the same recordings of the same seeds.
 pub fn difference(first: &Marks, second: &Marks, seed: u64) -> Difference {
+    let scores = |marks: &Marks| -> Vec<Vec<f64>> {
+        marks.iter().map(|marks| marks.iter().map(|&mark| f64::from(u8::from(mark))).collect()).collect()
+    };
+    mean_difference(&scores(first), &scores(second), seed)
+}
+
+/// The mean score of `first` less that of `second`, `[seed][recording]`, on the same recordings of the same seeds.
+pub fn mean_difference(first: &[Vec<f64>], second: &[Vec<f64>], seed: u64) -> Difference {
     let seeds: Vec<Seed> = first.iter().zip(second).map(Seed::of).collect();
     let count = seeds.len().max(1);
     let mean = seeds.iter().map(Seed::difference).sum::<f64>() / count as f64;

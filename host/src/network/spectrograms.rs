@@ -192,7 +192,7 @@ fn gathered(scenario: &Scenario, each: &[(u8, Vec<Vec<i8>>)]) -> Collected {
     Collected { images }
 }
 
-/// Images at every N_s of each window of a training recording: the first window at its beginning, the last N_s slots later.
+/// Images at every N_s of each window of a training recording, evenly spaced from its beginning to its end.
 fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
     let windows = scenario.learning.windows as usize;
     if windows == 1 {
@@ -202,7 +202,7 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
     let mut window = |w: usize| {
         let mut images = Vec::new();
         for &slots in &scenario.frame.sensing_slots {
-            let first = slots as usize * w / (windows - 1);
+            let first = (beats.len() - slots as usize) * w / (windows - 1);
             short.frame.sensing_slots = vec![slots];
             images.extend(images_of_beats(&short, &beats[first..first + slots as usize]));
         }

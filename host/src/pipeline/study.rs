@@ -11,9 +11,12 @@ use crate::experiments::clutter::{self, Clutter};
 use crate::experiments::fidelity::{self, Fidelity};
 use crate::experiments::learning_curve::{self, LearningCurve};
 use crate::experiments::robustness::{self, Robustness};
+use crate::experiments::sim_to_real::{self, SimToReal};
 use crate::experiments::{Request, RunContext, Study, labelled};
 use crate::recordings::Stated;
 use crate::report;
+use crate::reproduce::selection::{self, Selection};
+use crate::reproduce::settings::{CARRIERS_HZ, FINAL_SEED};
 use crate::scenario::Scenario;
 use serde::Serialize;
 use std::path::Path;
@@ -25,9 +28,11 @@ pub enum Found {
     LearningCurve(Box<LearningCurve>),
     Robustness(Robustness),
     Fidelity(Box<Fidelity>),
+    SimToReal(Box<SimToReal>),
     Baselines(Baselines),
     Ablation(Box<Ablation>),
     Clutter(Clutter),
+    Selection(Selection),
 }
 
 impl Found {
@@ -37,9 +42,11 @@ impl Found {
             Found::LearningCurve(found) => learning_curve::table(request, found),
             Found::Robustness(found) => robustness::table(request, found),
             Found::Fidelity(found) => fidelity::table(request, found),
+            Found::SimToReal(found) => sim_to_real::table(request, found),
             Found::Baselines(found) => baselines::table(request, found),
             Found::Ablation(found) => ablation::table(request, found),
             Found::Clutter(found) => clutter::table(request, found),
+            Found::Selection(found) => selection::table(request, found),
         }
     }
 
@@ -51,9 +58,10 @@ impl Found {
             }
             Found::Robustness(found) => vec![("robustness".into(), report::studies::robustness(found))],
             Found::Fidelity(found) => report::fidelity::pictures(found),
+            Found::SimToReal(found) => vec![("sim-to-real".into(), report::fidelity::confusion(found))],
             Found::Baselines(found) => vec![("baselines".into(), report::studies::baselines(found))],
             // a table of differences with their intervals says it without a picture
-            Found::Ablation(_) | Found::Clutter(_) => Vec::new(),
+            Found::Ablation(_) | Found::Clutter(_) | Found::Selection(_) => Vec::new(),
         }
     }
 }
@@ -70,9 +78,12 @@ impl Job {
             Study::LearningCurve => 1,
             Study::Baselines => baselines::METHODS.len(),
             Study::Fidelity => fidelity::DOMAINS.len(),
+            // its seconds are not the scenario's recordings; about as much work
+            Study::SimToReal => 1,
             Study::Robustness => robustness::conditions().iter().filter(|c| c.matched).count(),
             Study::Ablation => CARRIERS.len() * (EFFECTS.len() + 1),
             Study::Clutter => clutter::RATIOS_DB.len() * clutter::FIRST_KEPT.len(),
+            Study::Selection => CARRIERS_HZ.len() * selection::CANDIDATES.len(),
         };
         if matches!(study, Study::Fidelity | Study::Robustness) {
             job.scenario.frame.sensing_slots = vec![self.scenario.largest_sensing_slots()];
@@ -87,28 +98,41 @@ impl Job {
         Ok(())
     }
 
-    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`]. Those on which settings are
-    /// chosen, [`Study::Ablation`] and [`Study::Clutter`], have seeds from [`DEVELOPMENT_SEED`] on.
+    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`] and [`Study::SimToReal`]. Those on which settings are
+    /// chosen, [`Study::Ablation`], [`Study::Clutter`] and [`Study::Selection`], have seeds from [`DEVELOPMENT_SEED`] on and below
+    /// [`FINAL_SEED`].
     ///
     /// # Errors
     ///
-    /// `measured` for another study; a smaller seed; a folder of another study; whatever a training or a recording says.
+    /// `measured` for another study, or none for [`Study::SimToReal`]; a smaller seed; a folder of another study; whatever a training or a recording says.
     pub fn study(
         mut self,
         study: Study,
         seeds: u32,
         measured: Option<(&Path, &Stated)>,
     ) -> Result<(Request, Found), Failure> {
-        if measured.is_some() && study != Study::Fidelity {
-            return Err("command line: --measured belongs to the study fidelity".into());
+        match (measured, study) {
+            (None, Study::SimToReal) => {
+                return Err("command line: sim-to-real needs --measured FOLDER".into());
+            }
+            (None, _) | (_, Study::Fidelity | Study::SimToReal) => (),
+            _ => {
+                return Err("command line: --measured belongs to the studies fidelity and sim-to-real".into());
+            }
         }
-        if matches!(study, Study::Ablation | Study::Clutter) {
+        if matches!(study, Study::Ablation | Study::Clutter | Study::Selection) {
             self.seed = self.given.seed.unwrap_or(DEVELOPMENT_SEED);
-            if self.seed < DEVELOPMENT_SEED {
-                let legal = format!("at least {DEVELOPMENT_SEED}: smaller seeds are those of tests");
-                return Err(Invalid::option("--seed", self.seed, legal).into());
+            let last = self.seed + u64::from(seeds) - 1;
+            if self.seed < DEVELOPMENT_SEED || last >= FINAL_SEED {
+                let legal = format!(
+                    "{DEVELOPMENT_SEED} to {}: smaller seeds are those of tests, larger ones of the final test",
+                    FINAL_SEED - 1
+                );
+                return Err(Invalid::option("--seed", format!("{} to {last}", self.seed), legal).into());
             }
             self.output = self.output.of_seed(self.seed);
+        }
+        if matches!(study, Study::Ablation | Study::Clutter) {
             let (scenario, sizes) = Scenario::comparison(self.given.scenario.as_deref(), &self.given.set)?;
             self.scenario = scenario;
             if !sizes.is_empty() {
@@ -122,20 +146,23 @@ impl Job {
         self.say_study(study, seeds)?;
         let cells = Cells::open(&self.output, &request)?;
         let context = RunContext { progress: self.progress, workers: self.workers, budget: self.budget };
+        let recordings = measured.map(|(folder, stated)| labelled::read(folder, stated)).transpose()?;
+        let recordings = recordings.unwrap_or_default();
         let found = match study {
             Study::LearningCurve => {
                 Found::LearningCurve(Box::new(learning_curve::study(&request, &cells, context)?))
             }
             Study::Robustness => Found::Robustness(robustness::study(&request, &cells, context)?),
             Study::Fidelity => {
-                let recordings =
-                    measured.map(|(folder, stated)| labelled::read(folder, stated)).transpose()?;
-                let found = fidelity::study(&request, &cells, recordings.unwrap_or_default(), context)?;
-                Found::Fidelity(Box::new(found))
+                Found::Fidelity(Box::new(fidelity::study(&request, &cells, recordings, context)?))
+            }
+            Study::SimToReal => {
+                Found::SimToReal(Box::new(sim_to_real::study(&request, &cells, recordings, context)?))
             }
             Study::Baselines => Found::Baselines(baselines::study(&request, &cells, context)?),
             Study::Ablation => Found::Ablation(Box::new(ablation::study::study(&request, &cells, context)?)),
             Study::Clutter => Found::Clutter(clutter::study(&request, &cells, context)?),
+            Study::Selection => Found::Selection(selection::study(&request, &cells, context)?),
         };
         for (name, svg) in found.figures() {
             self.draw(&name, &svg)?;

@@ -81,12 +81,12 @@ impl Job {
         let images = match &ask.data {
             Some(folder) => {
                 let stored = Stored::open(folder)?;
-                let asked = self.scenario.learning.windows;
+                let asked = self.scenario.learning.recording_slots;
                 self.scenario = stored.scenario(&self.scenario, self.given.scenario.is_some())?;
-                if self.scenario.learning.windows != asked {
+                if self.scenario.learning.recording_slots != asked {
                     let slots = stored.slots();
                     let text =
-                        format!("recordings of {slots} slots have no room for {asked} windows: one of each");
+                        format!("recordings have {slots} slots, not learning.recording_slots = {asked}");
                     self.progress.note("read", &text);
                 }
                 self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;

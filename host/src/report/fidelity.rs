@@ -2,6 +2,7 @@
 
 use super::plot::{Axis, COLOURS, Medium, Plot, STYLES, escape};
 use crate::experiments::fidelity::{DOMAINS, Fidelity, IntensityDivergence};
+use crate::experiments::sim_to_real::SimToReal;
 use crate::simulator::randomised::Motion;
 use std::fmt::Write;
 
@@ -90,16 +91,17 @@ pub fn pictures(found: &Fidelity) -> Vec<(String, String)> {
         panels
             .push((format!("fidelity-measured-{}", k + 1), intensities(&title, &m.intensities, "measured")));
     }
-    if let Some(s) = &found.sim_to_real {
-        let shares = s.confusion.map(|row| {
-            let all = row.iter().sum::<u32>().max(1);
-            row.map(|n| f64::from(n) / f64::from(all))
-        });
-        let says = s.confusion.map(|row| row.map(|n| n.to_string()));
-        let names = Motion::ALL.map(Motion::name);
-        let title = format!("Measured windows, learned from simulated ones: {} right", s.float);
-        let axes = ["recognised motion", "true motion"];
-        panels.push(("fidelity-confusion".to_owned(), squares(&title, axes, &names, &shares, &says)));
-    }
     panels
+}
+
+/// Which motion the networks recognised in seconds of which.
+pub fn confusion(found: &SimToReal) -> String {
+    let shares = found.confusion.map(|row| {
+        let all = row.iter().sum::<u32>().max(1);
+        row.map(|n| f64::from(n) / f64::from(all))
+    });
+    let says = found.confusion.map(|row| row.map(|n| n.to_string()));
+    let names = Motion::ALL.map(Motion::name);
+    let axes = ["recognised motion", "true motion"];
+    squares("Measured seconds, learned from simulated ones", axes, &names, &shares, &says)
 }

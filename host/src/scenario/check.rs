@@ -172,6 +172,7 @@ impl Scenario {
     fn check_learning(&self, c: &mut Rules) {
         let l = &self.learning;
         c.count("learning.train_per_class", l.train_per_class, 2, 100_000);
+        c.count("learning.recording_slots", l.recording_slots, 1, 8000);
         c.count("learning.windows", l.windows, 1, 100);
         c.count("learning.test_per_class", l.test_per_class, 2, 100_000);
         c.count("learning.epochs", l.epochs, 1, 10_000);
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn fifty_decibels_are_1063_units() {
-        let paper = SpectrogramSettings { beta: 10.0, first_kept: 2, ..Default::default() };
+        let paper = SpectrogramSettings { beta: 10.0, first_kept: 2, range_db: 50.0, ..Default::default() };
         assert_eq!(paper.preprocessing(), Preprocessing::default());
     }
 

@@ -104,7 +104,7 @@ impl Default for SpectrogramSettings {
             beta: 4.0,
             hop: 8,
             bins_per_row: 1,
-            range_db: 50.0,
+            range_db: 40.0,
         }
     }
 }
@@ -113,6 +113,7 @@ impl Default for Learning {
     fn default() -> Self {
         Learning {
             train_per_class: 200,
+            recording_slots: 1000,
             windows: 8,
             test_per_class: 500,
             epochs: 20,

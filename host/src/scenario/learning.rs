@@ -31,8 +31,10 @@ pub enum Schedule {
 pub struct Learning {
     /// Training recordings per class.
     pub train_per_class: u32,
-    /// Windows of every training recording, the first at its beginning, the last N_s slots later: with more than one, training
-    /// recordings last twice the largest N_s, and every window is an image of its own.
+    /// Sensing slots of a training recording; the largest N_s if that is more, or if it has one window. The paper's have 1000, one
+    /// scheduling period at 3.5 GHz.
+    pub recording_slots: u32,
+    /// Windows of N_s slots of every training recording, each an image of its own, evenly spaced from its beginning to its end.
     pub windows: u32,
     /// Test recordings per class, never trained on.
     pub test_per_class: u32,
@@ -69,8 +71,8 @@ pub struct Learning {
 }
 
 impl Learning {
-    /// Sensing slots of a training recording in which the longest window has `slots`.
+    /// Sensing slots of a training recording whose longest window has `slots`.
     pub fn training_slots(&self, slots: u32) -> u32 {
-        if self.windows > 1 { 2 * slots } else { slots }
+        if self.windows > 1 { slots.max(self.recording_slots) } else { slots }
     }
 }

@@ -3,9 +3,9 @@
 //! Tobin et al. (2017), for a single-channel Doppler sensor (CW, AC-coupled, real) at any carrier. One draw is one second of
 //! somebody walking, running or keeping still; nothing is fitted to a recording.
 //!
-//! Who walks does 0.45..1.1 heights a second. Who runs does 0.5..1.25 times sqrt(g L), L the leg: people change from one to the
-//! other near 0.7 (Froude number 0.5; Alexander 1989), jog slowly indoors, and sprint in no room; their limbs move at least as
-//! in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly back and forth along the beam.
+//! Who walks does 0.45..1.1 heights a second. Who runs does 0.37..1.25 times sqrt(g L), L the leg: people change from one to the
+//! other near 0.7 (Froude number 0.5; Alexander 1989), jog indoors as slowly as 4 km/h (slow jogging; Tanaka and Jackowska, 2016), and
+//! sprint in no room; their limbs move at least as in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly back and forth along the beam.
 
 use super::body::Vec3;
 use super::body::motion::{GroundTruth, Person};
@@ -117,8 +117,7 @@ fn person(motion: Motion, scenario: &Scenario, random: &mut Random) -> Person {
             (speed, speed)
         }
         Motion::Running => {
-            let froude = triangular(random, 0.5, 1.25);
-            let speed = froude * (GRAVITY * LEG / height_m).sqrt();
+            let speed = between(random, 0.37, 1.25) * (GRAVITY * LEG / height_m).sqrt();
             (speed, speed.max(between(random, 1.15, 1.47)))
         }
         Motion::Still => (0.0, 0.0),
