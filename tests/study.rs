@@ -97,7 +97,7 @@ fn an_ablation_simulates_what_differs_and_goes_on() {
     let with = |more: &[&str]| study(folder.path(), "ablation", &[&options[..], more].concat());
     let (code, _, stderr) = with(&["--seed", "100"]);
     assert_eq!(code, 2, "{stderr}");
-    assert!(stderr.contains("--seed is 100, must be at least 101"), "{stderr}");
+    assert!(stderr.contains("--seed is 100, must be 101 to 1000"), "{stderr}");
     let (code, first, stderr) = with(&["--threads", "1"]);
     assert_eq!(code, 0, "{stderr}");
     let found: Value = serde_json::from_str(&first).expect("JSON alone on stdout");
@@ -245,9 +245,8 @@ fn measured_recordings_are_scored_beside_other_ways_to_answer() {
             score["recordings"].as_array().expect("shares").iter().filter_map(Value::as_f64).collect();
         assert!((of("mean") - (shares[0] + shares[1]) / 2.0).abs() < 1e-9, "{score}");
     }
-    // always walking; and a network that never saw the recording's motion
+    // always walking
     assert_eq!(scores[3]["recordings"], serde_json::json!([0.0, 1.0]));
-    assert_eq!(scores[5]["balanced"]["mean"], 0.0);
     let (code, second, stderr) = study(folder.path(), "sim-to-real", &options);
     assert_eq!((code, &second), (0, &first), "{stderr}");
 }

@@ -128,7 +128,11 @@ impl Job {
                     "{DEVELOPMENT_SEED} to {}: smaller seeds are those of tests, larger ones of the final test",
                     FINAL_SEED - 1
                 );
-                return Err(Invalid::option("--seed", format!("{} to {last}", self.seed), legal).into());
+                let asked = match seeds {
+                    1 => last.to_string(),
+                    _ => format!("{} to {last}", self.seed),
+                };
+                return Err(Invalid::option("--seed", asked, legal).into());
             }
             self.output = self.output.of_seed(self.seed);
         }
