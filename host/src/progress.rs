@@ -12,12 +12,13 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     Quiet,
-    /// Bars on a terminal; else a line when a stage begins, one every half a minute, and one at its end.
+    /// Bars on a terminal; else a line when a stage begins, one every two seconds, rarer in long stages, and one at its end.
     Shown,
 }
 
-/// Time between two plain lines of a stage.
-const PLAIN: Duration = Duration::from_secs(30);
+/// Time between two plain lines of a stage: at least this, and this part of the time that the stage has taken.
+const PLAIN: Duration = Duration::from_secs(2);
+const PLAIN_PART: u32 = 20;
 
 impl Progress {
     /// Begins a stage of a known or unknown (0) length.
@@ -38,8 +39,9 @@ impl Progress {
         };
         bar.set_prefix(name);
         bar.set_message(shown(what).into_owned());
-        let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(Instant::now()));
-        Stage { bar, name, shown: self == Progress::Shown, plain }
+        let begun = Instant::now();
+        let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(begun));
+        Stage { bar, name, shown: self == Progress::Shown, begun, plain }
     }
 
     /// A line for people.
@@ -66,6 +68,7 @@ pub struct Stage {
     bar: ProgressBar,
     name: &'static str,
     shown: bool,
+    begun: Instant,
     /// When the last plain line was, where there is no terminal.
     plain: Option<Mutex<Instant>>,
 }
@@ -110,7 +113,7 @@ impl Stage {
     fn report(&self) {
         let Some(last) = &self.plain else { return };
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-        if last.elapsed() >= PLAIN {
+        if last.elapsed() >= PLAIN.max(self.begun.elapsed() / PLAIN_PART) {
             *last = Instant::now();
             let (bar, left) = (&self.bar, HumanDuration(self.bar.eta()));
             let total = bar.length().unwrap_or(0);

@@ -164,7 +164,8 @@ impl Antenna {
 
     /// Amplitude of a path that leaves and arrives by this antenna.
     pub fn weight(&self, path: &Path) -> f64 {
-        if self.is_constant() { 1.0 } else { self.amplitude(path.departure) * self.amplitude(path.arrival) }
+        let out = self.amplitude(path.departure);
+        out * if path.arrival == path.departure { out } else { self.amplitude(path.arrival) }
     }
 }
 

@@ -48,15 +48,32 @@ pub fn half_space(permittivity: Complex64, cosine: f64, parallel: bool) -> Compl
     if parallel { (permittivity * c - root) / (permittivity * c + root) } else { (c - root) / (c + root) }
 }
 
-/// What a surface of a room reflects: a slab in air.
-pub fn slab(surface: &Surface, carrier_hz: f64, cosine: f64, parallel: bool) -> Complex64 {
-    let eta = permittivity(surface.material, carrier_hz);
-    let single = half_space(eta, cosine, parallel);
-    let q = root(eta - (1.0 - cosine * cosine)) * (2.0 * PI * surface.thickness_m / wavelength(carrier_hz));
-    // exp(-j 2 q): the way through the slab and back
-    let turn = phasor(-2.0 * q.re) * libm::exp(2.0 * q.im);
-    let one = Complex64::new(1.0, 0.0);
-    single * (one - turn) / (one - single * single * turn)
+/// A slab in air at a carrier: a surface of a room.
+#[derive(Debug, Clone, Copy)]
+pub struct Slab {
+    permittivity: Complex64,
+    /// 2 pi d / lambda.
+    thickness: f64,
+}
+
+impl Slab {
+    /// Of a surface's material and thickness.
+    pub fn new(surface: &Surface, carrier_hz: f64) -> Self {
+        Slab {
+            permittivity: permittivity(surface.material, carrier_hz),
+            thickness: 2.0 * PI * surface.thickness_m / wavelength(carrier_hz),
+        }
+    }
+
+    /// What it reflects at the cosine of the angle of incidence.
+    pub fn reflected(&self, cosine: f64, parallel: bool) -> Complex64 {
+        let single = half_space(self.permittivity, cosine, parallel);
+        let q = root(self.permittivity - (1.0 - cosine * cosine)) * self.thickness;
+        // exp(-j 2 q): the way through the slab and back
+        let turn = phasor(-2.0 * q.re) * libm::exp(2.0 * q.im);
+        let one = Complex64::new(1.0, 0.0);
+        single * (one - turn) / (one - single * single * turn)
+    }
 }
 
 #[cfg(test)]
@@ -97,8 +114,8 @@ mod tests {
         let eta = permittivity(Material::Glass, carrier);
         // half a wavelength of glass at normal incidence reflects almost nothing, a quarter the most
         let inside = wavelength(carrier) / eta.re.sqrt();
-        let half = slab(&glass(inside / 2.0), carrier, 1.0, false).norm_sqr();
-        let quarter = slab(&glass(inside / 4.0), carrier, 1.0, false).norm_sqr();
+        let half = Slab::new(&glass(inside / 2.0), carrier).reflected(1.0, false).norm_sqr();
+        let quarter = Slab::new(&glass(inside / 4.0), carrier).reflected(1.0, false).norm_sqr();
         let expected = (eta.re - 1.0) / (eta.re + 1.0);
         assert!(half < 1e-3, "{half}");
         assert!((quarter / (expected * expected) - 1.0).abs() < 0.02, "{quarter}");
@@ -106,7 +123,10 @@ mod tests {
         let wall = Surface { material: Material::Concrete, thickness_m: 2.0 };
         for (cosine, parallel) in [(1.0, false), (0.5, false), (0.5, true)] {
             let exact = half_space(permittivity(Material::Concrete, 60e9), cosine, parallel);
-            let db = 10.0 * libm::log10(slab(&wall, 60e9, cosine, parallel).norm_sqr() / exact.norm_sqr());
+            let db = 10.0
+                * libm::log10(
+                    Slab::new(&wall, 60e9).reflected(cosine, parallel).norm_sqr() / exact.norm_sqr(),
+                );
             assert!(db.abs() < 0.1, "{db} dB");
             assert!(exact.norm_sqr() < 1.0);
         }

@@ -88,7 +88,8 @@ impl RayTracing {
     fn echoes(&self, scene: &Scene, person: &Target, screens: &[Screen], paths: &mut Vec<Path>) {
         let primitives = person.primitives(scene.time_s);
         let out = self.approaches(scene.from, &primitives, screens);
-        let back = self.approaches(scene.to, &primitives, screens);
+        let elsewhere = (scene.to != scene.from).then(|| self.approaches(scene.to, &primitives, screens));
+        let back = elsewhere.as_ref().unwrap_or(&out);
         let most = self.bounces.last().map_or(0, Vec::len);
         let bent = 1..self.bounces.len();
         let mut pairs: Vec<(usize, usize)> = bent.clone().map(|i| (i, 0)).collect();

@@ -5,11 +5,11 @@
 //! furnished one slabs of ITU-R P.2040's materials at the carrier ([`super::material`]).
 
 use super::antenna::Antenna;
-use super::material::slab;
+use super::material::Slab;
 use super::shadowing::{self, Leg};
 use super::target::{mean_cross_section, scattered};
 use super::{Complex64, Path, Scene, carrier_phase, free_space};
-use crate::scenario::{ArMode, Furniture, Interior, SPEED_OF_LIGHT, Scenario, Surface};
+use crate::scenario::{ArMode, Furniture, Interior, SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, norm, scale, sub};
 
 /// A wall: the axis it is normal to and its coordinate.
@@ -122,7 +122,7 @@ pub struct Map {
     pub size: Vec3,
     carrier_hz: f64,
     /// Walls, floor and ceiling as slabs; else half spaces with the permittivities of the NIST Q-D software.
-    slabs: Option<[Surface; 3]>,
+    slabs: Option<[Slab; 3]>,
     pub furniture: Vec<Furniture>,
     /// Amplitude that each surface leaves to the specular reflection.
     pub kept: f64,
@@ -137,7 +137,9 @@ impl Map {
         Map {
             size: room.size_m,
             carrier_hz: scenario.radar.carrier_hz,
-            slabs: Some([room.walls, room.floor, room.ceiling]),
+            slabs: Some(
+                [room.walls, room.floor, room.ceiling].map(|s| Slab::new(&s, scenario.radar.carrier_hz)),
+            ),
             furniture: room.furniture.iter().filter(inside).copied().collect(),
             kept: 1.0,
         }
@@ -158,7 +160,7 @@ impl Map {
     pub fn smooth(&self, (axis, plane): Plane, cosine: f64) -> Complex64 {
         let part = if axis != 2 { 0 } else { 1 + usize::from(plane != 0.0) };
         match &self.slabs {
-            Some(slabs) => slab(&slabs[part], self.carrier_hz, cosine, axis == 2),
+            Some(slabs) => slabs[part].reflected(cosine, axis == 2),
             None => fresnel(if part == 2 { PLASTERBOARD } else { CONCRETE }, cosine, axis != 2),
         }
     }
