@@ -95,7 +95,7 @@ enum Studied {
     Baselines(crate::experiments::baselines::Baselines),
     Ablation(Box<crate::experiments::ablation::Ablation>),
     Clutter(crate::experiments::clutter::Clutter),
-    Selection(crate::reproduce::selection::Selection),
+    Selection(crate::experiments::selection::Selection),
 }
 
 /// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.

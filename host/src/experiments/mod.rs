@@ -3,12 +3,14 @@
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
 //! (how near simulated recordings are to others), [`sim_to_real`] (recognition of measured recordings), [`baselines`] (other ways to recognise),
-//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target). The candidates for the
-//! hyper-parameters are `reproduce::selection`.
+//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target), [`selection`]
+//! (candidates for the hyper-parameters).
 
 pub mod ablation;
 #[cfg(feature = "train")]
 pub(crate) mod baselines;
+#[cfg(feature = "train")]
+pub(crate) mod carriers;
 #[cfg(feature = "train")]
 pub(crate) mod cells;
 #[cfg(feature = "train")]
@@ -22,6 +24,8 @@ pub(crate) mod learning_curve;
 pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod robustness;
+#[cfg(feature = "train")]
+pub(crate) mod selection;
 #[cfg(feature = "train")]
 pub(crate) mod sim_to_real;
 pub mod sweep;

@@ -3,9 +3,10 @@
 
 use super::kl_divergence::EXPERIMENT;
 use super::made::{Made, number, statement};
-use super::settings::{CARRIERS_HZ, Settings};
+use super::settings::Settings;
 use super::work::{DOMAINS, Learned, Task, Work};
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::report::panels::THIRD;
 use crate::report::plot::{Axis, Plot, STYLES};
 use crate::results::Estimate;

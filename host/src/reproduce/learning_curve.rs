@@ -1,9 +1,10 @@
 //! Accuracy over the number of sensing slots at both carriers: the third panel of the paper's training figure, and its approximation.
 
 use super::made::{Made, number, statement};
-use super::settings::{CARRIERS_HZ, Settings};
+use super::settings::Settings;
 use super::work::{Learned, Task, Work};
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::predictor::{Model, fit_all, paper};
 use crate::report::panels::THIRD;
 use crate::report::plot::{Axis, Plot, STYLES};

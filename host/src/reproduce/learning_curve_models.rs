@@ -2,9 +2,9 @@
 
 use super::learning_curve::points;
 use super::made::{Made, number, statement};
-use super::settings::CARRIERS_HZ;
 use super::work::Work;
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::predictor::{fit_all, paper};
 use crate::results::{CurvePoint, Estimate, Prediction};
 

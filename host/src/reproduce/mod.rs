@@ -1,8 +1,7 @@
 //! The paper's tables and figures, made again: one file each, with the paper's numbers and statements beside those found.
 //!
 //! Everything is found twice: with the settings as printed (the scenario `as-printed`) and with those of the scenario. `work` computes and
-//! keeps what several items need, `settings` says what is simulated, `selection` compares candidates for it, `items` judges, `page` writes
-//! the results as one page.
+//! keeps what several items need, `settings` says what is simulated, `items` judges, `page` writes the results as one page.
 
 #[cfg(feature = "train")]
 mod accuracy_over_epochs;
@@ -24,8 +23,6 @@ mod made;
 pub mod page;
 #[cfg(feature = "train")]
 mod region;
-#[cfg(feature = "train")]
-pub(crate) mod selection;
 #[cfg(feature = "train")]
 pub(crate) mod settings;
 #[cfg(feature = "train")]

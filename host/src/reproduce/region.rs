@@ -2,9 +2,10 @@
 
 use super::learning_curve::points;
 use super::made::{Made, number, statement};
-use super::settings::{CARRIERS_HZ, Settings};
+use super::settings::Settings;
 use super::work::Work;
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::optimizer::{Outcome, Rule, optimise};
 use crate::predictor::{best_curve, fit_all};
 use crate::report::figures;

@@ -3,6 +3,7 @@
 use super::Size;
 use crate::error::{Failure, Invalid};
 use crate::experiments::ablation::DEVELOPMENT_SEED;
+use crate::experiments::carriers::at_carrier;
 use crate::scenario::{Class, Interior, Model, Other, Scenario, builtin};
 
 /// The settings that are set beside each other.
@@ -32,9 +33,6 @@ impl Settings {
     }
 }
 
-/// The paper's carriers in Hz.
-pub const CARRIERS_HZ: [f64; 2] = [3.5e9, 60e9];
-
 /// Passes over the images with the settings as printed, by which the loss has converged: few recordings make few steps.
 fn printed_epochs(size: Size) -> u32 {
     match size {
@@ -43,7 +41,7 @@ fn printed_epochs(size: Size) -> u32 {
     }
 }
 
-/// A scenario at a carrier; at 60 GHz sensing slots follow one another, and rows hold four bins.
+/// A scenario at a carrier.
 pub fn scenario(base: &Scenario, size: Size, settings: Settings, carrier_hz: f64) -> Scenario {
     let mut found = base.clone();
     if settings == Settings::AsPrinted {
@@ -54,12 +52,7 @@ pub fn scenario(base: &Scenario, size: Size, settings: Settings, carrier_hz: f64
         to.epochs = printed_epochs(size);
         found.frame.sensing_slots.clone_from(&base.frame.sensing_slots);
     }
-    found.radar.carrier_hz = carrier_hz;
-    if carrier_hz > 30e9 {
-        found.frame.spacing_slots = 0;
-        found.spectrogram.bins_per_row = 4;
-    }
-    found
+    at_carrier(&found, carrier_hz)
 }
 
 /// What stands for the paper's experiment, of which nothing is public, and is not the hybrid channel: a furnished room by ray tracing, with
@@ -114,6 +107,7 @@ pub fn seed_set(seeds: &[u64]) -> Result<&'static str, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiments::carriers::CARRIERS_HZ;
 
     #[test]
     fn seeds_of_one_set_only() {

@@ -2,9 +2,10 @@
 
 use super::learning_curve::rises;
 use super::made::{Made, statement};
-use super::settings::{CARRIERS_HZ, Settings};
+use super::settings::Settings;
 use super::work::{Learned, Task, Work};
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::report::panels::THIRD;
 use crate::report::plot::{Axis, Plot, style};
 

@@ -1,16 +1,15 @@
 //! What hyper-parameters are chosen on: candidates beside the scenario, at the paper's carriers and every N_s, on development seeds.
 //!
 //! A candidate is the scenario with a few fields changed ([`CANDIDATES`]). Its networks are trained with the same seeds and tested with
-//! the same recordings, none of them learned from, so that differences are paired ([`crate::experiments::paired`]). `docs/protocol.md` says
+//! the same recordings, none of them learned from, so that differences are paired ([`super::paired`]). `docs/protocol.md` says
 //! what was chosen.
 
-use super::Size;
-use super::settings::{CARRIERS_HZ, Settings, scenario};
+use super::carriers::{CARRIERS_HZ, at_carrier};
+use super::cells::Cells;
+use super::paired::{Difference, difference, mean_difference, spread};
+use super::trained::{Marked, marked, marks};
+use super::{Request, RunContext};
 use crate::error::Failure;
-use crate::experiments::cells::Cells;
-use crate::experiments::paired::{Difference, difference, mean_difference, spread};
-use crate::experiments::trained::{Marked, marked, marks};
-use crate::experiments::{Request, RunContext};
 use crate::formats::table;
 use crate::results::Spread;
 use crate::scenario::{Override, Scenario, ScenarioError};
@@ -85,7 +84,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Se
     let mut kept: Vec<[Vec<Marked>; CARRIERS_HZ.len()]> = vec![Default::default(); CANDIDATES.len()];
     for seed in request.each_seed() {
         for (c, carrier_hz) in CARRIERS_HZ.into_iter().enumerate() {
-            let base = scenario(&request.scenario, Size::Paper, Settings::Here, carrier_hz);
+            let base = at_carrier(&request.scenario, carrier_hz);
             for ((_, fields), kept) in CANDIDATES.iter().zip(&mut kept) {
                 let one = candidate(&base, fields)?;
                 let digest = &sha256([one.to_toml().as_bytes()])[..12];
@@ -212,7 +211,7 @@ mod tests {
     #[test]
     fn every_candidate_is_legal_and_unlike_the_scenario_at_both_carriers() {
         for carrier_hz in CARRIERS_HZ {
-            let base = scenario(&Scenario::default(), Size::Paper, Settings::Here, carrier_hz);
+            let base = at_carrier(&Scenario::default(), carrier_hz);
             let mut seen = Vec::new();
             for (name, fields) in CANDIDATES {
                 assert!(fields.iter().all(|field| field.parse::<Override>().is_ok()), "{name}");
