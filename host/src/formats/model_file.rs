@@ -554,7 +554,7 @@ pub(crate) mod tests {
     #[test]
     fn the_description_speaks_of_every_layer() {
         let text = network().describe();
-        for part in ["200 sensing slots", "3.5 GHz", "64 x 10", "50.0 dB", "block 1 conv2", "head"] {
+        for part in ["200 sensing slots", "3.5 GHz", "64 x 10", "40.0 dB", "block 1 conv2", "head"] {
             assert!(text.contains(part), "{part} missing in {text}");
         }
     }

@@ -163,7 +163,7 @@ mod tests {
         let mut scenario = Scenario::default();
         scenario.frame.sensing_slots = vec![200, 1000];
         // as the models have it
-        scenario.spectrogram.first_kept = 2;
+        (scenario.spectrogram.first_kept, scenario.spectrogram.range_db) = (2, 50.0);
         let (rho, seed, part, per_class) = (0.997, 4, Part::Test, 2);
         let recordings = Recordings { scenario: &scenario, rho, seed, part, per_class };
         let files = [DSN_200.to_vec(), DSN_1000.to_vec()];
