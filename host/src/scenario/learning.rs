@@ -71,7 +71,7 @@ pub struct Learning {
 }
 
 impl Learning {
-    /// Sensing slots of a training recording whose longest window has `slots`.
+    /// Sensing slots of a training recording in which the longest window has `slots`.
     pub fn training_slots(&self, slots: u32) -> u32 {
         if self.windows > 1 { slots.max(self.recording_slots) } else { slots }
     }
