@@ -28,7 +28,8 @@ stem_stride = 2
 draws = 20
 "#;
 
-/// The paper's room and radar as printed, with the default images but d = 2 and 50 dB: what the networks and digests of these tests were made with.
+/// The paper's room and radar as printed, with the default images but d = 2 and 50 dB: what the networks and digests of these tests were
+/// made with.
 pub fn printed_room() -> Scenario {
     let printed =
         sdp3::scenario::builtin::named(Path::new("as-printed")).map(|one| one.scenario()).unwrap_or_default();

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     Quiet,
-    /// Bars on a terminal; else a line when a stage begins, one every two seconds, rarer in long stages, and one at its end.
+    /// Bars on a terminal; else a line when a stage begins, one every two seconds (less often in long stages), and one at its end.
     Shown,
 }
 
@@ -39,9 +39,9 @@ impl Progress {
         };
         bar.set_prefix(name);
         bar.set_message(shown(what).into_owned());
-        let begun = Instant::now();
-        let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(begun));
-        Stage { bar, name, shown: self == Progress::Shown, begun, plain }
+        let started = Instant::now();
+        let plain = (self == Progress::Shown && !terminal).then(|| Mutex::new(started));
+        Stage { bar, name, shown: self == Progress::Shown, started, plain }
     }
 
     /// A line for people.
@@ -68,7 +68,7 @@ pub struct Stage {
     bar: ProgressBar,
     name: &'static str,
     shown: bool,
-    begun: Instant,
+    started: Instant,
     /// When the last plain line was, where there is no terminal.
     plain: Option<Mutex<Instant>>,
 }
@@ -113,7 +113,7 @@ impl Stage {
     fn report(&self) {
         let Some(last) = &self.plain else { return };
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-        if last.elapsed() >= PLAIN.max(self.begun.elapsed() / PLAIN_PART) {
+        if last.elapsed() >= PLAIN.max(self.started.elapsed() / PLAIN_PART) {
             *last = Instant::now();
             let (bar, left) = (&self.bar, HumanDuration(self.bar.eta()));
             let total = bar.length().unwrap_or(0);

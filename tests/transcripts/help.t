@@ -411,7 +411,7 @@ Help: the tool and every command, with examples.
             - learning-curve: Accuracy over the number of sensing slots, and the curves of Table III
             - robustness:     Accuracy under other headings, rho, power, d, people and carriers
             - fidelity:       Divergence from ray tracing, a richer model and measured recordings, and recognition across the first two
-            - sim-to-real:    Recognition of measured recordings by networks that learned from simulated ones alone, beside other ways to answer
+            - sim-to-real:    Recognition of measured recordings by networks that learned from simulated ones alone, with baselines
             - baselines:      Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots
             - ablation:       Accuracy with and without each effect of the simulation, the processing and the training, at 3.5 and 60 GHz, on seeds from 101 upwards
             - clutter:        Accuracy with adaptive and with fixed clutter removal, at clutter-to-target ratios of -20 to 40 dB, on seeds from 101 upwards

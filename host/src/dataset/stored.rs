@@ -147,7 +147,8 @@ impl Stored {
     }
 
     /// The scenario to learn in: the dataset's, with its rho, and the learning settings of `asked`. One from a file (`stated`)
-    /// also says which N_s are studied, and must be of the same room, radar and people. Recordings are as long as they are stored.
+    /// also says which N_s are studied, and must be of the same room, radar and people. Training recordings have
+    /// at most the stored slots.
     ///
     /// # Errors
     ///

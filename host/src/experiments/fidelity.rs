@@ -6,7 +6,7 @@
 //! ones that do not ([`SURROGATE_RHO`]), an oscillator with phase noise, I and Q out of balance, speeds that scatter twice as much.
 
 use super::cells::Cells;
-use super::labelled::{LeftOut, Measured};
+use super::labelled::{LeftOut, Measured, left_out_section};
 use super::trained::{images, train};
 use super::{Request, RunContext, Spread};
 use crate::error::{Failure, Invalid};
@@ -282,11 +282,7 @@ pub fn table(request: &Request, found: &Fidelity) -> String {
     for ((name, (own, transfer)), [low, high]) in DOMAINS.iter().zip(gaps(&found.int8)).zip(paper) {
         text += &format!("| {name} | {own:.3} | {transfer:.3} | {low} | {high} |\n");
     }
-    if !found.left_out.is_empty() {
-        text += "\n## Left out\n\n";
-        found.left_out.iter().for_each(|(name, why)| text += &format!("- {name}: {why}\n"));
-    }
-    text
+    text + &left_out_section(&found.left_out)
 }
 
 #[cfg(test)]

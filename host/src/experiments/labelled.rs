@@ -24,6 +24,12 @@ pub struct Measured {
 /// A file that is not used, and why.
 pub type LeftOut = (String, String);
 
+/// The files that are not used as a section of a page; nothing without any.
+pub fn left_out_section(left_out: &[LeftOut]) -> String {
+    let lines: String = left_out.iter().map(|(name, why)| format!("- {name}: {why}\n")).collect();
+    if lines.is_empty() { lines } else { format!("\n## Left out\n\n{lines}") }
+}
+
 /// The motion in a path: its file's name, else the nearest folder's. Words begin at capitals and after anything but letters.
 pub fn motion(path: &Path) -> Option<Motion> {
     path.iter().rev().find_map(|part| {

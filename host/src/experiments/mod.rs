@@ -2,14 +2,13 @@
 //! it was; each writes its resolved configuration, a table, a picture and a page.
 //!
 //! [`learning_curve`] (Table III of the paper and its figure), [`robustness`] (changed conditions), [`fidelity`]
-//! (how near simulated recordings are to others), [`sim_to_real`] (recognition of measured recordings), [`baselines`] (other ways to recognise),
-//! [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target), [`selection`]
+//! (how near simulated recordings are to others), [`sim_to_real`] (recognition of measured recordings), [`baselines`] (other ways to
+//! recognise), [`ablation`] (one effect at a time), [`clutter`] (adaptive or fixed clutter removal over clutter to target), [`selection`]
 //! (candidates for the hyper-parameters).
 
 pub mod ablation;
 #[cfg(feature = "train")]
 pub(crate) mod baselines;
-#[cfg(feature = "train")]
 pub(crate) mod carriers;
 #[cfg(feature = "train")]
 pub(crate) mod cells;
@@ -24,6 +23,7 @@ pub(crate) mod learning_curve;
 pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod robustness;
+pub(crate) mod seeds;
 #[cfg(feature = "train")]
 pub(crate) mod selection;
 #[cfg(feature = "train")]
@@ -36,8 +36,8 @@ pub(crate) mod trained;
 pub use crate::results::Spread;
 
 use crate::progress::Progress;
-use crate::scenario::Scenario;
 use crate::scenario::budget::Budget;
+use crate::scenario::{Override, Scenario, ScenarioError};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +50,7 @@ pub enum Study {
     Robustness,
     /// Divergence from ray tracing, a richer model and measured recordings, and recognition across the first two.
     Fidelity,
-    /// Recognition of measured recordings by networks that learned from simulated ones alone, beside other ways to answer.
+    /// Recognition of measured recordings by networks that learned from simulated ones alone, with baselines.
     SimToReal,
     /// Accuracy of the network, a plain convolutional network and a support vector machine over the number of sensing slots.
     Baselines,
@@ -97,6 +97,16 @@ impl Request {
         let first = self.seed;
         (0..u64::from(self.seeds)).map(move |n| first + n)
     }
+}
+
+/// A scenario with a few fields changed, each as `--set` takes it.
+///
+/// # Errors
+///
+/// A field that is unknown or a value that is illegal in this scenario.
+pub(crate) fn changed(scenario: &Scenario, fields: &[&str], origin: &str) -> Result<Scenario, ScenarioError> {
+    let fields: Vec<Override> = fields.iter().filter_map(|field| field.parse().ok()).collect();
+    scenario.clone().with(&fields, origin)
 }
 
 /// How a study's work is done; nothing of it changes a result.

@@ -33,15 +33,12 @@ pub struct Difference {
     pub high: f64,
 }
 
-/// What is left of a seed: every recording's difference, the largest first.
+/// Every recording's difference in a seed.
 struct Seed(Vec<f64>);
 
 impl Seed {
     fn of((first, second): (&Vec<f64>, &Vec<f64>)) -> Self {
-        let mut differences: Vec<f64> =
-            first.iter().zip(second).map(|(first, second)| first - second).collect();
-        differences.sort_by(|a, b| b.total_cmp(a));
-        Seed(differences)
+        Seed(first.iter().zip(second).map(|(first, second)| first - second).collect())
     }
 
     fn difference(&self) -> f64 {

@@ -8,11 +8,10 @@ use super::carriers::{CARRIERS_HZ, at_carrier};
 use super::cells::Cells;
 use super::paired::{Difference, difference, mean_difference, spread};
 use super::trained::{Marked, marked, marks};
-use super::{Request, RunContext};
+use super::{Request, RunContext, changed};
 use crate::error::Failure;
 use crate::formats::table;
 use crate::results::Spread;
-use crate::scenario::{Override, Scenario, ScenarioError};
 use crate::store::digest::sha256;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,16 +44,25 @@ pub struct Row {
     pub difference: Difference,
 }
 
-/// A candidate over all carriers and N_s.
+/// A candidate over N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Candidate {
     /// Its name.
     pub name: String,
     /// The fields that it changes.
     pub fields: Vec<String>,
-    /// Mean int8 accuracy.
+    /// Over all carriers and N_s.
+    pub mean: Mean,
+    /// Over all N_s of each carrier.
+    pub carriers: Vec<Mean>,
+}
+
+/// A mean over N_s.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Mean {
+    /// int8 accuracy.
     pub accuracy: f64,
-    /// Mean of the candidate less the scenario; recordings are redrawn with all of their N_s.
+    /// The candidate less the scenario; recordings are redrawn with all of their N_s.
     pub difference: Difference,
 }
 
@@ -69,11 +77,6 @@ pub struct Selection {
     pub rows: Vec<Row>,
 }
 
-fn candidate(base: &Scenario, fields: &[&str]) -> Result<Scenario, ScenarioError> {
-    let fields: Vec<Override> = fields.iter().filter_map(|field| field.parse().ok()).collect();
-    base.clone().with(&fields, "selection")
-}
-
 /// Runs or goes on.
 ///
 /// # Errors
@@ -86,7 +89,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Se
         for (c, carrier_hz) in CARRIERS_HZ.into_iter().enumerate() {
             let base = at_carrier(&request.scenario, carrier_hz);
             for ((_, fields), kept) in CANDIDATES.iter().zip(&mut kept) {
-                let one = candidate(&base, fields)?;
+                let one = changed(&base, fields, "selection")?;
                 let digest = &sha256([one.to_toml().as_bytes()])[..12];
                 let name = format!("seed-{seed}-{}ghz-{digest}", carrier_hz / 1e9);
                 kept[c].extend(cells.get(&name, || marked(&[one], seed, context))?);
@@ -115,20 +118,31 @@ fn scores(carriers: &[Vec<Marked>]) -> Vec<Vec<f64>> {
     (0..seeds).map(of_seed).collect()
 }
 
+impl Mean {
+    /// Of marks and those of the scenario, `[carrier][seed]`.
+    fn of(carriers: &[Vec<Marked>], base: &[Vec<Marked>], seed: u64) -> Self {
+        let [found, base] = [carriers, base].map(scores);
+        let all = found.iter().flatten();
+        Mean {
+            accuracy: all.clone().sum::<f64>() / all.count().max(1) as f64,
+            difference: mean_difference(&found, &base, seed),
+        }
+    }
+}
+
 impl Selection {
     /// Of marks, `[candidate][carrier][seed]`.
     fn of(slots: &[u32], kept: &[[Vec<Marked>; CARRIERS_HZ.len()]], seed: u64) -> Self {
         let tested = kept[0][0].first().and_then(|slots| slots.first()).map_or(0, String::len) as u32;
-        let base = scores(&kept[0]);
         let (mut candidates, mut rows) = (Vec::new(), Vec::new());
         for ((name, fields), carriers) in CANDIDATES.iter().zip(kept) {
-            let scores = scores(carriers);
-            let all = scores.iter().flatten();
             candidates.push(Candidate {
                 name: (*name).to_owned(),
                 fields: fields.iter().map(|&field| field.to_owned()).collect(),
-                accuracy: all.clone().sum::<f64>() / all.count().max(1) as f64,
-                difference: mean_difference(&scores, &base, seed),
+                mean: Mean::of(carriers, &kept[0], seed),
+                carriers: (0..CARRIERS_HZ.len())
+                    .map(|c| Mean::of(&carriers[c..=c], &kept[0][c..=c], seed))
+                    .collect(),
             });
             for ((carrier_hz, found), base) in CARRIERS_HZ.into_iter().zip(carriers).zip(&kept[0]) {
                 for (n, &sensing_slots) in slots.iter().enumerate() {
@@ -177,18 +191,23 @@ pub fn table(request: &Request, found: &Selection) -> String {
     let mut text = format!(
         "# Candidates for the hyper-parameters\n\n{} recordings per class to train, {} recordings a seed and carrier to choose on, {}, {} \
          epochs, C = {}, stem stride {}. int8 accuracy. Differences are from the scenario, in points, on the same recordings, with their \
-         95 % interval.\n\n| candidate | mean | difference |\n|---|---|---|\n",
+         95 % interval; the mean is over the N_s.\n\n| candidate | both carriers | difference | 3.5 GHz | difference | 60 GHz | difference |\n|---|{}\n",
         l.train_per_class,
         found.tested,
         request.seeds_label(),
         l.epochs,
         l.channels,
         l.stem_stride,
+        "---|".repeat(6)
     );
     for one in &found.candidates {
-        let [mean, low, high] =
-            [one.difference.mean, one.difference.low, one.difference.high].map(|x| 100.0 * x);
-        text += &format!("| {} | {:.4} | {mean:+.2} [{low:+.2}, {high:+.2}] |\n", one.name, one.accuracy);
+        text += &format!("| {} |", one.name);
+        for mean in std::iter::once(&one.mean).chain(&one.carriers) {
+            let [difference, low, high] =
+                [mean.difference.mean, mean.difference.low, mean.difference.high].map(|x| 100.0 * x);
+            text += &format!(" {:.4} | {difference:+.2} [{low:+.2}, {high:+.2}] |", mean.accuracy);
+        }
+        text += "\n";
     }
     for carrier_hz in CARRIERS_HZ {
         let names: Vec<String> = slots.iter().map(u32::to_string).collect();
@@ -207,6 +226,7 @@ pub fn table(request: &Request, found: &Selection) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::{Override, Scenario};
 
     #[test]
     fn every_candidate_is_legal_and_unlike_the_scenario_at_both_carriers() {
@@ -215,7 +235,7 @@ mod tests {
             let mut seen = Vec::new();
             for (name, fields) in CANDIDATES {
                 assert!(fields.iter().all(|field| field.parse::<Override>().is_ok()), "{name}");
-                let found = candidate(&base, fields).unwrap();
+                let found = changed(&base, fields, "selection").unwrap();
                 assert!(!seen.contains(&found), "{name} at {carrier_hz}");
                 seen.push(found);
             }
@@ -232,16 +252,19 @@ mod tests {
         kept[1] = better;
         let found = Selection::of(&[200, 300], &kept, 101);
         assert_eq!(found.tested, 4);
-        assert_eq!(found.candidates[0].accuracy, 13.0 / 16.0);
-        assert_eq!(found.candidates[1].accuracy, 13.0 / 16.0);
-        assert_eq!(found.candidates[1].difference.mean, 0.0);
-        assert!(found.candidates[1].difference.low < 0.0 && found.candidates[2].difference.high == 0.0);
+        let [base, better] = [0, 1].map(|n| &found.candidates[n]);
+        assert_eq!((base.mean.accuracy, better.mean.accuracy), (13.0 / 16.0, 13.0 / 16.0));
+        assert_eq!([0, 1].map(|c| better.carriers[c].difference.mean), [0.125, -0.125]);
+        let Difference { mean, low, high } = better.mean.difference;
+        assert!(mean == 0.0 && low < 0.0 && high > 0.0);
+        assert_eq!(found.candidates[2].mean.difference, Difference { mean: 0.0, low: 0.0, high: 0.0 });
         let row = &found.rows[4];
         assert_eq!((row.carrier_hz, row.sensing_slots, row.difference.mean), (CARRIERS_HZ[0], 200, 0.25));
         let request =
             Request { study: "selection".into(), seed: 101, seeds: 1, scenario: Scenario::default() };
         let text = table(&request, &found);
-        assert!(text.contains("| window of 96 samples | 0.8125 | +0.00 ["), "{text}");
+        let line = format!("| {} | 0.8125 | +0.00 [", CANDIDATES[1].0);
+        assert!(text.contains(&line) && text.contains(" | 0.7500 | +12.50 ["), "{text}");
         assert_eq!(found.csv().lines().count(), 1 + CANDIDATES.len() * 4);
     }
 }

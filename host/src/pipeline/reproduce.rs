@@ -3,13 +3,12 @@
 use super::{Job, budget};
 use crate::dataset::Shard;
 use crate::error::Failure;
-use crate::experiments::ablation::DEVELOPMENT_SEED;
 use crate::experiments::cells::Cells;
+use crate::experiments::seeds::{DEVELOPMENT_SEED, seed_set};
 use crate::experiments::{Request, RunContext, labelled};
 use crate::recordings::Stated;
 use crate::reproduce::items::tasks;
 use crate::reproduce::page::{PAGE, page, read, same};
-use crate::reproduce::settings::seed_set;
 use crate::reproduce::work::Work;
 use crate::reproduce::{Item, Size};
 use crate::results::Reproduction;

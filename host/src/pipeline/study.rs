@@ -3,8 +3,8 @@
 use super::Job;
 use super::expected::Work;
 use crate::error::{Failure, Invalid};
-use crate::experiments::ablation::effects::{CARRIERS, EFFECTS};
-use crate::experiments::ablation::{self, Ablation, DEVELOPMENT_SEED};
+use crate::experiments::ablation::effects::EFFECTS;
+use crate::experiments::ablation::{self, Ablation};
 use crate::experiments::baselines::{self, Baselines};
 use crate::experiments::carriers::CARRIERS_HZ;
 use crate::experiments::cells::Cells;
@@ -12,12 +12,12 @@ use crate::experiments::clutter::{self, Clutter};
 use crate::experiments::fidelity::{self, Fidelity};
 use crate::experiments::learning_curve::{self, LearningCurve};
 use crate::experiments::robustness::{self, Robustness};
+use crate::experiments::seeds::{DEVELOPMENT_SEED, FINAL_SEED};
 use crate::experiments::selection::{self, Selection};
 use crate::experiments::sim_to_real::{self, SimToReal};
 use crate::experiments::{Request, RunContext, Study, labelled};
 use crate::recordings::Stated;
 use crate::report;
-use crate::reproduce::settings::FINAL_SEED;
 use crate::scenario::Scenario;
 use serde::Serialize;
 use std::path::Path;
@@ -82,7 +82,7 @@ impl Job {
             // its seconds are not the scenario's recordings; about as much work
             Study::SimToReal => 1,
             Study::Robustness => robustness::conditions().iter().filter(|c| c.matched).count(),
-            Study::Ablation => CARRIERS.len() * (EFFECTS.len() + 1),
+            Study::Ablation => CARRIERS_HZ.len() * (EFFECTS.len() + 1),
             Study::Clutter => clutter::RATIOS_DB.len() * clutter::FIRST_KEPT.len(),
             Study::Selection => CARRIERS_HZ.len() * selection::CANDIDATES.len(),
         };
@@ -99,13 +99,14 @@ impl Job {
         Ok(())
     }
 
-    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`] and [`Study::SimToReal`]. Those on which settings are
-    /// chosen, [`Study::Ablation`], [`Study::Clutter`] and [`Study::Selection`], have seeds from [`DEVELOPMENT_SEED`] on and below
-    /// [`FINAL_SEED`].
+    /// Makes a study, or goes on with it; `measured` is a folder of recordings for [`Study::Fidelity`] and [`Study::SimToReal`]. Those
+    /// on which settings are chosen, [`Study::Ablation`], [`Study::Clutter`] and [`Study::Selection`], have seeds from
+    /// [`DEVELOPMENT_SEED`] on and below [`FINAL_SEED`].
     ///
     /// # Errors
     ///
-    /// `measured` for another study, or none for [`Study::SimToReal`]; a smaller seed; a folder of another study; whatever a training or a recording says.
+    /// `measured` for another study, or none for [`Study::SimToReal`]; a seed of another set; a folder of another study; whatever a
+    /// training or a recording says.
     pub fn study(
         mut self,
         study: Study,

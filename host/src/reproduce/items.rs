@@ -1,13 +1,13 @@
 //! From an item's name to its tasks, its file here, and its verdict.
 
 use super::made::Made;
-use super::settings::seed_set;
 use super::work::{Task, Work};
 use super::{
     Item, accuracy_over_epochs, channel_models, intensities, kl_divergence, learning_curve,
     learning_curve_models, region, spectrograms, training,
 };
 use crate::error::Failure;
+use crate::experiments::seeds::seed_set;
 use crate::report::panels::grid;
 use crate::report::paper::draw;
 use crate::results::{Reproduction, Verdict};

@@ -1,8 +1,6 @@
 //! What is simulated for the paper's items: the two settings, the carriers, and what stands for the paper's experiment.
 
 use super::Size;
-use crate::error::{Failure, Invalid};
-use crate::experiments::ablation::DEVELOPMENT_SEED;
 use crate::experiments::carriers::at_carrier;
 use crate::scenario::{Class, Interior, Model, Other, Scenario, builtin};
 
@@ -81,43 +79,10 @@ pub fn ray_tracing(mut scenario: Scenario) -> Scenario {
 /// What is added to a seed for the experiment's own people.
 pub const OTHERS: u64 = 1 << 40;
 
-/// First seed of the final tests, on which nothing is chosen.
-pub const FINAL_SEED: u64 = 1001;
-
-/// The set that seeds belong to.
-///
-/// # Errors
-///
-/// Seeds of several sets, or of none.
-pub fn seed_set(seeds: &[u64]) -> Result<&'static str, Failure> {
-    let (least, most) = (seeds.iter().min().copied().unwrap_or(0), seeds.iter().max().copied().unwrap_or(0));
-    match (least, most) {
-        (FINAL_SEED.., _) => Ok("final"),
-        (DEVELOPMENT_SEED.., ..FINAL_SEED) => Ok("development"),
-        _ => {
-            let legal = format!(
-                "seeds of one set: {DEVELOPMENT_SEED} to {} (development), or from {FINAL_SEED} on (final)",
-                FINAL_SEED - 1
-            );
-            Err(Invalid::option("--seed", format!("{least} to {most}"), legal).into())
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiments::carriers::CARRIERS_HZ;
-
-    #[test]
-    fn seeds_of_one_set_only() {
-        assert_eq!(seed_set(&[101, 105]).unwrap(), "development");
-        assert_eq!(seed_set(&[1001, 1005]).unwrap(), "final");
-        for mixed in [[1, 5], [5, 101], [1000, 1001]] {
-            let error = seed_set(&mixed).unwrap_err().to_string();
-            assert!(error.contains("--seed") && error.contains("1001"), "{error}");
-        }
-    }
 
     #[test]
     fn all_scenarios_are_legal_and_unlike_each_other() {

@@ -5,7 +5,8 @@
 //!
 //! Who walks does 0.45..1.1 heights a second. Who runs does 0.37..1.25 times sqrt(g L), L the leg: people change from one to the
 //! other near 0.7 (Froude number 0.5; Alexander 1989), jog indoors as slowly as 4 km/h (slow jogging; Tanaka and Jackowska, 2016), and
-//! sprint in no room; their limbs move at least as in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly back and forth along the beam.
+//! sprint in no room; their limbs move at least as in a gait of 1.15 heights a second. Rooms up to 8 m by 11 m, any heading, mostly
+//! back and forth on the beam's axis.
 
 use super::body::Vec3;
 use super::body::motion::{GroundTruth, Person};

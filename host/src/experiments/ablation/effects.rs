@@ -1,6 +1,8 @@
 //! The effects of the ablation study: settings of the scenario with an effect and without it, at each carrier.
 
-use crate::scenario::{Clusters, Override, Scenario, ScenarioError};
+use crate::experiments::carriers::CARRIERS_HZ;
+use crate::experiments::changed;
+use crate::scenario::{Clusters, Scenario, ScenarioError};
 
 /// An effect, and the fields that put it in and take it away, as `--set` takes them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,9 +50,6 @@ const fn effect(
     Effect { name, with, without }
 }
 
-/// The carriers of the paper in Hz.
-pub const CARRIERS: [f64; 2] = [3.5e9, 60e9];
-
 /// The scenario at a carrier. At 60 GHz it is that of the built-in `radar-60ghz`: sensing slots follow one another, as many more as
 /// make the same time of observation and between frames, with four bins a row. Clusters that follow the carrier are stated: those of the
 /// carrier.
@@ -61,7 +60,7 @@ pub fn at(scenario: &Scenario, carrier_hz: f64) -> Scenario {
         let high = found.channel.clusters.share_80211ay(carrier_hz) > 0.5;
         found.channel.clusters = if high { Clusters::Ieee80211ay } else { Clusters::Ieee80211ax };
     }
-    if carrier_hz == CARRIERS[1] {
+    if carrier_hz == CARRIERS_HZ[1] {
         let spacing = std::mem::take(&mut found.frame.spacing_slots);
         found.frame.sensing_slots.iter_mut().for_each(|slots| *slots *= spacing + 1);
         found.spectrogram.bins_per_row = 4;
@@ -77,10 +76,7 @@ impl Effect {
     ///
     /// A value that is illegal in this scenario.
     pub fn arms(&self, scenario: &Scenario) -> Result<[Scenario; 2], ScenarioError> {
-        let set = |fields: &[&str]| {
-            let fields: Vec<Override> = fields.iter().filter_map(|field| field.parse().ok()).collect();
-            scenario.clone().with(&fields, "ablation")
-        };
+        let set = |fields| changed(scenario, fields, "ablation");
         Ok([set(self.with)?, set(self.without)?])
     }
 
@@ -95,12 +91,13 @@ impl Effect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::Override;
     use crate::scenario::builtin::named;
     use std::collections::BTreeSet;
 
     #[test]
     fn every_effect_is_one_step_away_from_the_default_at_both_carriers() {
-        for carrier_hz in CARRIERS {
+        for carrier_hz in CARRIERS_HZ {
             let base = at(&Scenario::default(), carrier_hz);
             base.check("ablation").unwrap();
             for effect in EFFECTS {
@@ -123,7 +120,7 @@ mod tests {
     #[test]
     fn at_60_ghz_the_radar_looks_as_long_as_at_3_5() {
         let base = Scenario::default();
-        let [low, high] = CARRIERS.map(|carrier_hz| at(&base, carrier_hz));
+        let [low, high] = CARRIERS_HZ.map(|carrier_hz| at(&base, carrier_hz));
         assert_eq!(
             (low.channel.clusters, high.channel.clusters),
             (Clusters::Ieee80211ax, Clusters::Ieee80211ay)

@@ -15,9 +15,6 @@ use effects::EFFECTS;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The first seed of development: what is chosen by this study is chosen on seeds that no published test used.
-pub const DEVELOPMENT_SEED: u64 = 101;
-
 /// An effect at a carrier and N_s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
@@ -159,7 +156,7 @@ mod tests {
         let found = Ablation::of(500, vec![row]);
         let request = Request {
             study: "ablation".into(),
-            seed: DEVELOPMENT_SEED,
+            seed: crate::experiments::seeds::DEVELOPMENT_SEED,
             seeds: 2,
             scenario: Scenario::default(),
         };

@@ -1,8 +1,9 @@
 //! The trainings of the ablation study, cell by cell: a carrier, a seed and a scenario with or without an effect.
 
-use super::effects::{CARRIERS, EFFECTS, at};
+use super::effects::{EFFECTS, at};
 use super::{Ablation, Row, table};
 use crate::error::Failure;
+use crate::experiments::carriers::CARRIERS_HZ;
 use crate::experiments::cells::Cells;
 use crate::experiments::paired::{difference, spread};
 use crate::experiments::trained::{Marked, marked, marks};
@@ -40,14 +41,15 @@ fn name(group: &Group, carrier_hz: f64, seed: u64) -> String {
 /// Whatever a training, an effect's scenario or the folder says.
 pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ablation, Failure> {
     let mut bases = Vec::new();
-    for carrier_hz in CARRIERS {
+    for carrier_hz in CARRIERS_HZ {
         let base = at(&request.scenario, carrier_hz);
         base.check(&format!("ablation, {} GHz", carrier_hz / 1e9))?;
         let arms = EFFECTS.iter().map(|effect| effect.arms(&base)).collect::<Result<Vec<_>, _>>()?;
         bases.push((carrier_hz, base, arms));
     }
     // `[effect][carrier][arm][seed]`
-    let mut kept: Vec<Vec<[Vec<Marked>; 2]>> = vec![vec![Default::default(); CARRIERS.len()]; EFFECTS.len()];
+    let mut kept: Vec<Vec<[Vec<Marked>; 2]>> =
+        vec![vec![Default::default(); CARRIERS_HZ.len()]; EFFECTS.len()];
     for seed in request.each_seed() {
         for (c, (carrier_hz, _, arms)) in bases.iter().enumerate() {
             for group in groups(arms.iter().flatten()) {

@@ -1,15 +1,16 @@
 //! From simulation to measurement: networks that learned from simulated Doppler alone classify measured walking, running and still.
 //!
 //! The networks learn from draws of [`crate::simulator::randomised`]; no measured sample is learned from. Every second of a recording
-//! has the motion of the recording's name, pauses and turns included; seconds do not overlap. Other ways to answer stand beside them
-//! ([`METHODS`]).
+//! has the motion of the recording's name, pauses and turns included; seconds do not overlap. Baselines are scored on the same seconds:
+//! the majority class, the same networks on white noise, networks that learned from the other recordings (leave one recording out), and
+//! with the feature `svm` a support vector machine on simulated seconds.
 
 mod recogniser;
 mod score;
 mod seconds;
 
 use super::cells::Cells;
-use super::labelled::{LeftOut, Measured};
+use super::labelled::{LeftOut, Measured, left_out_section};
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
 #[cfg(feature = "svm")]
@@ -21,35 +22,29 @@ use crate::simulator::randomised::Motion;
 use crate::store::digest::sha256;
 use recogniser::Recogniser;
 use schemars::JsonSchema;
-use score::{Answers, balanced_accuracy};
+use score::{Predictions, balanced_accuracy};
 use seconds::{Layout, SLOWEST_HZ};
 use serde::{Deserialize, Serialize};
 
-/// Simulated seconds of each motion to learn from, for every recording that the scenario learns from; and the machine's share of them.
+/// Simulated seconds of each motion to learn from, for every recording that the scenario learns from.
 const SECONDS: u32 = 6;
+/// Part of them that the support vector machine learns from: its time grows with their square.
 #[cfg(feature = "svm")]
-const MACHINE_SHARE: u32 = 4;
+const MACHINE_PART: u32 = 4;
+/// The prediction of a network that has nothing to learn from: no motion.
+const NO_MOTION: u8 = u8::MAX;
 
-/// Ways to answer; the support vector machine needs the feature `svm`.
-pub const METHODS: &[&str] = &[
-    "network, int8",
-    "network, float",
-    "ensemble: the sum of the seeds' logits",
-    "always the most frequent motion",
-    "network, shown white noise instead",
-    "network that learned from the other recordings",
-    #[cfg(feature = "svm")]
-    "support vector machine on the same simulated seconds",
-];
+/// A method, and its predictions for the seconds of a recording, `[network][second]`.
+type Predicted = (&'static str, Vec<Vec<u8>>);
 
-/// What one way to answer scores.
+/// The score of a method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Score {
-    /// The way.
+    /// The method.
     pub method: String,
-    /// Balanced accuracy: the mean over the motions of the share of their seconds that is right.
+    /// Balanced accuracy: the mean over the motions of the share of their seconds that is recognised.
     pub balanced: Estimate,
-    /// Share of every recording's seconds that is right.
+    /// Share of every recording's seconds that is recognised.
     pub recordings: Vec<f64>,
 }
 
@@ -71,21 +66,21 @@ pub struct SimToReal {
     pub simulated: Spread,
     /// Every recording.
     pub recordings: Vec<Recording>,
-    /// Every way to answer.
+    /// Every method, the int8 networks first.
     pub scores: Vec<Score>,
-    /// Seconds `[truth][answer]` of the int8 networks, every seed counted, in the order walking, running, still.
+    /// Seconds `[motion][predicted]` of the int8 networks, every seed counted, in the order walking, running, still.
     pub confusion: [[u32; 3]; 3],
     /// Files not used, and why.
     pub left_out: Vec<LeftOut>,
 }
 
 /// Simulated seconds of each motion to learn from.
-fn learned(request: &Request) -> u32 {
+fn training_seconds(request: &Request) -> u32 {
     SECONDS * request.scenario.learning.train_per_class
 }
 
-/// A recording with its images.
-struct Shown<'a> {
+/// A recording with the images of its seconds.
+struct Labelled<'a> {
     measured: &'a Measured,
     layout: Layout,
     images: Images,
@@ -96,72 +91,72 @@ struct Work<'a> {
     request: &'a Request,
     cells: &'a Cells<'a>,
     context: RunContext,
-    shown: Vec<Shown<'a>>,
+    recordings: Vec<Labelled<'a>>,
 }
 
 impl Work<'_> {
     fn network(&self, layout: Layout, seed: u64) -> Result<Recogniser, Failure> {
         self.cells.get(&format!("network-{layout}-seed-{seed}"), || {
-            let images = layout.simulated(seed, 0, learned(self.request), self.context);
+            let images = layout.simulated(seed, 0, training_seconds(self.request), self.context);
             Recogniser::learn(self.request, layout, images, seed, self.context)
         })
     }
 
+    /// Share of unseen simulated seconds that a network recognises, in float.
     fn simulated(&self, layout: Layout, seed: u64) -> Result<f64, Failure> {
         self.cells.get(&format!("simulated-{layout}-seed-{seed}"), || {
-            let images =
-                layout.simulated(seed, 1, self.request.scenario.learning.test_per_class, self.context);
-            let answers = self.network(layout, seed)?.float(&images);
-            let right = answers.iter().zip(&images.labels).filter(|(answer, label)| answer == label);
-            Ok(right.count() as f64 / images.len() as f64)
+            let count = self.request.scenario.learning.test_per_class;
+            let images = layout.simulated(seed, 1, count, self.context);
+            let predicted = self.network(layout, seed)?.float(&images);
+            let correct =
+                predicted.iter().zip(&images.labels).filter(|(predicted, label)| predicted == label);
+            Ok(correct.count() as f64 / images.len() as f64)
         })
     }
 
-    /// Answers to a recording of a network that learned from all others of its layout; of none if there are no others.
-    fn left_out(&self, shown: &Shown<'_>, seed: u64) -> Result<Vec<u8>, Failure> {
-        let others: Vec<&Shown<'_>> = self
-            .shown
+    /// Predictions for a recording by a network that learned from all other recordings of its layout.
+    fn leave_out(&self, recording: &Labelled<'_>, seed: u64) -> Result<Vec<u8>, Failure> {
+        let layout = recording.layout;
+        let mut images = Images { labels: Vec::new(), pixels: Vec::new(), ..recording.images.clone() };
+        let mut keys = vec![recording.measured.key.as_bytes()];
+        for Labelled { measured, .. } in self
+            .recordings
             .iter()
-            .filter(|other| other.layout == shown.layout && other.measured.name != shown.measured.name)
-            .collect();
-        let mut theirs = Images { labels: Vec::new(), pixels: Vec::new(), ..shown.images.clone() };
-        for other in &others {
+            .filter(|r| r.layout == layout && r.measured.name != recording.measured.name)
+        {
             // overlapping seconds, each an image of its own
-            let step = shown.layout.second() / 8;
-            let images = shown.layout.seconds(&other.measured.signal, step, other.measured.motion as u8);
-            theirs.pixels.extend(images.pixels);
-            theirs.labels.extend(images.labels);
+            let seconds = layout.seconds(&measured.signal, layout.second() / 8, measured.motion as u8);
+            images.pixels.extend(seconds.pixels);
+            images.labels.extend(seconds.labels);
+            keys.push(measured.key.as_bytes());
         }
-        if theirs.is_empty() {
-            return Ok(vec![u8::MAX; shown.images.len()]);
+        if images.is_empty() {
+            return Ok(vec![NO_MOTION; recording.images.len()]);
         }
-        let keys = others.iter().map(|other| other.measured.key.as_bytes());
-        let all = sha256(keys.chain([shown.measured.key.as_bytes()]));
-        self.cells.get(&format!("others-{}-seed-{seed}", &all[..12]), || {
-            let network = Recogniser::learn(self.request, shown.layout, theirs, seed, self.context)?;
-            network.int8(shown.layout, &shown.images)
+        self.cells.get(&format!("leave-out-{}-seed-{seed}", &sha256(keys)[..12]), || {
+            let network = Recogniser::learn(self.request, layout, images, seed, self.context)?;
+            network.int8(layout, &recording.images)
         })
     }
 
+    /// Predictions of the support vector machine of a layout for all of its recordings, in their order.
     #[cfg(feature = "svm")]
-    fn machine(&self, shown: &Shown<'_>) -> Result<Vec<u8>, Failure> {
-        let name = format!("machine-{}-{}", shown.layout, shown.measured.key);
-        self.cells.get(&name, || {
-            let images = shown.layout.simulated(
-                self.request.seed,
-                0,
-                learned(self.request) / MACHINE_SHARE,
-                self.context,
-            );
+    fn machine(&self, layout: Layout) -> Result<Vec<Vec<u8>>, Failure> {
+        let of_layout = || self.recordings.iter().filter(|r| r.layout == layout);
+        let keys = sha256(of_layout().map(|r| r.measured.key.as_bytes()));
+        self.cells.get(&format!("machine-{layout}-{}", &keys[..12]), || {
+            let count = training_seconds(self.request) / MACHINE_PART;
+            let images = layout.simulated(self.request.seed, 0, count, self.context);
             let machine = Machine::train(&images, choose(&images).map_err(|e| e.to_string())?);
-            Ok(machine.map_err(|e| e.to_string())?.classify(&shown.images))
+            let machine = machine.map_err(|e| e.to_string())?;
+            Ok(of_layout().map(|r| machine.classify(&r.images)).collect())
         })
     }
 
-    /// The answers of every method to a recording, `[method][network][second]`.
-    fn answers(&self, shown: &Shown<'_>, most: Motion) -> Result<Vec<Vec<Vec<u8>>>, Failure> {
-        let (layout, images) = (shown.layout, &shown.images);
-        let mut found = vec![Vec::new(); METHODS.len()];
+    /// The predictions of every method for a recording, the int8 networks first.
+    fn predictions(&self, recording: &Labelled<'_>, majority: Motion) -> Result<Vec<Predicted>, Failure> {
+        let (layout, images) = (recording.layout, &recording.images);
+        let [mut int8, mut float, mut noise, mut leave_out] = [const { Vec::new() }; 4];
         let mut sums = vec![[0.0_f32; 3]; images.len()];
         for seed in self.request.each_seed() {
             let network = self.network(layout, seed)?;
@@ -169,16 +164,27 @@ impl Work<'_> {
             for (sum, logits) in sums.iter_mut().zip(&logits) {
                 sum.iter_mut().zip(logits).for_each(|(sum, logit)| *sum += logit);
             }
-            found[0].push(network.int8(layout, images)?);
-            found[1].push(logits.iter().map(|logits| first_maximum(logits)).collect());
-            found[4].push(network.int8(layout, &layout.noise(seed, images.len() as u32))?);
-            found[5].push(self.left_out(shown, seed)?);
+            int8.push(network.int8(layout, images)?);
+            float.push(logits.iter().map(|logits| first_maximum(logits)).collect());
+            noise.push(network.int8(layout, &layout.noise(seed, images.len() as u32))?);
+            leave_out.push(self.leave_out(recording, seed)?);
         }
-        found[2].push(sums.iter().map(|sum| first_maximum(sum)).collect());
-        found[3].push(vec![most as u8; images.len()]);
+        #[allow(unused_mut, reason = "with the feature `svm` there is one more")]
+        let mut all = vec![
+            ("network, int8", int8),
+            ("network, float", float),
+            ("ensemble: sum of the seeds' logits", vec![sums.iter().map(|sum| first_maximum(sum)).collect()]),
+            ("majority class", vec![vec![majority as u8; images.len()]]),
+            ("network, int8, on white noise", noise),
+            ("network, int8, leave one recording out", leave_out),
+        ];
         #[cfg(feature = "svm")]
-        found[6].push(self.machine(shown)?);
-        Ok(found)
+        {
+            let before = self.recordings.iter().take_while(|r| r.measured.name != recording.measured.name);
+            let place = before.filter(|r| r.layout == layout).count();
+            all.push(("support vector machine", vec![self.machine(layout)?.swap_remove(place)]));
+        }
+        Ok(all)
     }
 }
 
@@ -193,62 +199,66 @@ pub fn study(
     (recordings, mut left_out): (Vec<Measured>, Vec<LeftOut>),
     context: RunContext,
 ) -> Result<SimToReal, Failure> {
-    let mut shown = Vec::new();
+    let mut labelled = Vec::new();
     for measured in &recordings {
         let layout = Layout::of(&measured.signal);
         let images = layout.map(|l| (l, l.seconds(&measured.signal, l.second(), measured.motion as u8)));
         match images {
-            Some((layout, images)) if !images.is_empty() => shown.push(Shown { measured, layout, images }),
+            Some((layout, images)) if !images.is_empty() => {
+                labelled.push(Labelled { measured, layout, images });
+            }
             Some(_) => left_out.push((measured.name.clone(), "shorter than a second".into())),
             None => left_out.push((measured.name.clone(), format!("slower than {SLOWEST_HZ} Hz"))),
         }
     }
-    if shown.is_empty() {
+    if labelled.is_empty() {
         return Err("--measured: no recording is a second long and fast enough".into());
     }
-    let count = |motion| -> usize {
-        shown.iter().filter(|s| s.measured.motion == motion).map(|s| s.images.len()).sum()
+    let seconds = |motion| -> usize {
+        labelled.iter().filter(|r| r.measured.motion == motion).map(|r| r.images.len()).sum()
     };
     // the first of equals
-    let most = Motion::ALL.into_iter().rev().max_by_key(|&motion| count(motion)).unwrap_or(Motion::Walking);
-    let work = Work { request, cells, context, shown };
-    let each = work.shown.iter().map(|shown| work.answers(shown, most)).collect::<Result<Vec<_>, _>>()?;
+    let majority = Motion::ALL.into_iter().rev().max_by_key(|&motion| seconds(motion));
+    let majority = majority.unwrap_or(Motion::Walking);
+    let work = Work { request, cells, context, recordings: labelled };
+    let predicted: Vec<Vec<Predicted>> =
+        work.recordings.iter().map(|r| work.predictions(r, majority)).collect::<Result<_, _>>()?;
     let mut simulated = Vec::new();
     let mut layouts: Vec<Layout> = Vec::new();
-    for shown in &work.shown {
-        if !layouts.contains(&shown.layout) {
-            layouts.push(shown.layout);
+    for recording in &work.recordings {
+        if !layouts.contains(&recording.layout) {
+            layouts.push(recording.layout);
             for seed in request.each_seed() {
-                simulated.push(work.simulated(shown.layout, seed)?);
+                simulated.push(work.simulated(recording.layout, seed)?);
             }
         }
     }
-    let score = |(m, method): (usize, &&str)| {
-        let of = |(shown, answers): (&Shown<'_>, &Vec<Vec<Vec<u8>>>)| Answers {
-            motion: shown.measured.motion,
-            each: answers[m].clone(),
+    let score = |(m, (method, _)): (usize, &Predicted)| {
+        let of = |(recording, methods): (&Labelled<'_>, &Vec<Predicted>)| Predictions {
+            motion: recording.measured.motion,
+            each: methods[m].1.clone(),
         };
-        let answers: Vec<Answers> = work.shown.iter().zip(&each).map(of).collect();
+        let all: Vec<Predictions> = work.recordings.iter().zip(&predicted).map(of).collect();
         Score {
             method: (*method).to_owned(),
-            balanced: balanced_accuracy(&answers, request.seed),
-            recordings: answers.iter().map(Answers::share).collect(),
+            balanced: balanced_accuracy(&all, request.seed),
+            recordings: all.iter().map(Predictions::share).collect(),
         }
     };
     let mut confusion = [[0; 3]; 3];
-    for (shown, answers) in work.shown.iter().zip(&each) {
-        let row: &mut [u32; 3] = &mut confusion[shown.measured.motion as usize];
-        answers[0].iter().flatten().for_each(|&answer| row[usize::from(answer)] += 1);
+    for (recording, methods) in work.recordings.iter().zip(&predicted) {
+        let row: &mut [u32; 3] = &mut confusion[recording.measured.motion as usize];
+        methods[0].1.iter().flatten().for_each(|&motion| row[usize::from(motion)] += 1);
     }
-    let recording = |shown: &Shown<'_>| Recording {
-        name: shown.measured.name.clone(),
-        motion: shown.measured.motion,
-        seconds: shown.images.len() as u32,
+    let recording = |r: &Labelled<'_>| Recording {
+        name: r.measured.name.clone(),
+        motion: r.measured.motion,
+        seconds: r.images.len() as u32,
     };
     let found = SimToReal {
         simulated: Spread::of(&simulated),
-        recordings: work.shown.iter().map(recording).collect(),
-        scores: METHODS.iter().enumerate().map(score).collect(),
+        recordings: work.recordings.iter().map(recording).collect(),
+        scores: predicted[0].iter().enumerate().map(score).collect(),
         confusion,
         left_out,
     };
@@ -262,8 +272,8 @@ pub fn table(request: &Request, found: &SimToReal) -> String {
     let mut text = format!(
         "# From simulation to measurement\n\nNetworks that learned from {} simulated seconds of each motion at the recordings' carrier \
          and from nothing measured, {}. Of unseen simulated seconds they recognise {}. Balanced accuracy: the mean over the motions of \
-         the share of their seconds that is right; in brackets its 95 % interval by redrawn recordings, seconds and networks.\n\n",
-        learned(request),
+         the share of their seconds that is recognised; in brackets its 95 % interval by redrawn recordings, seconds and networks.\n\n",
+        training_seconds(request),
         request.seeds_label(),
         found.simulated
     );
@@ -272,22 +282,18 @@ pub fn table(request: &Request, found: &SimToReal) -> String {
         .iter()
         .map(|r| format!("{} ({}, {} s)", r.name, r.motion.name(), r.seconds))
         .collect();
-    text += &format!("| answers | balanced accuracy | {} |\n", names.join(" | "));
+    text += &format!("| method | balanced accuracy | {} |\n", names.join(" | "));
     text += &format!("|---|---|{}\n", "---|".repeat(names.len()));
     for score in &found.scores {
         let Estimate { mean, low, high } = score.balanced;
         let shares: Vec<String> = score.recordings.iter().map(|share| format!("{share:.3}")).collect();
         text += &format!("| {} | {mean:.3} [{low:.3}, {high:.3}] | {} |\n", score.method, shares.join(" | "));
     }
-    text += "\nSeconds by the int8 networks, every seed counted:\n\n| truth \\ answer | walking | running | still |\n|---|---|---|---|\n";
+    text += "\nSeconds by the int8 networks, every seed counted:\n\n| motion \\ predicted | walking | running | still |\n|---|---|---|---|\n";
     for (motion, [a, b, c]) in Motion::ALL.iter().zip(found.confusion) {
         text += &format!("| {} | {a} | {b} | {c} |\n", motion.name());
     }
-    if !found.left_out.is_empty() {
-        text += "\n## Left out\n\n";
-        found.left_out.iter().for_each(|(name, why)| text += &format!("- {name}: {why}\n"));
-    }
-    text
+    text + &left_out_section(&found.left_out)
 }
 
 #[cfg(test)]
@@ -317,10 +323,9 @@ mod tests {
         for motion in [Motion::Walking, Motion::Still] {
             let images = layout.seconds(&signal(motion), layout.second(), motion as u8);
             assert_eq!(images.len(), 10);
-            let answers = [network.float(&images), network.int8(layout, &images).unwrap()];
-            for answers in answers {
-                let right = answers.iter().filter(|&&answer| answer == motion as u8).count();
-                assert!(right > 6, "{motion:?}: {answers:?}");
+            for predicted in [network.float(&images), network.int8(layout, &images).unwrap()] {
+                let correct = predicted.iter().filter(|&&predicted| predicted == motion as u8).count();
+                assert!(correct > 6, "{motion:?}: {predicted:?}");
             }
         }
     }

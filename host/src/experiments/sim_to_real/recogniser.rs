@@ -59,12 +59,12 @@ impl Recogniser {
         (0..images.len()).map(|n| network.forward(images.image(n), ROWS, &mut |_, _| {})).collect()
     }
 
-    /// Answers in float.
+    /// Predictions in float.
     pub fn float(&self, images: &Images) -> Vec<u8> {
         self.logits(images).iter().map(|logits| first_maximum(logits)).collect()
     }
 
-    /// Answers of the core's int8 network.
+    /// Predictions of the core's int8 network.
     ///
     /// # Errors
     ///

@@ -13,16 +13,16 @@ use rayon::prelude::*;
 /// Stream number of what is redrawn.
 const STREAM: u64 = 206;
 
-/// What networks answered to the seconds of a recording.
+/// Predictions for the seconds of a recording.
 #[derive(Debug, Clone)]
-pub struct Answers {
+pub struct Predictions {
     pub motion: Motion,
     /// `[network][second]`.
     pub each: Vec<Vec<u8>>,
 }
 
-impl Answers {
-    fn right(&self, network: usize, second: usize) -> f64 {
+impl Predictions {
+    fn correct(&self, network: usize, second: usize) -> f64 {
         f64::from(u8::from(self.each[network][second] == self.motion as u8))
     }
 
@@ -30,33 +30,34 @@ impl Answers {
         self.each.first().map_or(0, Vec::len)
     }
 
-    /// Share of its seconds that is right, mean of the networks.
+    /// Share of its seconds that is recognised, mean of the networks.
     pub fn share(&self) -> f64 {
         let all: f64 = (0..self.each.len())
-            .map(|network| (0..self.seconds()).map(|second| self.right(network, second)).sum::<f64>())
+            .map(|network| (0..self.seconds()).map(|second| self.correct(network, second)).sum::<f64>())
             .sum();
         all / (self.each.len() * self.seconds()).max(1) as f64
     }
 }
 
-/// Mean over the motions that there are of the share of their seconds that is right; `pick` says which of so many is the next one drawn.
-fn balanced(recordings: &[Answers], mut pick: impl FnMut(usize, usize) -> usize) -> f64 {
+/// Mean over the motions present of the share of their seconds that is recognised. `pick(n, count)` is the index drawn in place of n.
+fn balanced(recordings: &[Predictions], mut pick: impl FnMut(usize, usize) -> usize) -> f64 {
     let networks = recordings.first().map_or(0, |r| r.each.len());
     let chosen: Vec<usize> = (0..networks).map(|n| pick(n, networks)).collect();
     let (mut sum, mut motions) = (0.0, 0.0);
     for motion in Motion::ALL {
-        let of: Vec<&Answers> = recordings.iter().filter(|r| r.motion == motion && r.seconds() > 0).collect();
-        let (mut right, mut all) = (0.0, 0.0);
+        let of: Vec<&Predictions> =
+            recordings.iter().filter(|r| r.motion == motion && r.seconds() > 0).collect();
+        let (mut correct, mut all) = (0.0, 0.0);
         for n in 0..of.len() {
             let recording = of[pick(n, of.len())];
             for second in 0..recording.seconds() {
                 let second = pick(second, recording.seconds());
-                right += chosen.iter().map(|&network| recording.right(network, second)).sum::<f64>();
+                correct += chosen.iter().map(|&network| recording.correct(network, second)).sum::<f64>();
                 all += networks as f64;
             }
         }
         if all > 0.0 {
-            sum += right / all;
+            sum += correct / all;
             motions += 1.0;
         }
     }
@@ -64,7 +65,7 @@ fn balanced(recordings: &[Answers], mut pick: impl FnMut(usize, usize) -> usize)
 }
 
 /// Balanced accuracy, mean of the networks, with its 95 % interval.
-pub fn balanced_accuracy(recordings: &[Answers], seed: u64) -> Estimate {
+pub fn balanced_accuracy(recordings: &[Predictions], seed: u64) -> Estimate {
     let mut drawn: Vec<f64> = (0..DRAWS)
         .into_par_iter()
         .map(|draw| {
@@ -85,16 +86,16 @@ pub fn balanced_accuracy(recordings: &[Answers], seed: u64) -> Estimate {
 mod tests {
     use super::*;
 
-    fn answers(motion: Motion, each: &[&[u8]]) -> Answers {
-        Answers { motion, each: each.iter().map(|of| of.to_vec()).collect() }
+    fn predictions(motion: Motion, each: &[&[u8]]) -> Predictions {
+        Predictions { motion, each: each.iter().map(|of| of.to_vec()).collect() }
     }
 
     #[test]
     fn motions_count_alike_and_seconds_within_them() {
         let recordings = [
-            answers(Motion::Walking, &[&[0, 0, 0, 0, 0, 1], &[0; 6]]),
-            answers(Motion::Walking, &[&[1, 1], &[0, 0]]),
-            answers(Motion::Running, &[&[1, 0], &[1, 1]]),
+            predictions(Motion::Walking, &[&[0, 0, 0, 0, 0, 1], &[0; 6]]),
+            predictions(Motion::Walking, &[&[1, 1], &[0, 0]]),
+            predictions(Motion::Running, &[&[1, 0], &[1, 1]]),
         ];
         let found = balanced_accuracy(&recordings, 1);
         // 13 of 16 and 3 of 4
@@ -104,11 +105,11 @@ mod tests {
     }
 
     #[test]
-    fn one_answer_for_all_scores_one_over_the_motions() {
+    fn one_class_for_all_scores_one_over_the_motions() {
         let recordings = [
-            answers(Motion::Walking, &[&[0; 30]]),
-            answers(Motion::Running, &[&[0; 7]]),
-            answers(Motion::Still, &[&[0; 7]]),
+            predictions(Motion::Walking, &[&[0; 30]]),
+            predictions(Motion::Running, &[&[0; 7]]),
+            predictions(Motion::Still, &[&[0; 7]]),
         ];
         let found = balanced_accuracy(&recordings, 1);
         assert_eq!((found.mean, found.low, found.high), (1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0));
@@ -116,12 +117,12 @@ mod tests {
 
     #[test]
     fn recordings_as_wholes_widen_the_interval() {
-        // ten recordings, each wholly right or wrong, against as many seconds of two recordings
-        let whole: Vec<Answers> =
-            (0..10).map(|n| answers(Motion::Walking, &[&[u8::from(n % 5 == 0); 20]])).collect();
+        // ten recordings, each wholly recognised or not, against as many seconds of two recordings
+        let whole: Vec<Predictions> =
+            (0..10).map(|n| predictions(Motion::Walking, &[&[u8::from(n % 5 == 0); 20]])).collect();
         let width = |found: Estimate| found.high - found.low;
         let mixed: Vec<u8> = (0..20).map(|n| u8::from(n % 5 == 0)).collect();
-        let seconds: Vec<Answers> = (0..10).map(|_| answers(Motion::Walking, &[&mixed])).collect();
+        let seconds: Vec<Predictions> = (0..10).map(|_| predictions(Motion::Walking, &[&mixed])).collect();
         assert!(width(balanced_accuracy(&whole, 1)) > 2.0 * width(balanced_accuracy(&seconds, 1)));
     }
 }

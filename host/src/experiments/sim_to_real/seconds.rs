@@ -41,8 +41,8 @@ pub struct Layout {
 impl Layout {
     /// For a recording; `None` if it is too slow.
     pub fn of(signal: &Signal) -> Option<Self> {
-        let wanted = RATE_HZ * (signal.carrier_hz / RATE_CARRIER_HZ).clamp(1.0, 2.0);
-        let rate_hz = signal.rate_hz.min(wanted).round();
+        let target_hz = RATE_HZ * (signal.carrier_hz / RATE_CARRIER_HZ).clamp(1.0, 2.0);
+        let rate_hz = signal.rate_hz.min(target_hz).round();
         // windows of 64 ms every 12 ms; the transform has 256 points
         let samples = |seconds: f64| (seconds * rate_hz).round() as usize;
         let (window, hop) = (samples(0.064).clamp(64, 256), samples(0.012).max(4));
@@ -114,7 +114,7 @@ impl Layout {
         Images { rows: ROWS, frames: self.frames(), pixels, labels }
     }
 
-    /// Simulated images, `count` of each motion in turn.
+    /// Simulated images, `count` of each motion, alternating.
     pub fn simulated(&self, seed: u64, set: u64, count: u32, context: RunContext) -> Images {
         let all = count * Motion::ALL.len() as u32;
         let what = format!("{} GHz at {} Hz, seed {seed}", self.carrier_hz / 1e9, self.rate_hz);

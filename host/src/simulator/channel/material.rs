@@ -70,9 +70,9 @@ impl Slab {
         let single = half_space(self.permittivity, cosine, parallel);
         let q = root(self.permittivity - (1.0 - cosine * cosine)) * self.thickness;
         // exp(-j 2 q): the way through the slab and back
-        let turn = phasor(-2.0 * q.re) * libm::exp(2.0 * q.im);
+        let round_trip = phasor(-2.0 * q.re) * libm::exp(2.0 * q.im);
         let one = Complex64::new(1.0, 0.0);
-        single * (one - turn) / (one - single * single * turn)
+        single * (one - round_trip) / (one - single * single * round_trip)
     }
 }
 
