@@ -17,7 +17,7 @@ pub enum Progress {
 }
 
 /// Time between two plain lines of a stage: at least this, and this part of the time that the stage has taken.
-const PLAIN: Duration = Duration::from_secs(2);
+const PLAIN: Duration = Duration::from_millis(1500);
 const PLAIN_PART: u32 = 20;
 
 impl Progress {
