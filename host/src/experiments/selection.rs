@@ -27,6 +27,7 @@ pub const CANDIDATES: &[(&str, &[&str])] = &[
     ("one window a recording (the paper)", &["learning.windows=1"]),
     ("16 windows, 10 epochs", &["learning.windows=16", "learning.epochs=10"]),
     ("recordings twice as long", &["learning.recording_slots=2000"]),
+    ("int8 tuned above 0.005 nats", &["learning.qat_above=0.005"]),
 ];
 
 /// A candidate at a carrier and N_s.
