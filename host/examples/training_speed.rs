@@ -1,11 +1,11 @@
 //! Times training steps as `sdp3 train` takes them, on random images of 64 x 64 pixels; `tests/bench train` runs it.
 //!
-//!     cargo run --release --example training_speed -- BATCH THREADS STEM_STRIDE [CHANNELS] [EPOCHS]
+//!     cargo run --release --example training_speed -- BATCH THREADS STEM_STRIDE [CHANNELS] [EPOCHS] [BACKEND]
 //!
 //! Prints one JSON object: the least and the median time of a step, each averaged over an epoch of about 500 images.
 
 use sdp3::network::parameters::Images;
-use sdp3::network::training::{Job, train};
+use sdp3::network::training::{Backend, Job, train};
 use sdp3::scenario::Learning;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -13,8 +13,21 @@ use std::time::Instant;
 /// Images of an epoch, about.
 const IMAGES: usize = 500;
 
+fn backend(name: &str) -> Backend {
+    match name {
+        "cpu" => Backend::Cpu,
+        #[cfg(feature = "wgpu")]
+        "wgpu" => Backend::Wgpu,
+        #[cfg(feature = "cuda")]
+        "cuda" => Backend::Cuda,
+        _ => panic!("{name}: a backend of this build"),
+    }
+}
+
 fn main() {
-    let mut numbers = std::env::args().skip(1).map(|text| text.parse::<usize>().expect("a number"));
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let backend = if arguments.len() > 5 { backend(&arguments.remove(5)) } else { Backend::Cpu };
+    let mut numbers = arguments.iter().map(|text| text.parse::<usize>().expect("a number"));
     let mut number = |default: usize| numbers.next().unwrap_or(default);
     let (batch, threads, stride, channels, epochs) =
         (number(100), number(1), number(1), number(16), number(10));
@@ -44,7 +57,8 @@ fn main() {
         end();
         Ok(())
     };
-    train(&images, &settings, 5, &Job::default(), threads, &watch).expect("images that fit");
+    train(&images, &settings, 5, &Job { backend, ..Job::default() }, threads, &watch)
+        .expect("images that fit");
     let ends = ends.into_inner().expect("not poisoned");
     let mut steps: Vec<f64> =
         ends[1..].windows(2).map(|w| (w[1] - w[0]).as_secs_f64() * 1e3 / in_epoch as f64).collect();

@@ -7,8 +7,9 @@ use crate::dataset::Written;
 use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::Exchanged;
 use crate::results::{
-    Calibration, Campaign, ChannelTable, Checked, EarlyExitResult, Files, Listed, Merged, Optimum,
-    Prediction, Reproduction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept, Training, Verify,
+    Calibration, Campaign, ChannelTable, Checked, Classified, EarlyExitResult, Files, Inspection, Listed,
+    Merged, Optimum, Prediction, Reproduction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept,
+    Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -22,13 +23,15 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 30] = published![
+pub const PUBLISHED: [(&str, &str); 32] = published![
     "calibrate",
     "channels",
+    "classify",
     "early-exits",
     "export",
     "gallery",
     "import",
+    "inspect",
     "man",
     "merge",
     "model-keygen",
@@ -114,8 +117,10 @@ pub fn of_types(name: &str) -> Option<Value> {
         "scenario" | "scenario-show" => return Some(Scenario::schema()),
         "early-exits" => schema_for!(EarlyExitResult),
         "calibrate" => schema_for!(Calibrated),
+        "classify" => schema_for!(Classified),
         "channels" => schema_for!(ChannelTable),
         "export" | "import" => schema_for!(Exchanged),
+        "inspect" => schema_for!(Inspection),
         "gallery" | "man" | "model-keygen" | "model-sign" | "quantize" | "report" | "scenario-new" => {
             schema_for!(Files)
         }

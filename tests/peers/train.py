@@ -1,4 +1,4 @@
-"""Peer of `tests/bench train`: the same network, batch and optimiser in PyTorch on the processor.
+"""Peer of `tests/bench train`: the same network, batch and optimiser in PyTorch, on the processor or on a GPU.
 
 Input convolution 1 -> C with 2x2 max pooling, five blocks BN-ReLU-Conv-BN-ReLU-Conv with identity skip, mean over the
 image, classifier; cross entropy, AdamW. Random 64 x 64 images. Prints one JSON object; times are of a step, averaged over about 500 images.
@@ -50,6 +50,7 @@ def main():
     parser.add_argument("--stem-stride", type=int, default=1)
     parser.add_argument("--epochs", type=int, default=10)
     parser.add_argument("--channels-last", action="store_true")
+    parser.add_argument("--device", default="cpu")
     args = parser.parse_args()
     torch.manual_seed(1)
     torch.set_num_threads(args.threads)
@@ -57,6 +58,7 @@ def main():
     images, labels = torch.rand(args.batch, 1, 64, 64), torch.randint(0, 5, (args.batch,))
     if args.channels_last:
         network, images = network.to(memory_format=torch.channels_last), images.to(memory_format=torch.channels_last)
+    network, images, labels = network.to(args.device), images.to(args.device), labels.to(args.device)
     optimizer = torch.optim.AdamW(network.parameters(), lr=5e-3, weight_decay=1e-4)
 
     def step():

@@ -257,7 +257,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   # 1.
   mixup = 0.0
   # Widest band of rows that goes dark in an image learned from; 0: none. Legal: 0 to 32.
-  mask_rows = 12
+  mask_rows = 0
   # Share of the training recordings kept for validation, 0 to 0.5; the best epoch on them is kept. Legal: 0 to
   # 0.5.
   validation = 0.0

@@ -137,6 +137,12 @@ impl Context {
         if text.is_empty() { Ok(()) } else { say(&text) }
     }
 
+    /// One of several results on stdout: as a line of JSON, or in words.
+    pub fn print_line(&self, value: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
+        let text = if self.common.json { serde_json::to_string(value)? } else { words() };
+        say(&shown(&text))
+    }
+
     /// The files that were written, one on a line.
     pub fn print_files(&self, files: &[PathBuf]) -> Result<(), Failure> {
         let names = Files(files.iter().map(|file| file.display().to_string()).collect());

@@ -6,6 +6,7 @@ mod job;
 mod models;
 mod optimizer;
 mod program;
+mod recordings;
 mod reference;
 mod scenarios;
 mod simulator;
@@ -70,6 +71,22 @@ pub enum Command {
   sdp3 calibrate --measured sitting.npy --rate 20 --carrier 60e9 --motion standing --json
   sdp3 calibrate --table rho.toml")]
     Calibrate(simulator::CalibrateArgs),
+    /// Show what a recording holds: format, shape, sensor, rate, pictures over time, and the scenario that matches the sensor.
+    ///
+    /// The pictures are doppler-time and, of a radar module, range-time, of the antenna and the chirp stated, or of the first.
+    #[command(after_help = "Examples:
+  sdp3 inspect walk.wav --carrier 24.125e9
+  sdp3 inspect RadarIfxAvian_00 --antenna 2
+  sdp3 inspect adc_data.bin --config profile.cfg --chirp all --json")]
+    Inspect(recordings::InspectArgs),
+    /// Classify recordings of a radar by the radar module's own chain, window by window.
+    ///
+    /// The recording must be of the model's radar: samples of a slot, slot interval and carrier.
+    #[command(after_help = "Examples:
+  sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta
+  sdp3 classify sensor.sdp3 RadarIfxAvian_00 --antenna 1 --chirp 1 --step 100 --json
+  sensor | sdp3 classify sensor.sdp3 -")]
+    Classify(recordings::ClassifyArgs),
     /// Run every channel model through the property tests of the paper's Table I.
     #[command(after_help = "Examples:
   sdp3 channels
@@ -259,6 +276,8 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Quantize(_) => crate::pipeline::untrained("quantize"),
         Command::Simulate(args) => simulator::simulate(context, args),
         Command::Calibrate(args) => simulator::calibrate(context, args),
+        Command::Inspect(args) => recordings::inspect(context, args),
+        Command::Classify(args) => recordings::classify(context, args),
         Command::Channels => simulator::channels(context),
         Command::Gallery => simulator::gallery(context),
         Command::Sweep(args) => cluster::sweep(context, &args),

@@ -1,10 +1,10 @@
 //! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
 
 use super::context::{Context, count, one_of};
+use super::recordings::StatedArgs;
 use crate::dataset::{PER_CLASS, Shard};
 use crate::error::Failure;
 use crate::pipeline::{Dataset, Measured, calibrate_table};
-use crate::recordings::Stated;
 use crate::report::tables;
 use crate::scenario::budget::Budget;
 use crate::scenario::{Class, Model};
@@ -14,21 +14,11 @@ use std::path::PathBuf;
 /// A measured signal.
 #[derive(Debug, Clone, Args)]
 pub struct MeasuredArgs {
-    /// A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5.
-    #[arg(long, value_name = "FILE")]
+    /// A measured signal: a file or folder that `sdp3 inspect` reads.
+    #[arg(long, value_name = "PATH")]
     pub measured: Option<PathBuf>,
-    /// Its carrier in Hz, if the file does not say.
-    #[arg(long, value_name = "HZ", requires = "measured")]
-    pub carrier: Option<f64>,
-    /// Its sampling or slow-time rate in Hz, if the file does not say.
-    #[arg(long, value_name = "HZ", requires = "measured")]
-    pub rate: Option<f64>,
-    /// Gain of the sensor in dB, which is subtracted.
-    #[arg(long, value_name = "DB", requires = "measured", allow_negative_numbers = true)]
-    pub gain: Option<f64>,
-    /// Which array of an NPZ or which dataset of an HDF5 file.
-    #[arg(long, value_name = "NAME", requires = "measured")]
-    pub dataset: Option<String>,
+    #[command(flatten)]
+    pub stated: StatedArgs,
     /// How the person in it moves: rho is found for this motion, and a wrong one changes it.
     #[arg(long, value_name = "CLASS", requires = "measured", default_value = "adult-walking",
         value_parser = one_of(&Class::EVERY, Class::name))]
@@ -106,7 +96,6 @@ pub fn gallery(context: &Context) -> Result<bool, Failure> {
 
 /// The measured signal that the command line names.
 pub fn measurement(args: MeasuredArgs, budget: Budget) -> Option<Measured> {
-    let MeasuredArgs { measured, carrier, rate, gain, dataset, motion } = args;
-    let stated = Stated { carrier_hz: carrier, rate_hz: rate, gain_db: gain, dataset, budget };
-    Some(Measured { file: measured?, stated, motion })
+    let MeasuredArgs { measured, stated, motion } = args;
+    Some(Measured { file: measured?, stated: stated.stated(budget), motion })
 }

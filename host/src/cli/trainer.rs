@@ -38,6 +38,7 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
             return Err(format!("--backend {name}: build it with the feature `{name}`").into());
         }
     };
+    backend.ready()?;
     let recipe = recipe.map(|recipe| match recipe {
         training::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,
         training::Recipe::PaperAdam => Recipe::PaperAdam,

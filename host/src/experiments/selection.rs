@@ -23,7 +23,7 @@ pub const CANDIDATES: &[(&str, &[&str])] = &[
     ("range of 30 dB", &["spectrogram.range_db=30"]),
     ("window of 96 samples", &["spectrogram.window=96"]),
     ("beta = 10 (the paper)", &["spectrogram.beta=10"]),
-    ("no masked rows", &["learning.mask_rows=0"]),
+    ("up to 12 masked rows", &["learning.mask_rows=12"]),
     ("one window a recording (the paper)", &["learning.windows=1"]),
     ("16 windows, 10 epochs", &["learning.windows=16", "learning.epochs=10"]),
     ("recordings twice as long", &["learning.recording_slots=2000"]),

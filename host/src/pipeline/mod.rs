@@ -4,8 +4,10 @@
 //! made a request elsewhere; what is done for it, and which files it leaves, is decided here.
 
 mod budget;
+mod classify;
 #[cfg(feature = "train")]
 mod expected;
+mod inspect;
 #[cfg(feature = "train")]
 mod learn;
 #[cfg(feature = "train")]
@@ -33,6 +35,7 @@ use crate::simulator::dataset;
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 
+pub use classify::Classify;
 pub use simulate::{Dataset, Measured, calibrate_table};
 
 /// What every stage needs.

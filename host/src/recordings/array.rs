@@ -10,7 +10,7 @@
 //! | int16 | `[slot, samples, 2]` | raw FMCW slots, I and Q |
 //! | int16 | `[slot, samples]` | raw FMCW slots of a real converter |
 
-use super::{Contents, MeasuredError, Samples, Source};
+use super::{About, Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
 use rustfft::num_complex::Complex64;
 use std::ops::RangeInclusive;
@@ -48,8 +48,8 @@ pub(super) fn checked_shape(source: Source, shape: &[u64]) -> Result<Vec<usize>,
 }
 
 impl Array {
-    /// The array as samples.
-    pub(super) fn contents(self, source: Source) -> Result<Contents, MeasuredError> {
+    /// The array of a file of this format as samples.
+    pub(super) fn contents(self, source: Source, format: &str) -> Result<Contents, MeasuredError> {
         let all: usize = self.shape.iter().product();
         let read = match &self.numbers {
             Numbers::Int16(values) => values.len(),
@@ -59,6 +59,15 @@ impl Array {
         if read != all {
             return Err(source.value("numbers", read, format!("{all}, as the shape says")));
         }
+        let mut axes = match (&self.numbers, self.shape.len()) {
+            (_, 1) => "[time]",
+            (Numbers::Int16(_), 2 | 3) => "[slot, sample]",
+            (Numbers::Complex(_), 2) => "[time, cell], the cell in which most moves",
+            (Numbers::Complex(_), 3) => "[frame, sweep, cell], the mean sweep's cell in which most moves",
+            _ => "[time]",
+        }
+        .to_owned();
+        let shape = self.shape.clone();
         let samples = match (self.numbers, self.shape.as_slice()) {
             (Numbers::Int16(values), &[_, samples, 2]) if SAMPLES.contains(&samples) => {
                 Samples::Slots(Slots { values, per_slot: 2 * samples })
@@ -77,7 +86,13 @@ impl Array {
             }
             (_, shape) => return Err(source.value("shape", format!("{shape:?}"), SHAPES)),
         };
-        Ok(Contents { samples, rate_hz: None, carrier_hz: None })
+        axes += match samples {
+            Samples::Real(_) => ", real",
+            Samples::Complex(_) => ", complex",
+            Samples::Slots(_) if shape.len() == 3 => ", int16, I and Q",
+            Samples::Slots(_) => ", int16",
+        };
+        Ok(Contents { samples, rate_hz: None, carrier_hz: None, about: About::new(format, axes, shape) })
     }
 }
 

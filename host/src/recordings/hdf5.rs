@@ -55,7 +55,8 @@ pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, Measu
             return Err(source.value(format!("type of {name}"), format!("{datatype:?}"), legal));
         }
     };
-    let mut contents = Array { shape, numbers }.contents(source)?;
+    let mut contents =
+        Array { shape, numbers }.contents(source, if a121 { "Acconeer A121 (HDF5)" } else { FORMAT })?;
     let attributes = dataset.attrs().map_err(broken)?;
     let attribute = |name: &str| attributes.get(name).and_then(number);
     contents.rate_hz = attribute("rate_hz");

@@ -1,24 +1,39 @@
-//! Measured signals to calibrate on: WAV, NPY, NPZ, SigMF and, with the feature `hdf5`, HDF5.
+//! Measured signals: WAV, CSV, NPY, NPZ, MATLAB, SigMF, recordings of Infineon's radar SDK, captures of TI's DCA1000 and, with the
+//! feature `hdf5`, HDF5. What a file is, its first bytes say, or its name where they cannot.
 //!
 //! What a file does not say about itself (carrier, rate) the user states; what both say, the user decides. Levels are relative:
 //! calibration compares spectrograms on their own mean power, so a gain only changes the power that is printed.
 
 mod array;
+mod cube;
+mod dca1000;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod infineon;
+mod matlab;
 mod npy;
 mod sigmf;
+mod table;
 mod wav;
 
 use crate::error::Invalid;
 use crate::formats::slots::Slots;
 use crate::scenario::budget::{Budget, Need};
+use crate::store::limited;
 use rustfft::num_complex::Complex64;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::fmt::Display;
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+pub use cube::{Chirps, Sensor};
 
 /// Most memory that a number takes while it is read, in bytes: as it is in the file, and as half of a complex one that is copied once.
 const BYTES_PER_NUMBER: f64 = 24.0;
+
+/// Shortest recording in s to calibrate on.
+const SHORTEST_S: f64 = 1.5;
 
 /// A measured signal.
 #[derive(Debug, Clone)]
@@ -31,6 +46,29 @@ pub struct Signal {
     pub carrier_hz: f64,
     /// Name of the file.
     pub title: String,
+    /// Mean power in dB, the gain stated taken off.
+    pub power_db: f64,
+    /// What the file is.
+    pub about: About,
+}
+
+/// What a file turned out to be.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+pub struct About {
+    /// Its format.
+    pub format: String,
+    /// What its axes are, and its numbers.
+    pub axes: String,
+    /// Lengths of the axes.
+    pub shape: Vec<usize>,
+    /// What a radar module's configuration says.
+    pub sensor: Option<Sensor>,
+}
+
+impl About {
+    fn new(format: &str, axes: impl Into<String>, shape: Vec<usize>) -> Self {
+        About { format: format.to_owned(), axes: axes.into(), shape, sensor: None }
+    }
 }
 
 /// Samples.
@@ -57,6 +95,15 @@ impl Samples {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The samples as bytes: int16 of slots, else f64, complex ones as two, little-endian.
+    pub fn to_le_bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Real(x) => x.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Self::Complex(z) => z.iter().flat_map(|z| [z.re, z.im]).flat_map(f64::to_le_bytes).collect(),
+            Self::Slots(slots) => slots.to_le_bytes(),
+        }
     }
 
     /// The first sample that is no finite number, and what it is.
@@ -93,8 +140,16 @@ pub struct Stated {
     pub rate_hz: Option<f64>,
     /// Gain of the sensor in dB, taken off.
     pub gain_db: Option<f64>,
-    /// Which array of an NPZ, which dataset of an HDF5 file.
+    /// Which array of an NPZ or MATLAB file, which dataset of an HDF5 file.
     pub dataset: Option<String>,
+    /// Receive antenna of a radar module, from 1.
+    pub antenna: Option<u32>,
+    /// Chirps of a frame of a radar module.
+    pub chirp: Option<Chirps>,
+    /// Description of a DCA1000 capture, if it is not beside it.
+    pub config: Option<PathBuf>,
+    /// Take the first antenna and chirp where none is stated.
+    pub first: bool,
     /// What reading may take.
     pub budget: Budget,
 }
@@ -104,6 +159,7 @@ struct Contents {
     samples: Samples,
     rate_hz: Option<f64>,
     carrier_hz: Option<f64>,
+    about: About,
 }
 
 /// Why a file is not a usable measurement.
@@ -156,34 +212,105 @@ impl Source<'_> {
     }
 }
 
-/// Reads a measured signal: at least 1.5 s at 10 Hz to 400 kHz of a carrier between 0.5 and 100 GHz, finite and not silent.
-///
-/// The file's extension decides how it is read. See [`Stated`] for what the user may add.
+/// Formats.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Format {
+    Wav,
+    Csv,
+    Npy,
+    Npz,
+    Matlab,
+    Hdf5,
+    SigMf,
+    Infineon(PathBuf),
+    Dca1000,
+}
+
+/// What is read, for errors.
+const FORMATS: &str = "WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy) \
+     or a DCA1000 capture (.bin)";
+
+/// What a path is: by the names in a folder, by a file's first bytes, or by its extension.
+fn recognised(source: Source) -> Result<Format, MeasuredError> {
+    if let Some(folder) = infineon::folder(source.0) {
+        return Ok(Format::Infineon(folder));
+    }
+    let extension = source.0.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if extension.starts_with("sigmf") {
+        return Ok(Format::SigMf);
+    }
+    if source.0.is_dir() {
+        return Err(source.value("folder", "none of a recording", "one with config.json and radar.npy"));
+    }
+    let unreadable = |error| source.unreadable("recording", error);
+    let file = limited::open(source.0, limited::WHOLE).map_err(unreadable)?;
+    let mut first = Vec::new();
+    file.take(64).read_to_end(&mut first).map_err(unreadable)?;
+    let begins = |magic: &[u8]| first.starts_with(magic);
+    Ok(match extension.as_str() {
+        _ if begins(b"RIFF") => Format::Wav,
+        _ if begins(b"\x93NUMPY") => Format::Npy,
+        _ if begins(b"PK\x03\x04") => Format::Npz,
+        _ if begins(matlab::MAGIC) => Format::Matlab,
+        _ if begins(matlab::MAGIC_HDF5) => {
+            let reason = "version 7.3; save it with -v7, or the array as HDF5 (h5create, h5write)";
+            return Err(source.unreadable("MATLAB", reason));
+        }
+        _ if begins(b"\x89HDF") => Format::Hdf5,
+        "wav" => Format::Wav,
+        "npy" => Format::Npy,
+        "npz" => Format::Npz,
+        "mat" => Format::Matlab,
+        "h5" | "hdf5" => Format::Hdf5,
+        "csv" => Format::Csv,
+        "bin" => Format::Dca1000,
+        _ => return Err(source.value("extension", format!("{extension:?}"), FORMATS)),
+    })
+}
+
+/// Reads a measured signal to calibrate on: as [`open`], and at least 1.5 s long.
 ///
 /// # Errors
 ///
 /// [`MeasuredError`] naming the file and what is wrong with it.
 pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
     let source = Source(file, stated.budget);
-    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let contents = match extension.as_str() {
-        "wav" => wav::read(source)?,
-        "npy" => npy::read(source)?,
-        "npz" => npy::read_archive(source, stated.dataset.as_deref())?,
-        "sigmf-meta" | "sigmf-data" | "sigmf" => sigmf::read(source)?,
+    checked(source, contents(source, stated)?, stated, SHORTEST_S)
+}
+
+/// Reads a recording: 10 Hz to 400 kHz of a carrier between 0.5 and 100 GHz, finite and not silent.
+///
+/// See [`Stated`] for what the user may add.
+///
+/// # Errors
+///
+/// [`MeasuredError`] naming the file and what is wrong with it.
+pub fn open(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
+    let source = Source(file, stated.budget);
+    checked(source, contents(source, stated)?, stated, 0.0)
+}
+
+fn contents(source: Source, stated: &Stated) -> Result<Contents, MeasuredError> {
+    let dataset = stated.dataset.as_deref();
+    Ok(match recognised(source)? {
+        Format::Wav => wav::read(source)?,
+        Format::Csv => table::read(source)?,
+        Format::Npy => npy::read(source)?,
+        Format::Npz => npy::read_archive(source, dataset)?,
+        Format::Matlab => matlab::read(source, dataset)?,
+        Format::SigMf => sigmf::read(source)?,
+        Format::Infineon(folder) => {
+            infineon::read(&folder, source)?.contents(source, stated, infineon::FORMAT)?
+        }
+        Format::Dca1000 => dca1000::read(source, stated)?.contents(source, stated, dca1000::FORMAT)?,
         #[cfg(feature = "hdf5")]
-        "h5" | "hdf5" => hdf5::read(source, stated.dataset.as_deref())?,
+        Format::Hdf5 => hdf5::read(source, dataset)?,
         #[cfg(not(feature = "hdf5"))]
-        "h5" | "hdf5" => {
+        Format::Hdf5 => {
             let reason = "this program was built without HDF5; build it with --features hdf5";
             return Err(source.unreadable("HDF5", reason));
         }
-        _ => {
-            let legal = ".wav, .npy, .npz, .sigmf-meta, .h5";
-            return Err(source.value("extension", format!("{extension:?}"), legal));
-        }
-    };
-    checked(source, contents, stated)
+    })
 }
 
 /// A signal that is in memory, held to the same limits as one in a file; `name` stands for the file in errors.
@@ -192,14 +319,27 @@ pub fn read(file: &Path, stated: &Stated) -> Result<Signal, MeasuredError> {
 ///
 /// As [`read`].
 pub fn signal(name: &str, samples: Samples, stated: &Stated) -> Result<Signal, MeasuredError> {
-    checked(
-        Source(Path::new(name), stated.budget),
-        Contents { samples, rate_hz: None, carrier_hz: None },
-        stated,
-    )
+    let about = About::new("array", "", vec![samples.len()]);
+    let source = Source(Path::new(name), stated.budget);
+    let contents = Contents { samples, rate_hz: None, carrier_hz: None, about };
+    checked(source, contents, stated, SHORTEST_S)
 }
 
-fn checked(source: Source, contents: Contents, stated: &Stated) -> Result<Signal, MeasuredError> {
+fn checked(
+    source: Source,
+    contents: Contents,
+    stated: &Stated,
+    shortest_s: f64,
+) -> Result<Signal, MeasuredError> {
+    if contents.about.sensor.is_none() {
+        let legal = || format!("not given: {} has neither antennas nor chirps", contents.about.format);
+        if let Some(antenna) = stated.antenna {
+            return Err(source.value("--antenna", antenna, legal()));
+        }
+        if let Some(chirp) = stated.chirp {
+            return Err(source.value("--chirp", chirp, legal()));
+        }
+    }
     let rate_hz = source.known(
         (stated.rate_hz, contents.rate_hz),
         ("rate (Hz)", "--rate"),
@@ -222,15 +362,16 @@ fn checked(source: Source, contents: Contents, stated: &Stated) -> Result<Signal
         return Err(source.value("mean power", power, "a finite number"));
     }
     let seconds = contents.samples.len() as f64 / rate_hz;
-    if seconds < 1.5 {
-        return Err(source.value("length (s)", format!("{seconds:.3}"), "at least 1.5"));
+    if seconds < shortest_s {
+        return Err(source.value("length (s)", format!("{seconds:.3}"), format!("at least {shortest_s}")));
     }
     if power == 0.0 {
         return Err(source.value("mean power", 0, "above 0: nothing was recorded"));
     }
     let name = source.0.file_name().unwrap_or_default().to_string_lossy();
-    let title = format!("{name} (mean power {:.1} dB)", 10.0 * libm::log10(power) - gain_db);
-    Ok(Signal { samples: contents.samples, rate_hz, carrier_hz, title })
+    let power_db = 10.0 * libm::log10(power) - gain_db;
+    let title = format!("{name} (mean power {power_db:.1} dB)");
+    Ok(Signal { samples: contents.samples, rate_hz, carrier_hz, title, power_db, about: contents.about })
 }
 
 #[cfg(test)]

@@ -11,9 +11,14 @@ use std::io::{BufReader, Read};
 
 /// Reads a `.npy` file.
 pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
+    array(source)?.contents(source, "NPY")
+}
+
+/// The array in a `.npy` file.
+pub(super) fn array(source: Source) -> Result<Array, MeasuredError> {
     let file = limited::open(source.0, limited::WHOLE).map_err(|e| source.unreadable("NPY", e))?;
     let array = numpy::array(BufReader::new(file)).map_err(|e| source.unreadable("NPY", e))?;
-    array_of(source, array)?.contents(source)
+    array_of(source, array)
 }
 
 /// Reads an array of a `.npz` file: the one named, or its only one.
@@ -37,7 +42,7 @@ pub(super) fn read_archive(source: Source, name: Option<&str>) -> Result<Content
     let array = numpy::by_name(&mut archive, name).map_err(broken)?;
     let array =
         array.ok_or_else(|| source.value("--dataset", name, format!("one of {}", names.join(", "))))?;
-    array_of(source, array)?.contents(source)
+    array_of(source, array)?.contents(source, "NPZ")
 }
 
 fn array_of(source: Source, array: numpy::Array<impl Read>) -> Result<Array, MeasuredError> {

@@ -5,7 +5,7 @@
 //! global object hold raw slots, one after the other.
 
 use super::array::SAMPLES;
-use super::{Contents, MeasuredError, Samples, Source};
+use super::{About, Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
@@ -149,8 +149,11 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
             ));
         }
         let values: Vec<i16> = bytes.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect();
+        let slots = Slots { values, per_slot: samples * item / 2 };
+        let axes = format!("[slot, sample], {}", global.datatype);
         return Ok(Contents {
-            samples: Samples::Slots(Slots { values, per_slot: samples * item / 2 }),
+            about: About::new("SigMF", axes, vec![slots.len(), samples]),
+            samples: Samples::Slots(slots),
             rate_hz: global.slot_rate_hz,
             carrier_hz,
         });
@@ -162,5 +165,6 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     } else {
         Samples::Real(numbers.collect())
     };
-    Ok(Contents { samples, rate_hz: global.sample_rate, carrier_hz })
+    let about = About::new("SigMF", format!("[time], {}", global.datatype), vec![samples.len()]);
+    Ok(Contents { samples, rate_hz: global.sample_rate, carrier_hz, about })
 }

@@ -2,7 +2,7 @@
 //!
 //! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1 to 1.
 
-use super::{Contents, MeasuredError, Samples, Source};
+use super::{About, Contents, MeasuredError, Samples, Source};
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;
@@ -26,11 +26,16 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
             samples.collect::<Result<_, _>>().map_err(broken)?
         }
     };
+    let (axes, shape) = match spec.channels {
+        1 => ("[time], real", vec![samples.len()]),
+        _ => ("[time], complex", vec![samples.len() / 2]),
+    };
     let samples = match spec.channels {
         1 => Samples::Real(samples),
         _ => {
             Samples::Complex(samples.as_chunks::<2>().0.iter().map(|&[i, q]| Complex64::new(i, q)).collect())
         }
     };
-    Ok(Contents { samples, rate_hz: Some(f64::from(spec.sample_rate)), carrier_hz: None })
+    let about = About::new("WAV", axes, shape);
+    Ok(Contents { samples, rate_hz: Some(f64::from(spec.sample_rate)), carrier_hz: None, about })
 }

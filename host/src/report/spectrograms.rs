@@ -77,48 +77,86 @@ pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 204.0, 196.0);
 
 const PAGE: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.0, bottom: 0.0, mm: 0.0 };
 
+/// An axis beside the image: what it shows, its ends, and the decimal places of its labels.
+pub struct Side {
+    pub label: &'static str,
+    pub low: f64,
+    pub high: f64,
+    pub places: i32,
+}
+
 /// The picture with its axes and colour bar; empty for an empty spectrogram.
 pub fn svg(s: &Spectrogram, medium: Medium) -> String {
+    let high = s.first_row_hz + s.row_hz * f64::from(s.rows);
+    let left = Side { label: "Doppler (Hz)", low: s.first_row_hz, high, places: 0 };
+    // 2 v / lambda: an axis of radial speeds on the right
+    let speed = |hz: f64| hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz);
+    let right = Side { label: "radial speed (m/s)", low: speed(left.low), high: speed(high), places: 1 };
+    drawn(s, &format!("Spectrogram: {}", s.title), &left, Some(&right), medium)
+}
+
+/// A range-time picture, rows from `low_m` to `high_m`.
+pub fn range_time(s: &Spectrogram, low_m: f64, high_m: f64, medium: Medium) -> String {
+    let left = Side { label: "range (m)", low: low_m, high: high_m, places: 2 };
+    drawn(s, &format!("Range over time: {}", s.title), &left, None, medium)
+}
+
+fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium: Medium) -> String {
     let bytes = png(s);
     if bytes.is_empty() {
         return String::new();
     }
-    let top = s.first_row_hz + s.row_hz * f64::from(s.rows);
     let seconds = s.frame_s * f64::from(s.frames);
-    // 2 v / lambda: an axis of radial speeds on the right
-    let speed =
-        |hz: f64| number((hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz) * 10.0).round() / 10.0);
     let (x, y, width, height) = IMAGE;
     let mut svg = format!(
-        "<svg {}><title>Spectrogram: {}</title>\
+        "<svg {}><title>{}</title>\
          <image href=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
          style=\"image-rendering:pixelated\"/>\
-         <text class=\"axis-y\" transform=\"translate(12 106) rotate(-90)\" text-anchor=\"middle\">Doppler (Hz)</text>\
-         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">time (s)</text>\
-         <text transform=\"translate(310 106) rotate(-90)\" text-anchor=\"middle\">radial speed (m/s)</text>",
+         <text class=\"axis-y\" transform=\"translate(12 106) rotate(-90)\" text-anchor=\"middle\">{}</text>\
+         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">time (s)</text>",
         medium.root(250.0),
-        escape(&s.title),
+        escape(title),
         data(&bytes),
+        left.label,
     );
+    if let Some(Side { label, .. }) = right {
+        let _ = write!(
+            svg,
+            "<text transform=\"translate(310 106) rotate(-90)\" text-anchor=\"middle\">{label}</text>"
+        );
+    }
     for k in 0..=4 {
         let share = f64::from(k) / 4.0;
-        let (hz, at) = (s.first_row_hz + share * (top - s.first_row_hz), y + (1.0 - share) * height);
+        let at = y + (1.0 - share) * height;
+        let value = |side: &Side| {
+            let digits = 10_f64.powi(side.places);
+            number(((side.low + share * (side.high - side.low)) * digits).round() / digits)
+        };
         let (time, across) = (number((share * seconds * 100.0).round() / 100.0), x + share * width);
         let anchor = ["start", "middle", "middle", "middle", "end"][k as usize];
         let _ = write!(
             svg,
             "<path d=\"M{:.1} {at:.1}h4M{:.1} {at:.1}h4M{across:.1} {:.1}v4\" stroke=\"var(--ink,#222)\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><text x=\"{:.1}\" y=\"{:.1}\">{}</text>\
-             <text x=\"{across:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{time}</text>",
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
             x - 4.0,
             x + width,
             y + height,
             x - 6.0,
             at + 4.0,
-            number(hz.round()),
-            x + width + 6.0,
-            at + 4.0,
-            speed(hz),
+            value(left),
+        );
+        if let Some(right) = right {
+            let _ = write!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                x + width + 6.0,
+                at + 4.0,
+                value(right)
+            );
+        }
+        let _ = write!(
+            svg,
+            "<text x=\"{across:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{time}</text>",
             y + height + 16.0,
         );
     }

@@ -4,12 +4,14 @@
 //! scenario and the seed alone: no clock, no host name, no thread count.
 
 mod files;
+mod inspection;
 mod optimizer;
 mod reproduction;
 mod spread;
 mod sweep;
 
 pub use files::*;
+pub use inspection::*;
 pub use optimizer::*;
 pub use reproduction::*;
 pub use spread::*;

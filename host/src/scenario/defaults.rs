@@ -123,7 +123,7 @@ impl Default for Learning {
             learning_rate: 5e-3,
             weight_decay: 1e-2,
             mixup: 0.0,
-            mask_rows: 12,
+            mask_rows: 0,
             validation: 0.0,
             patience: 0,
             qat_above: 0.01,

@@ -9,21 +9,19 @@ use toml::Table;
 type Sizes = [(&'static str, &'static str, &'static str)];
 
 /// For a first result.
-const QUICK: [(&str, &str, &str); 6] = [
+const QUICK: [(&str, &str, &str); 5] = [
     ("learning", "train_per_class", "100"),
     ("learning", "test_per_class", "60"),
     ("learning", "windows", "4"),
     ("learning", "epochs", "12"),
     ("learning", "channels", "8"),
-    // so few passes do not overfit
-    ("learning", "mask_rows", "0"),
 ];
 
 /// For comparisons of many trainings: the quick network at one N_s, with more test recordings.
-const COMPARISON: [(&str, &str, &str); 7] = {
-    let [train, _, windows, epochs, channels, mask] = QUICK;
+const COMPARISON: [(&str, &str, &str); 6] = {
+    let [train, _, windows, epochs, channels] = QUICK;
     let test = ("learning", "test_per_class", "100");
-    [train, test, windows, epochs, channels, mask, ("frame", "sensing_slots", "[300]")]
+    [train, test, windows, epochs, channels, ("frame", "sensing_slots", "[300]")]
 };
 
 impl Scenario {
@@ -82,10 +80,10 @@ mod tests {
         let set = ["learning.windows=2".parse().unwrap()];
         let (found, words) = Scenario::quick(Some(&file), &set).unwrap();
         let l = &found.learning;
-        assert_eq!((l.train_per_class, l.test_per_class, l.mask_rows), (100, 60, 0));
+        assert_eq!((l.train_per_class, l.test_per_class), (100, 60));
         assert_eq!((l.epochs, l.channels, l.windows), (3, 16, 2));
         assert_eq!(found.room.size_m, [4.0, 5.0, 3.0]);
-        assert_eq!(words, "train_per_class = 100, test_per_class = 60, mask_rows = 0");
+        assert_eq!(words, "train_per_class = 100, test_per_class = 60");
         // a built-in scenario's own sizes stay too
         let (found, _) = Scenario::quick(Some(Path::new("small-radar")), &[]).unwrap();
         assert_eq!((found.learning.blocks, found.learning.epochs), (3, 12));
@@ -94,7 +92,7 @@ mod tests {
         let (found, words) = Scenario::comparison(None, &set).unwrap();
         assert_eq!((found.learning.windows, found.learning.test_per_class), (2, 100));
         assert_eq!(found.frame.sensing_slots, [300]);
-        assert!(words.ends_with("mask_rows = 0, sensing_slots = [300]"), "{words}");
+        assert!(words.ends_with("channels = 8, sensing_slots = [300]"), "{words}");
     }
 
     #[test]

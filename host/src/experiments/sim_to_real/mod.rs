@@ -315,7 +315,14 @@ mod tests {
         let signal = |motion| {
             let seconds: Vec<f64> = (0..10).flat_map(|n| draw(24.125e9, 2000.0, motion, 9, 2, n)).collect();
             let samples = Samples::Real(seconds);
-            Signal { samples, rate_hz: 2000.0, carrier_hz: 24.125e9, title: "draws".into() }
+            Signal {
+                samples,
+                rate_hz: 2000.0,
+                carrier_hz: 24.125e9,
+                title: "draws".into(),
+                power_db: 0.0,
+                about: Default::default(),
+            }
         };
         let layout = Layout::of(&signal(Motion::Still)).unwrap();
         let images = layout.simulated(1, 0, 100, context);

@@ -165,7 +165,14 @@ mod tests {
     fn tone(hz: f64, seconds: f64) -> Signal {
         let sample = |n: usize| libm::sin(std::f64::consts::TAU * hz * n as f64 / 44_100.0);
         let samples = Samples::Real((0..(44_100.0 * seconds) as usize).map(sample).collect());
-        Signal { samples, rate_hz: 44_100.0, carrier_hz: 24.125e9, title: "tone".into() }
+        Signal {
+            samples,
+            rate_hz: 44_100.0,
+            carrier_hz: 24.125e9,
+            title: "tone".into(),
+            power_db: 0.0,
+            about: Default::default(),
+        }
     }
 
     #[test]

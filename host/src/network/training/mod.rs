@@ -7,8 +7,8 @@ pub(crate) mod batches;
 pub(crate) mod steps;
 
 use crate::error::Invalid;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use burn::optim::{GradientsParams, ModuleOptimizer};
 use burn::tensor::activation::log_softmax;
@@ -78,6 +78,31 @@ impl Backend {
             #[cfg(feature = "cuda")]
             Backend::Cuda => "cuda",
         }
+    }
+
+    /// Whether its device is there and computes. A processor's always is.
+    ///
+    /// # Errors
+    ///
+    /// What the device's driver says.
+    pub fn ready(self) -> Result<(), String> {
+        if self == Backend::Cpu {
+            return Ok(());
+        }
+        // burn panics where there is no device, on a thread of its own
+        let hook = std::panic::take_hook();
+        let said = Arc::new(Mutex::new(String::new()));
+        let kept = Arc::clone(&said);
+        std::panic::set_hook(Box::new(move |panic| {
+            let mut kept = kept.lock().unwrap_or_else(|e| e.into_inner());
+            if kept.is_empty() {
+                *kept = panic.to_string().lines().skip(1).collect::<Vec<_>>().join(" ");
+            }
+        }));
+        let tried = std::panic::catch_unwind(|| Tensor::<1>::ones([1], &self.device()).into_data());
+        std::panic::set_hook(hook);
+        let said = said.lock().unwrap_or_else(|e| e.into_inner());
+        tried.map(drop).map_err(|_| format!("--backend {}: no device that computes: {said}", self.name()))
     }
 
     fn device(self) -> Device {

@@ -30,16 +30,21 @@ const ECHOES: u32 = 1500;
 const NO_FLUCTUATION_DB: f64 = 400.0;
 
 /// A measured signal at the rate of comparison.
-struct Slow {
+pub struct Slow {
     /// For intensities, the clutter of raw slots gone.
-    signal: Vec<Complex64>,
+    pub signal: Vec<Complex64>,
     /// The mean over range samples, of raw slots.
     summed: Option<Vec<Complex64>>,
-    rate_hz: f64,
-    real: bool,
+    pub rate_hz: f64,
+    pub real: bool,
 }
 
-fn slow_time(signal: &Signal, radar: &Radar) -> Result<Slow, Invalid> {
+/// A measured signal at the rate of comparison, raw slots as this radar's module receives them.
+///
+/// # Errors
+///
+/// Slots of another radar.
+pub fn slow_time(signal: &Signal, radar: &Radar) -> Result<Slow, Invalid> {
     let rate = signal.rate_hz.min(MEASURED_PRF_HZ);
     let brought = |x: &[f64]| {
         if signal.rate_hz > MEASURED_PRF_HZ { resample(x, signal.rate_hz, rate) } else { x.to_vec() }

@@ -3,6 +3,7 @@
 //! Section III-C of the paper: Kaiser window, 256-point FFT, a range of 50 dB quantised into F levels.
 
 use crate::numerics::bessel::kaiser;
+use crate::results::Spectrogram;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use std::sync::Arc;
@@ -38,9 +39,41 @@ impl Intensity {
 
     /// Decibels below the reference, `[frame][bin]`, negative frequencies first; `half` keeps 0 to 128 only.
     pub fn decibels(&self, signal: &[Complex<f64>], half: bool) -> Vec<Vec<f64>> {
-        let mut frames = Vec::new();
-        let mut start = 0;
-        while start + self.window.len() <= signal.len() {
+        self.mean_decibels(std::iter::once(signal), half)
+    }
+
+    /// Decibels of the mean power over signals of one length: range cells that are added without their phases.
+    pub fn mean_decibels<'s>(
+        &self,
+        signals: impl Iterator<Item = &'s [Complex<f64>]>,
+        half: bool,
+    ) -> Vec<Vec<f64>> {
+        let mut frames: Vec<Vec<f64>> = Vec::new();
+        for (n, signal) in signals.enumerate() {
+            for (k, powers) in self.powers(signal, half).enumerate() {
+                if n == 0 {
+                    frames.push(powers);
+                } else if let Some(sums) = frames.get_mut(k) {
+                    sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
+                }
+            }
+        }
+        frames.iter_mut().flatten().for_each(|power| *power = 10.0 * libm::log10(power.max(1e-300)));
+        let cells = frames.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+        let mean = frames.iter().flatten().map(|db| libm::pow(10.0, db / 10.0)).sum::<f64>() / cells;
+        let most = REFERENCE_DB + 10.0 * libm::log10(mean.max(1e-300));
+        frames.iter_mut().flatten().for_each(|db| *db -= most);
+        frames
+    }
+
+    /// Powers of a signal's frames.
+    fn powers<'s>(
+        &'s self,
+        signal: &'s [Complex<f64>],
+        half: bool,
+    ) -> impl Iterator<Item = Vec<f64>> + use<'s> {
+        let last = (signal.len() + 1).saturating_sub(self.window.len());
+        (0..last).step_by(self.hop).map(move |start| {
             let mut x = vec![Complex::default(); FFT];
             for ((x, y), w) in x.iter_mut().zip(&signal[start..]).zip(&self.window) {
                 *x = y * w;
@@ -48,15 +81,35 @@ impl Intensity {
             self.fft.process(&mut x);
             x.rotate_right(FFT / 2);
             let kept = if half { &x[FFT / 2..] } else { &x[..] };
-            frames
-                .push(kept.iter().map(|z| 10.0 * libm::log10(z.norm_sqr().max(1e-300))).collect::<Vec<_>>());
-            start += self.hop;
+            kept.iter().map(Complex::norm_sqr).collect()
+        })
+    }
+
+    /// The spectrogram of decibels that were found at this rate; `half` where the rows are those of positive frequencies only.
+    pub fn picture(
+        &self,
+        title: &str,
+        decibels: &[Vec<f64>],
+        half: bool,
+        rate_hz: f64,
+        carrier_hz: f64,
+    ) -> Spectrogram {
+        let rows = decibels.first().map_or(0, Vec::len);
+        let row_hz = rate_hz / FFT as f64;
+        let pixel = |row: usize| {
+            decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8)
+        };
+        Spectrogram {
+            title: title.to_owned(),
+            rows: rows as u32,
+            frames: decibels.len() as u32,
+            first_row_hz: if half { 0.0 } else { -128.0 * row_hz },
+            row_hz,
+            frame_s: self.hop as f64 / rate_hz,
+            carrier_hz,
+            range_db: RANGE_DB,
+            intensities: (0..rows).flat_map(pixel).collect(),
         }
-        let cells = frames.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-        let mean = frames.iter().flatten().map(|db| libm::pow(10.0, db / 10.0)).sum::<f64>() / cells;
-        let most = REFERENCE_DB + 10.0 * libm::log10(mean.max(1e-300));
-        frames.iter_mut().flatten().for_each(|db| *db -= most);
-        frames
     }
 }
 

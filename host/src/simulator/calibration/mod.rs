@@ -159,7 +159,14 @@ mod tests {
             samples.extend(simulation.advance_blocks(2000).iter().map(|b| b[BLOCKS / 2].re));
         }
         let samples = Samples::Real(resample(&samples, 2000.0, 8000.0));
-        let measured = Signal { samples, rate_hz: 8000.0, carrier_hz: 24.125e9, title: "test".into() };
+        let measured = Signal {
+            samples,
+            rate_hz: 8000.0,
+            carrier_hz: 24.125e9,
+            title: "test".into(),
+            power_db: 0.0,
+            about: Default::default(),
+        };
         let class = Class::AdultWalking;
         let found = calibrate_measured(&Scenario::default(), &measured, class, 3, &|_, _| ()).unwrap();
         assert!((found.rho - 0.993).abs() < 0.002, "{}", found.rho);
@@ -175,6 +182,8 @@ mod tests {
             rate_hz: 20.0,
             carrier_hz: 60e9,
             title: "wall".into(),
+            power_db: 0.0,
+            about: Default::default(),
         };
         let refusal = |n: usize| {
             calibrate_measured(&Scenario::default(), &signal(n), Class::Standing, 1, &|_, _| ())

@@ -2,7 +2,7 @@
 
 use super::conditioning::{ac_couple, clutter_free, remove_mean};
 use super::divergence::{Counts, EVALUATIONS, search};
-use super::intensity::{Intensity, LEVELS, RANGE_DB, histogram};
+use super::intensity::{Intensity, LEVELS, histogram};
 use super::{PEOPLE, Progress};
 use crate::numerics::random::Random;
 use crate::results::{KlPoint, Spectrogram};
@@ -125,20 +125,8 @@ impl<'a> SensorSimulation<'a> {
 
 /// The spectrogram of a signal.
 pub fn picture(sensor: &SensorSimulation, title: &str, signal: &[Complex64]) -> Spectrogram {
+    let scenario = &sensor.scenario;
+    let rate_hz = 1.0 / scenario.interval_s();
     let decibels = sensor.intensity.decibels(signal, sensor.real);
-    let rows = decibels.first().map_or(0, Vec::len);
-    let row_hz = 1.0 / (256.0 * sensor.scenario.interval_s());
-    let pixel =
-        |row: usize| decibels.iter().map(move |f| ((1.0 + f[row] / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8);
-    Spectrogram {
-        title: title.to_owned(),
-        rows: rows as u32,
-        frames: decibels.len() as u32,
-        first_row_hz: if sensor.real { 0.0 } else { -128.0 * row_hz },
-        row_hz,
-        frame_s: sensor.hop as f64 * sensor.scenario.interval_s(),
-        carrier_hz: sensor.scenario.radar.carrier_hz,
-        range_db: RANGE_DB,
-        intensities: (0..rows).flat_map(pixel).collect(),
-    }
+    sensor.intensity.picture(title, &decibels, sensor.real, rate_hz, scenario.radar.carrier_hz)
 }

@@ -1,0 +1,103 @@
+//! Commands on the user's own recordings: `inspect`, `classify`.
+
+use super::context::Context;
+use crate::error::Failure;
+use crate::pipeline::Classify;
+use crate::recordings::{Chirps, Stated};
+use crate::report::tables;
+use crate::scenario::budget::Budget;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// What the user knows of a recording.
+#[derive(Debug, Clone, Args)]
+pub struct StatedArgs {
+    /// Carrier in Hz, if the file does not say.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub carrier: Option<f64>,
+    /// Sampling or slow-time rate in Hz, if the file does not say.
+    #[arg(long, value_name = "HZ", requires = "measured")]
+    pub rate: Option<f64>,
+    /// Gain of the sensor in dB, which is subtracted.
+    #[arg(long, value_name = "DB", requires = "measured", allow_negative_numbers = true)]
+    pub gain: Option<f64>,
+    /// Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file.
+    #[arg(long, value_name = "NAME", requires = "measured")]
+    pub dataset: Option<String>,
+    /// Receive antenna of a radar module, from 1.
+    #[arg(long, value_name = "N", requires = "measured")]
+    pub antenna: Option<u32>,
+    /// Chirp of every frame of a radar module, from 1, or all.
+    #[arg(long, value_name = "N|all", requires = "measured")]
+    pub chirp: Option<Chirps>,
+    /// Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it.
+    #[arg(long, value_name = "FILE", requires = "measured")]
+    pub config: Option<PathBuf>,
+}
+
+impl StatedArgs {
+    /// With what reading may take.
+    pub fn stated(self, budget: Budget) -> Stated {
+        let StatedArgs { carrier, rate, gain, dataset, antenna, chirp, config } = self;
+        Stated {
+            carrier_hz: carrier,
+            rate_hz: rate,
+            gain_db: gain,
+            dataset,
+            antenna,
+            chirp,
+            config,
+            first: false,
+            budget,
+        }
+    }
+}
+
+/// A recording to look at.
+#[derive(Debug, Clone, Args)]
+pub struct InspectArgs {
+    /// A recording: WAV, CSV, NPY, NPZ, MATLAB, SigMF, HDF5, a folder of Infineon's radar SDK, a capture of TI's DCA1000.
+    #[arg(value_name = "PATH")]
+    pub measured: PathBuf,
+    #[command(flatten)]
+    pub stated: StatedArgs,
+}
+
+/// Recordings to classify.
+#[derive(Debug, Clone, Args)]
+pub struct ClassifyArgs {
+    /// Model file.
+    pub model: PathBuf,
+    /// Recordings of raw slots, as `sdp3 inspect` reads them; or `-`: slots from standard input, little-endian int16 without pauses.
+    #[arg(id = "measured", value_name = "PATH", required = true)]
+    pub measured: Vec<PathBuf>,
+    #[command(flatten)]
+    pub stated: StatedArgs,
+    /// Slots from window to window; absent: the model's sensing slots, so that windows do not overlap.
+    #[arg(long, value_name = "SLOTS")]
+    pub step: Option<u32>,
+    /// Windows of less confidence are `unknown`.
+    #[arg(long, value_name = "0..1", default_value_t = 0.0)]
+    pub least_confidence: f64,
+}
+
+pub fn inspect(context: &Context, args: InspectArgs) -> Result<bool, Failure> {
+    let stated = args.stated.stated(context.common.budget());
+    let found = context.job()?.inspect(&args.measured, &stated)?;
+    context.print(&found, || tables::inspection(&found))?;
+    Ok(true)
+}
+
+pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> {
+    let ClassifyArgs { model, measured, stated, step, least_confidence } = args;
+    let request = Classify { model, step, least_confidence, stated: stated.stated(context.common.budget()) };
+    if measured == [Path::new("-")] {
+        request.live(&mut std::io::stdin().lock(), &mut |window| {
+            context.print_line(window, || tables::classified_window(window))
+        })?;
+        return Ok(true);
+    }
+    let found = request.files(&measured)?;
+    context.print(&found, || tables::classified(&found))?;
+    Ok(true)
+}

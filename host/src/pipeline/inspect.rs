@@ -1,0 +1,185 @@
+//! What a recording holds: shape, sensor and rate, pictures over time, and the scenario that matches the sensor.
+
+use super::Job;
+use crate::error::Failure;
+use crate::recordings::{self, Samples, Sensor, Signal, Stated};
+use crate::report::{paper, plot::Medium, spectrograms};
+use crate::results::{Inspection, Spectrogram};
+use crate::scenario::{SPEED_OF_LIGHT, Scenario};
+use crate::simulator::calibration::comparison::slow_time;
+use crate::simulator::calibration::conditioning::remove_mean;
+use crate::simulator::calibration::intensity::{Intensity, RANGE_DB};
+use crate::simulator::channel::Complex64;
+use crate::store::digest::sha256;
+use rustfft::FftPlannerScalar;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Most columns of a picture, samples of its windows and their least distance.
+const COLUMNS: usize = 800;
+const WINDOW: usize = 128;
+const HOP: usize = 8;
+/// Ranges that a matching scenario's gate covers, in m, and its range samples.
+const GATE_M: [f64; 2] = [0.9, 5.7];
+const GATE_SAMPLES: u32 = 8;
+/// Seconds of sensing slots that a matching scenario studies, and of its period.
+const SENSING_S: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8];
+const PERIOD_S: f64 = 2.0;
+
+impl Job {
+    /// Reads a recording and draws it: `doppler-time.*`, and of a radar module's chirps `range-time.*`.
+    ///
+    /// # Errors
+    ///
+    /// An unreadable recording; raw slots of another radar than the scenario's; a folder that cannot be written.
+    pub fn inspect(&self, file: &Path, stated: &Stated) -> Result<Inspection, Failure> {
+        let signal = recordings::open(file, &Stated { first: true, ..stated.clone() })?;
+        let title = file.file_name().unwrap_or_default().to_string_lossy();
+        let mut pictures = Vec::new();
+        let mut scenario_problem = None;
+        let carrier_hz = signal.carrier_hz;
+        match (&signal.samples, &signal.about.sensor) {
+            (Samples::Slots(_), Some(sensor)) => {
+                let profiles = range_profiles(&signal, sensor);
+                let cells = profiles.first().map_or(0, Vec::len);
+                let slow = (0..cells).map(|cell| profiles.iter().map(|profile| profile[cell]).collect());
+                let doppler = of_doppler(&title, slow.collect(), signal.rate_hz, false, carrier_hz);
+                pictures.push(("doppler-time", doppler));
+                let high_m = profiles.first().map_or(0, Vec::len) as f64 * SPEED_OF_LIGHT
+                    / (2.0 * sensor.bandwidth_hz);
+                let range = range_time(&title, &signal, &profiles);
+                pictures.push(("range-time", spectrograms::range_time(&range, 0.0, high_m, Medium::SINGLE)));
+            }
+            _ => match slow_time(&signal, &self.scenario.radar) {
+                Ok(slow) => {
+                    let picture = of_doppler(&title, vec![slow.signal], slow.rate_hz, slow.real, carrier_hz);
+                    pictures.push(("doppler-time", picture));
+                }
+                // raw slots say nothing of their radar
+                Err(other) => scenario_problem = Some(format!("{other}; --scenario names another")),
+            },
+        }
+        for (name, svg) in &pictures {
+            paper::draw(&self.output, name, svg)?;
+        }
+        let mut scenario = None;
+        match signal.about.sensor.as_ref().map(|sensor| matching(sensor, signal.rate_hz)) {
+            Some(Ok(text)) => scenario = Some(text),
+            Some(Err(problem)) => scenario_problem = Some(problem),
+            None => (),
+        }
+        let digested = signal.samples.to_le_bytes();
+        let found = Inspection {
+            file: file.display().to_string(),
+            about: signal.about,
+            rate_hz: signal.rate_hz,
+            carrier_hz: signal.carrier_hz,
+            seconds: signal.samples.len() as f64 / signal.rate_hz,
+            power_db: signal.power_db,
+            samples_sha256: sha256([&digested[..]]),
+            antenna: stated.antenna.unwrap_or(1),
+            chirp: stated.chirp.map_or("1".to_owned(), |chirp| chirp.to_string()),
+            scenario,
+            scenario_problem,
+            figures: pictures.into_iter().map(|(name, _)| name.to_owned()).collect(),
+        };
+        self.output.write_result("inspection.json", &found)?;
+        Ok(found)
+    }
+}
+
+/// The spectrogram of the slow time of range cells, each without its mean, of as many columns as are drawn.
+fn of_doppler(
+    title: &str,
+    mut cells: Vec<Vec<Complex64>>,
+    rate_hz: f64,
+    real: bool,
+    carrier_hz: f64,
+) -> String {
+    cells.iter_mut().for_each(|slow| remove_mean(slow));
+    let length = cells.first().map_or(0, Vec::len);
+    let intensity = Intensity::new(WINDOW.min(length), HOP.max(length / COLUMNS));
+    let decibels = intensity.mean_decibels(cells.iter().map(Vec::as_slice), real);
+    spectrograms::svg(&intensity.picture(title, &decibels, real, rate_hz, carrier_hz), Medium::SINGLE)
+}
+
+/// For every slot the beat spectrum over range, `[slot][cell]`, Hann window; of real samples the positive half.
+fn range_profiles(signal: &Signal, sensor: &Sensor) -> Vec<Vec<Complex64>> {
+    let Samples::Slots(slots) = &signal.samples else { return Vec::new() };
+    let samples = sensor.samples as usize;
+    let fft = FftPlannerScalar::new().plan_fft_forward(samples);
+    let window: Vec<f64> =
+        (0..samples).map(|n| (PI * (n as f64 + 0.5) / samples as f64).sin().powi(2)).collect();
+    let cells = if sensor.complex { samples } else { samples / 2 };
+    let profile = |slot: &[i16]| {
+        let value = |n: usize| match sensor.complex {
+            true => Complex64::new(f64::from(slot[2 * n]), f64::from(slot[2 * n + 1])),
+            false => Complex64::new(f64::from(slot[n]), 0.0),
+        };
+        let mut beat: Vec<Complex64> = (0..samples).map(|n| value(n) * window[n]).collect();
+        fft.process(&mut beat);
+        beat.truncate(cells);
+        beat
+    };
+    slots.iter().map(profile).collect()
+}
+
+/// Power over range and time, without what stands still; a column is the mean power of the slots in it.
+fn range_time(title: &str, signal: &Signal, profiles: &[Vec<Complex64>]) -> Spectrogram {
+    let cells = profiles.first().map_or(0, Vec::len);
+    let mean: Vec<Complex64> = (0..cells)
+        .map(|cell| profiles.iter().map(|p| p[cell]).sum::<Complex64>() / profiles.len() as f64)
+        .collect();
+    let each = profiles.len().div_ceil(COLUMNS).max(1);
+    let column = |slots: &[Vec<Complex64>]| -> Vec<f64> {
+        let power = |cell: usize| slots.iter().map(|p| (p[cell] - mean[cell]).norm_sqr()).sum::<f64>();
+        (0..cells).map(|cell| 10.0 * libm::log10((power(cell) / slots.len() as f64).max(1e-300))).collect()
+    };
+    let columns: Vec<Vec<f64>> = profiles.chunks(each).map(column).collect();
+    let most = columns.iter().flatten().copied().fold(f64::MIN, f64::max);
+    let pixel = |cell: usize| {
+        columns.iter().map(move |c| ((1.0 + (c[cell] - most) / RANGE_DB).clamp(0.0, 1.0) * 255.0) as u8)
+    };
+    Spectrogram {
+        title: title.to_owned(),
+        rows: cells as u32,
+        frames: columns.len() as u32,
+        first_row_hz: 0.0,
+        row_hz: 0.0,
+        frame_s: each as f64 / signal.rate_hz,
+        carrier_hz: signal.carrier_hz,
+        range_db: RANGE_DB,
+        intensities: (0..cells).flat_map(pixel).collect(),
+    }
+}
+
+/// The scenario in TOML whose radar is this sensor, with slots at this rate; else why there is none.
+fn matching(sensor: &Sensor, rate_hz: f64) -> Result<String, String> {
+    let cell_m = SPEED_OF_LIGHT / (2.0 * sensor.bandwidth_hz);
+    let bins = |metres: f64| (metres / cell_m).round();
+    let slots = |seconds: f64| (seconds * rate_hz).round();
+    let [near, far] = GATE_M;
+    let sensing: Vec<String> = SENSING_S.iter().map(|&s| slots(s).to_string()).collect();
+    let format = if sensor.complex { "complex" } else { "real" };
+    let text = format!(
+        "name = \"sensor\"\n\n[radar]\ncarrier_hz = {:e}\nbandwidth_hz = {:e}\nsweep_s = {:e}\nsample_rate_hz = {:e}\nsamples = {}\n\
+         format = \"{format}\"\nconverter_bits = {}\ndechirp = \"analog\"\nrange_samples = {GATE_SAMPLES}\nfirst_bin = {}\n\
+         bins_per_sample = {}\n\n[frame]\nslot_s = {:e}\nperiod_slots = {}\nspacing_slots = 0\nsensing_slots = [{}]\n\n\
+         [spectrogram]\nbins_per_row = 4\n",
+        sensor.carrier_hz,
+        sensor.bandwidth_hz,
+        f64::from(sensor.samples) / sensor.sample_rate_hz,
+        sensor.sample_rate_hz,
+        sensor.samples,
+        sensor.converter_bits,
+        bins(near).max(1.0),
+        bins((far - near) / f64::from(GATE_SAMPLES)).max(1.0),
+        1.0 / rate_hz,
+        slots(PERIOD_S),
+        sensing.join(", "),
+    );
+    match Scenario::parse(&text, Path::new("sensor")) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(error.to_string()),
+    }
+}
