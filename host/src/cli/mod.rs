@@ -120,7 +120,7 @@ pub enum Command {
     /// Everything is made twice: with the settings as printed and with the scenario's. Writes a result, a figure and, when all items
     /// are there, one page, reproduction.md. After an interruption the same command resumes.
     #[command(after_help = "Examples:
-  sdp3 reproduce
+  sdp3 reproduce all --size quick
   sdp3 reproduce region learning-curve --out paper
   sdp3 reproduce --size paper --seed 1001 --shard 2/8 --out paper")]
     Reproduce(training::ReproduceArgs),

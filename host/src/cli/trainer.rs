@@ -3,7 +3,7 @@
 use super::context::{Context, Preset};
 use super::job::{self, RunArgs};
 use super::simulator::measurement;
-use super::training::{self, QuantizeArgs, ReproduceArgs, StudyArgs, TrainArgs};
+use super::training::{self, Items, QuantizeArgs, ReproduceArgs, StudyArgs, TrainArgs};
 use crate::error::Failure;
 use crate::network::recipe::Recipe;
 use crate::network::training::Backend;
@@ -11,9 +11,7 @@ use crate::pipeline::main_job::MainJob;
 use crate::pipeline::reproduce::Reproduce;
 use crate::pipeline::train::Train;
 use crate::recordings::Stated;
-use crate::reproduce::Item;
 use crate::results::Reproduction;
-use clap::ValueEnum;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
@@ -57,13 +55,11 @@ pub fn quantize(context: &Context, args: &QuantizeArgs) -> Result<bool, Failure>
 }
 
 pub fn reproduce(context: &Context, args: ReproduceArgs) -> Result<bool, Failure> {
-    let ReproduceArgs { mut items, size, seeds, measured, carrier, shard } = args;
+    let ReproduceArgs { items, size, seeds, measured, carrier, shard } = args;
     let budget = context.common.budget();
     let stated = Stated { carrier_hz: carrier, budget, ..Stated::default() };
     let measured = measured.map(|folder| (folder, stated));
-    if items.is_empty() {
-        items = Item::value_variants().to_vec();
-    }
+    let items = Items::named(&items);
     let found = context.job()?.reproduce(&Reproduce { items, size, seeds, measured, shard })?;
     context.print(&found, || {
         let line = |r: &Reproduction| {

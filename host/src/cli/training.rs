@@ -4,8 +4,10 @@ use super::context::{Preset, count};
 use crate::dataset::Shard;
 use crate::experiments::Study;
 use crate::reproduce::{Item, Size};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// How to train.
 #[derive(Debug, Clone, Args)]
@@ -57,12 +59,48 @@ pub struct QuantizeArgs {
     pub data: Option<PathBuf>,
 }
 
+/// Every table and figure, or one.
+#[derive(Debug, Clone, Copy)]
+pub enum Items {
+    All,
+    One(Item),
+}
+
+impl ValueEnum for Items {
+    fn value_variants<'a>() -> &'a [Self] {
+        static EVERY: LazyLock<Vec<Items>> = LazyLock::new(|| {
+            let each = Item::value_variants().iter().map(|&item| Items::One(item));
+            std::iter::once(Items::All).chain(each).collect()
+        });
+        &EVERY
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Items::All => Some(PossibleValue::new("all").help("Every one of them")),
+            Items::One(item) => item.to_possible_value(),
+        }
+    }
+}
+
+impl Items {
+    /// The items that are named; all where none is.
+    pub fn named(items: &[Items]) -> Vec<Item> {
+        let one = |items: &Items| match items {
+            Items::All => None,
+            Items::One(item) => Some(*item),
+        };
+        let each: Option<Vec<Item>> = items.iter().map(one).collect();
+        each.filter(|items| !items.is_empty()).unwrap_or_else(|| Item::value_variants().to_vec())
+    }
+}
+
 /// Tables and figures of the paper to make again.
 #[derive(Debug, Clone, Args)]
 pub struct ReproduceArgs {
     /// Which; absent: all.
     #[arg(value_enum, value_name = "ITEM")]
-    pub items: Vec<Item>,
+    pub items: Vec<Items>,
     /// How large.
     #[arg(long, value_enum, default_value_t = Size::Quick)]
     pub size: Size,

@@ -143,6 +143,7 @@ fn arrays_that_mean_nothing_are_refused() {
     }
     let error = refusal(&folder.file("absent.npy"), &stated());
     assert!(error.contains("No such file"), "{error}");
+    std::fs::write(folder.file("signal.xyz"), "noise").unwrap();
     let error = refusal(&folder.file("signal.xyz"), &stated());
     assert!(error.contains("extension is \"xyz\"") && error.contains(".sigmf-meta"), "{error}");
 }
@@ -162,6 +163,112 @@ fn an_archive_gives_the_array_that_is_named() {
     assert!(matches!(read(&file, &right).unwrap().samples, Samples::Real(x) if x == vec![2.0; 400]));
     let middle = Stated { dataset: Some("middle".into()), ..stated() };
     assert!(refusal(&file, &middle).contains("--dataset is middle"));
+}
+
+/// A capture of two antennas and two chirps of four complex samples, and its commands; every word says where it belongs.
+fn capture(folder: &Folder, frames: i16) -> PathBuf {
+    let word = |frame: i16, chirp: i16, antenna: i16, sample: i16, q: i16| {
+        1000 * frame + 100 * chirp + 20 * antenna + 2 * sample + q
+    };
+    let mut bytes = Vec::new();
+    for (frame, chirp, antenna) in
+        (0..frames).flat_map(|f| (0..2).flat_map(move |c| (0..2).map(move |a| (f, c, a))))
+    {
+        for (sample, q) in [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (3, 0), (2, 1), (3, 1)] {
+            bytes.extend(word(frame, chirp, antenna, sample, q).to_le_bytes());
+        }
+    }
+    std::fs::write(folder.file("capture.bin"), bytes).unwrap();
+    let commands = "channelCfg 5 3 0\nadcCfg 2 1\nadcbufCfg -1 0 0 1 1\nprofileCfg 0 77 7 5 60 0 0 50 1 4 5000 0 0 30\n\
+                    chirpCfg 0 0 0 0 0 0 0 1\nchirpCfg 1 1 0 0 0 0 0 2\nframeCfg 0 1 1 0 1 1 0\n";
+    std::fs::write(folder.file("capture.cfg"), commands).unwrap();
+    folder.file("capture.bin")
+}
+
+#[test]
+fn an_antenna_and_a_chirp_are_taken_from_a_capture() {
+    let folder = Folder::new();
+    let file = capture(&folder, 3);
+    let taken = Stated { antenna: Some(2), chirp: Some(Chirps::One(2)), ..Stated::default() };
+    let signal = open(&file, &taken).unwrap();
+    let Samples::Slots(slots) = &signal.samples else { panic!("{signal:?}") };
+    assert_eq!((slots.len(), &slots[1]), (3, &[1120, 1121, 1122, 1123, 1124, 1125, 1126, 1127][..]));
+    let sensor = signal.about.sensor.unwrap();
+    assert_eq!(signal.about.shape, [3, 2, 2, 4]);
+    assert_eq!((sensor.antennas, sensor.chirps, sensor.transmitters), (2, 2, vec![1, 2]));
+    assert!((sensor.carrier_hz - 77.25e9).abs() < 1.0 && (sensor.bandwidth_hz - 40e6).abs() < 1.0);
+    assert!((signal.rate_hz - 1000.0).abs() < 1e-9);
+    let error = refusal(&file, &Stated { antenna: Some(3), ..taken.clone() });
+    assert!(error.contains("--antenna is 3, must be 1 to 2"), "{error}");
+    let error = refusal(&file, &Stated { chirp: None, ..taken.clone() });
+    assert!(error.contains("--chirp is not given, must be 1 to 2"), "{error}");
+    let error = refusal(&file, &Stated { chirp: Some(Chirps::All), ..taken });
+    assert!(error.contains("--chirp is all") && error.contains("leave a pause"), "{error}");
+}
+
+/// A MATLAB file with one row of doubles.
+fn mat(values: &[f64]) -> Vec<u8> {
+    let element = |kind: u32, data: &[u8]| {
+        let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        bytes.extend(data);
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        bytes
+    };
+    let doubles: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let sizes = [1_u32, values.len() as u32].map(u32::to_le_bytes).concat();
+    let parts =
+        [element(6, &[6, 0, 0, 0, 0, 0, 0, 0]), element(5, &sizes), element(1, b"x"), element(9, &doubles)];
+    let mut bytes = b"MATLAB 5.0 MAT-file".to_vec();
+    bytes.resize(124, b' ');
+    bytes.extend([0, 1, b'I', b'M']);
+    bytes.extend(element(14, &parts.concat()));
+    bytes
+}
+
+#[test]
+fn changed_bytes_of_any_format_are_read_or_refused() {
+    let folder = Folder::new();
+    let values: Vec<f64> = (0..400).map(|n| (0.1 * f64::from(n)).sin()).collect();
+    let mut files = vec![
+        capture(&folder, 3),
+        folder.file("capture.cfg"),
+        folder.file("walk.mat"),
+        folder.file("walk.csv"),
+    ];
+    std::fs::write(&files[2], mat(&values)).unwrap();
+    let rows: Vec<String> =
+        values.iter().enumerate().map(|(n, v)| format!("{},{v}", n as f64 / 100.0)).collect();
+    std::fs::write(&files[3], format!("time,x\n{}\n", rows.join("\n"))).unwrap();
+    let config = r#"{"device_config": {"fmcw_single_shape": {"rx_antennas": [1, 3], "start_frequency_Hz": 60e9, "end_frequency_Hz": 61e9,
+        "num_chirps_per_frame": 1, "num_samples_per_chirp": 8, "chirp_repetition_time_s": 1e-3, "frame_repetition_time_s": 1e-3,
+        "sample_rate_Hz": 2e6}}}"#;
+    std::fs::write(folder.file("config.json"), config).unwrap();
+    let counts: Vec<u16> = (0..4 * 2 * 8).map(|n| (n * 37 % 4096) as u16).collect();
+    files.push(folder.npy("radar.npy", &[4, 2, 1, 8], &counts));
+    files.push(folder.file("config.json"));
+    let stated = Stated { carrier_hz: Some(24e9), rate_hz: Some(200.0), first: true, ..Stated::default() };
+    for file in &files {
+        // a description is read beside the capture that it describes
+        let read_by = if file.ends_with("capture.cfg") { &files[0] } else { file };
+        let whole = std::fs::read(file).unwrap();
+        let signal = open(read_by, &stated).unwrap();
+        assert!(!signal.samples.is_empty());
+        for at in (0..whole.len()).step_by(1 + whole.len() / 400) {
+            for change in [0, 255, whole[at] ^ 1, b'9'] {
+                let mut changed = whole.clone();
+                changed[at] = change;
+                std::fs::write(file, changed).unwrap();
+                let _ = open(read_by, &stated);
+            }
+            std::fs::write(file, &whole[..at]).unwrap();
+            let _ = open(read_by, &stated);
+        }
+        std::fs::write(file, whole).unwrap();
+    }
+    let Samples::Slots(slots) = open(&folder.file("radar.npy"), &stated).unwrap().samples else {
+        panic!("no slots")
+    };
+    assert_eq!(slots[1], [592, 629, 666, 703, 740, 777, 814, 851].map(|count: i16| count - 2048));
 }
 
 #[test]
@@ -227,6 +334,8 @@ fn hdf5_knows_complex_cells_and_attributes() {
 #[cfg(not(feature = "hdf5"))]
 #[test]
 fn without_hdf5_the_way_to_it_is_named() {
-    let error = refusal(Path::new("cells.h5"), &stated());
+    let folder = Folder::new();
+    std::fs::write(folder.file("cells.h5"), b"\x89HDF").unwrap();
+    let error = refusal(&folder.file("cells.h5"), &stated());
     assert!(error.contains("--features hdf5"), "{error}");
 }
