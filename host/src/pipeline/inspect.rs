@@ -2,9 +2,9 @@
 
 use super::Job;
 use crate::error::Failure;
-use crate::recordings::{self, Samples, Sensor, Signal, Stated};
+use crate::recordings::{self, Samples, Signal, Stated};
 use crate::report::{paper, plot::Medium, spectrograms};
-use crate::results::{Inspection, Spectrogram};
+use crate::results::{Inspection, Sensor, Spectrogram};
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::calibration::comparison::slow_time;
 use crate::simulator::calibration::conditioning::remove_mean;

@@ -10,8 +10,9 @@
 //! | int16 | `[slot, samples, 2]` | raw FMCW slots, I and Q |
 //! | int16 | `[slot, samples]` | raw FMCW slots of a real converter |
 
-use super::{About, Contents, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
+use crate::results::About;
 use rustfft::num_complex::Complex64;
 use std::ops::RangeInclusive;
 

@@ -2,44 +2,14 @@
 //!
 //! A cube is never reduced in silence: where it has several antennas or chirps, the user says which.
 
-use super::{About, Contents, MeasuredError, Samples, Source, Stated};
+use super::{Contents, MeasuredError, Samples, Source, Stated};
 use crate::formats::slots::Slots;
-use schemars::JsonSchema;
-use serde::Serialize;
+use crate::results::{About, Sensor};
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
 /// Share by which the chirps of a frame may differ from filling it.
 const UNIFORM: f64 = 0.01;
-
-/// What a module's configuration says of its chirps.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct Sensor {
-    /// Make of the module.
-    pub name: String,
-    /// Frequency in Hz at the first sample of a chirp.
-    pub carrier_hz: f64,
-    /// Bandwidth in Hz swept while samples are taken.
-    pub bandwidth_hz: f64,
-    /// Sampling rate in Hz.
-    pub sample_rate_hz: f64,
-    /// Samples of a chirp.
-    pub samples: u32,
-    /// Whether a sample is I and Q.
-    pub complex: bool,
-    /// Bits of the converter.
-    pub converter_bits: u8,
-    /// Receive antennas.
-    pub antennas: u32,
-    /// Chirps of a frame.
-    pub chirps: u32,
-    /// Mask of the transmit antennas of each chirp in its order, repeated through the frame.
-    pub transmitters: Vec<u32>,
-    /// Time from chirp to chirp in s.
-    pub chirp_s: f64,
-    /// Time from frame to frame in s.
-    pub frame_s: f64,
-}
 
 /// Which chirps of a frame are slow time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,8 +12,9 @@
 //!
 //! Four lanes always send four antennas; those that are off are zero.
 
-use super::cube::{Cube, Sensor};
+use super::cube::Cube;
 use super::{MeasuredError, Source, Stated};
+use crate::results::Sensor;
 use crate::store::limited;
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -5,9 +5,10 @@
 //! `lower_frequency_Hz` and `upper_frequency_Hz`, newer ones `start_frequency_Hz` and `end_frequency_Hz`.
 
 use super::array::{Array, Numbers};
-use super::cube::{Cube, Sensor};
+use super::cube::Cube;
 use super::{MeasuredError, Source, npy};
 use crate::error::Invalid;
+use crate::results::Sensor;
 use crate::store::limited;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};

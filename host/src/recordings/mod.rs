@@ -18,16 +18,15 @@ mod wav;
 
 use crate::error::Invalid;
 use crate::formats::slots::Slots;
+use crate::results::About;
 use crate::scenario::budget::{Budget, Need};
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::fmt::Display;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-pub use cube::{Chirps, Sensor};
+pub use cube::Chirps;
 
 /// Most memory that a number takes while it is read, in bytes: as it is in the file, and as half of a complex one that is copied once.
 const BYTES_PER_NUMBER: f64 = 24.0;
@@ -50,25 +49,6 @@ pub struct Signal {
     pub power_db: f64,
     /// What the file is.
     pub about: About,
-}
-
-/// What a file turned out to be.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
-pub struct About {
-    /// Its format.
-    pub format: String,
-    /// What its axes are, and its numbers.
-    pub axes: String,
-    /// Lengths of the axes.
-    pub shape: Vec<usize>,
-    /// What a radar module's configuration says.
-    pub sensor: Option<Sensor>,
-}
-
-impl About {
-    fn new(format: &str, axes: impl Into<String>, shape: Vec<usize>) -> Self {
-        About { format: format.to_owned(), axes: axes.into(), shape, sensor: None }
-    }
 }
 
 /// Samples.

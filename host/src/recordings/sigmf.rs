@@ -5,8 +5,9 @@
 //! global object hold raw slots, one after the other.
 
 use super::array::SAMPLES;
-use super::{About, Contents, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
 use crate::formats::slots::Slots;
+use crate::results::About;
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
 use serde::Deserialize;

@@ -2,7 +2,8 @@
 //!
 //! Integer (8 to 32 bits) and 32-bit float samples, scaled to -1 to 1.
 
-use super::{About, Contents, MeasuredError, Samples, Source};
+use super::{Contents, MeasuredError, Samples, Source};
+use crate::results::About;
 use crate::store::limited;
 use rustfft::num_complex::Complex64;
 use std::io::BufReader;

@@ -1,8 +1,56 @@
 //! What a recording holds, and what it was recognised as.
 
-use crate::recordings::About;
 use schemars::JsonSchema;
 use serde::Serialize;
+
+/// What a file turned out to be.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+pub struct About {
+    /// Its format.
+    pub format: String,
+    /// What its axes are, and its numbers.
+    pub axes: String,
+    /// Lengths of the axes.
+    pub shape: Vec<usize>,
+    /// What a radar module's configuration says.
+    pub sensor: Option<Sensor>,
+}
+
+impl About {
+    /// Of a file without a radar module's configuration.
+    pub fn new(format: &str, axes: impl Into<String>, shape: Vec<usize>) -> Self {
+        About { format: format.to_owned(), axes: axes.into(), shape, sensor: None }
+    }
+}
+
+/// What a module's configuration says of its chirps.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Sensor {
+    /// Make of the module.
+    pub name: String,
+    /// Frequency in Hz at the first sample of a chirp.
+    pub carrier_hz: f64,
+    /// Bandwidth in Hz swept while samples are taken.
+    pub bandwidth_hz: f64,
+    /// Sampling rate in Hz.
+    pub sample_rate_hz: f64,
+    /// Samples of a chirp.
+    pub samples: u32,
+    /// Whether a sample is I and Q.
+    pub complex: bool,
+    /// Bits of the converter.
+    pub converter_bits: u8,
+    /// Receive antennas.
+    pub antennas: u32,
+    /// Chirps of a frame.
+    pub chirps: u32,
+    /// Mask of the transmit antennas of each chirp in its order, repeated through the frame.
+    pub transmitters: Vec<u32>,
+    /// Time from chirp to chirp in s.
+    pub chirp_s: f64,
+    /// Time from frame to frame in s.
+    pub frame_s: f64,
+}
 
 /// A recording that was read, and its pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
