@@ -13,18 +13,18 @@ Calibration: the stored table with its self-check, and measured signals that can
   rho = * (stored table, * motion at 3.500 GHz, 1 ms: *); curve in out/calibration.json (glob)
 
   $ sdp3 calibrate --measured nothing.wav
-  sdp3: nothing.wav: not a readable WAV file: No such file or directory (os error 2)
+  sdp3: nothing.wav: not a readable recording file: No such file or directory (os error 2)
   [2]
 
   $ sdp3 calibrate --measured short.toml
-  sdp3: short.toml: extension is "toml", must be .wav, .npy, .npz, .sigmf-meta, .h5
+  sdp3: short.toml: extension is "toml", must be WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy) or a DCA1000 capture (.bin)
   [2]
 
   $ sdp3 calibrate --carrier 24e9
   error: the following required arguments were not provided:
-    --measured <FILE>
+    --measured <PATH>
   
-  Usage: sdp3 calibrate --measured <FILE> --carrier <HZ>
+  Usage: sdp3 calibrate --measured <PATH> --carrier <HZ>
   
   For more information, try '--help'.
   [2]

@@ -9,6 +9,8 @@ Help: the tool and every command, with examples.
     run          Run the main job: simulate, calibrate, train, run, verify, optimize, schedule, report
     simulate     Simulate recordings and write them as a dataset
     calibrate    Find the channel correlation rho that a measured signal shows
+    inspect      Show what a recording holds: format, shape, sensor, rate, pictures over time, and the scenario that matches the sensor
+    classify     Classify recordings of a radar by the radar module's own chain, window by window
     channels     Run every channel model through the property tests of the paper's Table I
     gallery      Draw a page of spectrograms: class by carrier by channel model
     train        Train the networks and save their float parameters
@@ -78,20 +80,29 @@ Help: the tool and every command, with examples.
         --resume
             Go on from the checkpoints in --out, with the same result as without the interruption
   
-        --measured <FILE>
-            A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5
+        --measured <PATH>
+            A measured signal: a file or folder that `sdp3 inspect` reads
   
         --carrier <HZ>
-            Its carrier in Hz, if the file does not say
+            Carrier in Hz, if the file does not say
   
         --rate <HZ>
-            Its sampling or slow-time rate in Hz, if the file does not say
+            Sampling or slow-time rate in Hz, if the file does not say
   
         --gain <DB>
             Gain of the sensor in dB, which is subtracted
   
         --dataset <NAME>
-            Which array of an NPZ or which dataset of an HDF5 file
+            Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
+  
+        --antenna <N>
+            Receive antenna of a radar module, from 1
+  
+        --chirp <N|all>
+            Chirp of every frame of a radar module, from 1, or all
+  
+        --config <FILE>
+            Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
   
         --motion <CLASS>
             How the person in it moves: rho is found for this motion, and a wrong one changes it
@@ -241,11 +252,14 @@ Help: the tool and every command, with examples.
   Usage: sdp3 calibrate [OPTIONS]
   
   Options:
-        --measured <FILE>            A measured signal: WAV (CW Doppler), NPY, NPZ, SigMF, HDF5
-        --carrier <HZ>               Its carrier in Hz, if the file does not say
-        --rate <HZ>                  Its sampling or slow-time rate in Hz, if the file does not say
+        --measured <PATH>            A measured signal: a file or folder that `sdp3 inspect` reads
+        --carrier <HZ>               Carrier in Hz, if the file does not say
+        --rate <HZ>                  Sampling or slow-time rate in Hz, if the file does not say
         --gain <DB>                  Gain of the sensor in dB, which is subtracted
-        --dataset <NAME>             Which array of an NPZ or which dataset of an HDF5 file
+        --dataset <NAME>             Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
+        --antenna <N>                Receive antenna of a radar module, from 1
+        --chirp <N|all>              Chirp of every frame of a radar module, from 1, or all
+        --config <FILE>              Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
         --motion <CLASS>             How the person in it moves: rho is found for this motion, and a wrong one changes it [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
         --table <FILE.toml>          Write the look-up table of rho again, to this file
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
@@ -492,6 +506,7 @@ Help: the tool and every command, with examples.
             Which; absent: all
   
             Possible values:
+            - all:                   Every one of them
             - channel-models:        Table I: which channel model has which property
             - spectrograms:          Spectrograms of standing, pacing and walking, with one and with two people
             - kl-divergence:         KL divergence over rho, and that of ray tracing
@@ -566,7 +581,7 @@ Help: the tool and every command, with examples.
             Print help (see a summary with '-h')
   
   Examples:
-    sdp3 reproduce
+    sdp3 reproduce all --size quick
     sdp3 reproduce region learning-curve --out paper
     sdp3 reproduce --size paper --seed 1001 --shard 2/8 --out paper
 
@@ -1372,7 +1387,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

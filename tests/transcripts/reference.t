@@ -3,10 +3,12 @@ Schemas, completions and man pages.
   $ sdp3 schema
   calibrate
   channels
+  classify
   early-exits
   export
   gallery
   import
+  inspect
   man
   merge
   model-keygen
@@ -59,7 +61,7 @@ Schemas, completions and man pages.
 
   $ sdp3 schema nothing
   error: invalid value 'nothing' for '[COMMAND]'
-    [possible values: calibrate, channels, early-exits, export, gallery, import, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
   
   For more information, try '--help'.
   [2]
@@ -78,6 +80,8 @@ Schemas, completions and man pages.
   pages/sdp3-run.1
   pages/sdp3-simulate.1
   pages/sdp3-calibrate.1
+  pages/sdp3-inspect.1
+  pages/sdp3-classify.1
   pages/sdp3-channels.1
   pages/sdp3-gallery.1
   pages/sdp3-train.1

@@ -42,12 +42,14 @@ Training by steps. Needs the feature `train`.
   sdp3: command line: --measured belongs to the studies fidelity and sim-to-real
   [2]
 
-  $ sdp3 train --scenario small.toml --out noted 2>&1 | head -3
-      preset  quick: mask_rows = 0; --preset paper takes the scenario's sizes
+  $ sed '/^channels/d' small.toml >free.toml
+
+  $ sdp3 train --scenario free.toml --out noted 2>&1 | head -3
+      preset  quick: channels = 8; --preset paper takes the scenario's sizes
     expected  about * on * processors, a rough estimate: 40 recordings to train, 0 to test, 2 epochs of 80 images for each of 2 networks (glob)
     simulate  training recordings
 
-  $ sdp3 train --preset paper --scenario small.toml --set learning.mask_rows=0 --out paper 2>&1 | head -2
+  $ sdp3 train --preset paper --scenario free.toml --set learning.channels=8 --out paper 2>&1 | head -2
     expected  about * on * processors, a rough estimate: 40 recordings to train, 0 to test, 2 epochs of 80 images for each of 2 networks (glob)
     simulate  training recordings
 
