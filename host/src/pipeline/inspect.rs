@@ -153,7 +153,7 @@ fn range_time(title: &str, signal: &Signal, profiles: &[Vec<Complex64>]) -> Spec
     }
 }
 
-/// The scenario in TOML whose radar is this sensor, with slots at this rate; else why there is none.
+/// The scenario in TOML that has this sensor as its radar, with slots at this rate; else why there is none.
 fn matching(sensor: &Sensor, rate_hz: f64) -> Result<String, String> {
     let cell_m = SPEED_OF_LIGHT / (2.0 * sensor.bandwidth_hz);
     let bins = |metres: f64| (metres / cell_m).round();

@@ -74,7 +74,7 @@ pub struct Inspection {
     pub antenna: u32,
     /// Chirp of every frame that was taken, from 1, or `all`; of a radar module's chirps only.
     pub chirp: String,
-    /// The scenario in TOML whose radar is this sensor.
+    /// The scenario in TOML that has this sensor as its radar.
     pub scenario: Option<String>,
     /// Why no scenario matches the sensor, or the scenario is not of these slots.
     pub scenario_problem: Option<String>,
