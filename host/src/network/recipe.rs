@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Recipe {
-    /// AdamW, peak 5e-3, one cycle, batch 50, images masked: what learns best here.
+    /// AdamW, peak 5e-3, one cycle, batch 50: what learns best here.
     AdamwOneCycle,
     /// The paper's first: Adam, 0.01, batch 500.
     PaperAdam,
@@ -18,14 +18,22 @@ pub enum Recipe {
 impl Recipe {
     /// Sets what the recipe says and leaves the rest.
     pub fn apply(self, settings: &mut Learning) {
-        let (optimizer, schedule, learning_rate, batch, weight_decay, mixup, mask_rows) = match self {
-            Recipe::AdamwOneCycle => (Optimizer::Adamw, Schedule::OneCycle, 5e-3, 50, 1e-2, 0.0, 12),
-            Recipe::PaperAdam => (Optimizer::Adam, Schedule::Constant, 0.01, 500, 0.0, 0.0, 0),
-            Recipe::PaperMomentum => (Optimizer::Momentum, Schedule::Constant, 0.06, 300, 0.0, 0.0, 0),
+        let (optimizer, schedule, learning_rate, batch, weight_decay) = match self {
+            Recipe::AdamwOneCycle => (Optimizer::Adamw, Schedule::OneCycle, 5e-3, 50, 1e-2),
+            Recipe::PaperAdam => (Optimizer::Adam, Schedule::Constant, 0.01, 500, 0.0),
+            Recipe::PaperMomentum => (Optimizer::Momentum, Schedule::Constant, 0.06, 300, 0.0),
         };
         let rest = settings.clone();
-        *settings =
-            Learning { optimizer, schedule, learning_rate, batch, weight_decay, mixup, mask_rows, ..rest };
+        *settings = Learning {
+            optimizer,
+            schedule,
+            learning_rate,
+            batch,
+            weight_decay,
+            mixup: 0.0,
+            mask_rows: 0,
+            ..rest
+        };
     }
 }
 
