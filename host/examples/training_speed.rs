@@ -13,20 +13,10 @@ use std::time::Instant;
 /// Images of an epoch, about.
 const IMAGES: usize = 500;
 
-fn backend(name: &str) -> Backend {
-    match name {
-        "cpu" => Backend::Cpu,
-        #[cfg(feature = "wgpu")]
-        "wgpu" => Backend::Wgpu,
-        #[cfg(feature = "cuda")]
-        "cuda" => Backend::Cuda,
-        _ => panic!("{name}: a backend of this build"),
-    }
-}
-
 fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-    let backend = if arguments.len() > 5 { backend(&arguments.remove(5)) } else { Backend::Cpu };
+    let backend = if arguments.len() > 5 { arguments.remove(5) } else { "cpu".to_owned() };
+    let backend = Backend::named(&backend).expect("a backend of this build");
     let mut numbers = arguments.iter().map(|text| text.parse::<usize>().expect("a number"));
     let mut number = |default: usize| numbers.next().unwrap_or(default);
     let (batch, threads, stride, channels, epochs) =

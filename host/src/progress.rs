@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     Quiet,
-    /// Bars on a terminal; else a line when a stage begins, one every two seconds (less often in long stages), and one at its end.
+    /// Bars on a terminal; else a line when a stage begins, one every 1.5 s (less often in long stages), and one at its end.
     Shown,
 }
 

@@ -140,7 +140,7 @@ impl Context {
     /// One of several results on stdout: as a line of JSON, or in words.
     pub fn print_line(&self, value: &impl Serialize, words: impl FnOnce() -> String) -> Result<(), Failure> {
         let text = if self.common.json { serde_json::to_string(value)? } else { words() };
-        say(&shown(&text))
+        say(&if self.common.json { printable_json(&text) } else { shown(&text) })
     }
 
     /// The files that were written, one on a line.

@@ -24,18 +24,9 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
     let TrainArgs { preset, data, recipe, resume, backend } = args;
-    let backend = match backend {
-        training::Backend::Cpu => Backend::Cpu,
-        #[cfg(feature = "wgpu")]
-        training::Backend::Wgpu => Backend::Wgpu,
-        #[cfg(feature = "cuda")]
-        training::Backend::Cuda => Backend::Cuda,
-        #[cfg(not(all(feature = "wgpu", feature = "cuda")))]
-        other => {
-            let name = format!("{other:?}").to_lowercase();
-            return Err(format!("--backend {name}: build it with the feature `{name}`").into());
-        }
-    };
+    let name = format!("{backend:?}").to_lowercase();
+    let backend = Backend::named(&name)
+        .ok_or_else(|| format!("--backend {name}: build it with the feature `{name}`"))?;
     backend.ready()?;
     let recipe = recipe.map(|recipe| match recipe {
         training::Recipe::AdamwOneCycle => Recipe::AdamwOneCycle,

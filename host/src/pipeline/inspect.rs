@@ -2,7 +2,7 @@
 
 use super::Job;
 use crate::error::Failure;
-use crate::recordings::{self, Samples, Signal, Stated};
+use crate::recordings::{self, Chirps, Samples, Signal, Stated};
 use crate::report::{paper, plot::Medium, spectrograms};
 use crate::results::{Inspection, Sensor, Spectrogram};
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
@@ -68,6 +68,7 @@ impl Job {
             Some(Err(problem)) => scenario_problem = Some(problem),
             None => (),
         }
+        let module = signal.about.sensor.is_some();
         let digested = signal.samples.to_le_bytes();
         let found = Inspection {
             file: file.display().to_string(),
@@ -77,8 +78,8 @@ impl Job {
             seconds: signal.samples.len() as f64 / signal.rate_hz,
             power_db: signal.power_db,
             samples_sha256: sha256([&digested[..]]),
-            antenna: stated.antenna.unwrap_or(1),
-            chirp: stated.chirp.map_or("1".to_owned(), |chirp| chirp.to_string()),
+            antenna: module.then(|| stated.antenna.unwrap_or(1)),
+            chirp: module.then(|| stated.chirp.unwrap_or(Chirps::One(1)).to_string()),
             scenario,
             scenario_problem,
             figures: pictures.into_iter().map(|(name, _)| name.to_owned()).collect(),

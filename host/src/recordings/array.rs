@@ -60,14 +60,7 @@ impl Array {
         if read != all {
             return Err(source.value("numbers", read, format!("{all}, as the shape says")));
         }
-        let mut axes = match (&self.numbers, self.shape.len()) {
-            (_, 1) => "[time]",
-            (Numbers::Int16(_), 2 | 3) => "[slot, sample]",
-            (Numbers::Complex(_), 2) => "[time, cell], the cell in which most moves",
-            (Numbers::Complex(_), 3) => "[frame, sweep, cell], the mean sweep's cell in which most moves",
-            _ => "[time]",
-        }
-        .to_owned();
+        let cells = matches!(self.numbers, Numbers::Complex(_));
         let shape = self.shape.clone();
         let samples = match (self.numbers, self.shape.as_slice()) {
             (Numbers::Int16(values), &[_, samples, 2]) if SAMPLES.contains(&samples) => {
@@ -87,11 +80,17 @@ impl Array {
             }
             (_, shape) => return Err(source.value("shape", format!("{shape:?}"), SHAPES)),
         };
-        axes += match samples {
-            Samples::Real(_) => ", real",
-            Samples::Complex(_) => ", complex",
-            Samples::Slots(_) if shape.len() == 3 => ", int16, I and Q",
-            Samples::Slots(_) => ", int16",
+        let axes = match (&samples, shape.len()) {
+            (Samples::Slots(_), 3) => "[slot, sample], int16, I and Q",
+            (Samples::Slots(_), _) => "[slot, sample], int16",
+            (Samples::Real(_), _) => "[time], real",
+            (Samples::Complex(_), 2) if cells => {
+                "[time, cell], complex; the cell of largest variance is taken"
+            }
+            (Samples::Complex(_), 3) => {
+                "[frame, sweep, cell], complex; of the mean sweep the cell of largest variance is taken"
+            }
+            (Samples::Complex(_), _) => "[time], complex",
         };
         Ok(Contents { samples, rate_hz: None, carrier_hz: None, about: About::new(format, axes, shape) })
     }

@@ -1,6 +1,6 @@
 //! Raw chirps of a radar module, `[frame, chirp, antenna, sample]`, of which one antenna and one chirp a frame are taken.
 //!
-//! A cube is never reduced in silence: where it has several antennas or chirps, the user says which.
+//! A cube is never reduced unasked: where it has several antennas or chirps, the user states which.
 
 use super::{Contents, MeasuredError, Samples, Source, Stated};
 use crate::formats::slots::Slots;
@@ -43,7 +43,7 @@ impl Display for Chirps {
 /// Chirps as they were recorded.
 #[derive(Debug)]
 pub(super) struct Cube {
-    /// `[frame, chirp, antenna, sample]`; of complex samples I and Q in turn.
+    /// `[frame, chirp, antenna, sample]`; of complex samples I and Q alternate.
     pub values: Vec<i16>,
     pub sensor: Sensor,
 }

@@ -17,11 +17,15 @@ use super::{MeasuredError, Source, Stated};
 use crate::results::Sensor;
 use crate::store::limited;
 use serde_json::Value;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 pub(super) const FORMAT: &str = "TI DCA1000";
 /// Lanes, and so antennas, of an interleaved capture.
 const LANES: usize = 4;
+/// Most chirps of a loop, and most samples of a chirp and chirps of a frame.
+const CHIRPS: u32 = 512;
+const MOST: u32 = 1 << 16;
 
 /// What a description says.
 struct Description {
@@ -87,23 +91,21 @@ impl Description {
         let legal = |holds: bool, field: &str, value: String, legal: &str| {
             if holds { Ok(()) } else { Err(source.value(field, value, legal)) }
         };
-        let positive =
-            |field: &str, v: f64| legal(v.is_finite() && v > 0.0, field, v.to_string(), "a number above 0");
-        positive("start frequency (GHz)", self.start_ghz)?;
-        positive("slope (MHz/us)", self.slope_mhz_us)?;
-        positive("sampling rate (ksps)", self.rate_ksps)?;
-        positive("ramp end time (us)", self.ramp_end_us)?;
-        positive("frame period (ms)", self.frame_ms)?;
-        positive("loops", f64::from(self.loops))?;
-        let even = self.samples > 0 && self.samples.is_multiple_of(2);
-        legal(even, "samples", self.samples.to_string(), "an even number above 0")?;
+        source.positive("start frequency (GHz)", self.start_ghz)?;
+        source.positive("slope (MHz/us)", self.slope_mhz_us)?;
+        source.positive("sampling rate (ksps)", self.rate_ksps)?;
+        source.positive("ramp end time (us)", self.ramp_end_us)?;
+        source.positive("frame period (ms)", self.frame_ms)?;
+        let chirps = self.loops.saturating_mul(self.transmitters.len() as u32);
+        legal((1..=MOST).contains(&chirps), "chirps of a frame", chirps.to_string(), "1 to 65536")?;
+        let even = (2..=MOST).contains(&self.samples) && self.samples.is_multiple_of(2);
+        legal(even, "samples", self.samples.to_string(), "an even number of 2 to 65536")?;
         legal(
             (1..16).contains(&self.receivers),
             "receive antennas (mask)",
             self.receivers.to_string(),
             "1 to 15",
         )?;
-        legal(!self.transmitters.is_empty(), "chirps of a loop", "0".into(), "at least 1")?;
         legal([12, 14, 16].contains(&self.bits), "converter bits", self.bits.to_string(), "12, 14 or 16")?;
         let rate_hz = 1e3 * self.rate_ksps;
         let slope_hz_s = 1e12 * self.slope_mhz_us;
@@ -116,7 +118,7 @@ impl Description {
             complex: self.complex,
             converter_bits: self.bits,
             antennas: self.receivers.count_ones(),
-            chirps: self.loops.saturating_mul(self.transmitters.len() as u32),
+            chirps,
             transmitters: self.transmitters.clone(),
             chirp_s: 1e-6 * (self.idle_us + self.ramp_end_us),
             frame_s: 1e-3 * self.frame_ms,
@@ -172,18 +174,31 @@ fn description_file(source: Source) -> Result<PathBuf, MeasuredError> {
     }
 }
 
-/// The words of the last command of this name.
+/// Chirps of a frame's loop, of which a sensor knows at most 512.
+fn chirps(source: Source, first: f64, last: f64) -> Result<RangeInclusive<u32>, MeasuredError> {
+    if 0.0 <= first && first <= last && last < f64::from(CHIRPS) {
+        return Ok(first as u32..=last as u32);
+    }
+    Err(source.value("first and last chirp", format!("{first} to {last}"), "0 to 511, ascending"))
+}
+
+/// The words of the only command of this name.
 fn command<'a>(
     source: Source,
     text: &'a str,
     name: &'static str,
     fewest: usize,
 ) -> Result<Vec<&'a str>, MeasuredError> {
-    let mut lines = text.lines().filter_map(|line| {
+    let lines = text.lines().filter_map(|line| {
         let mut words = line.split_whitespace();
         (words.next()? == name).then(|| words.collect::<Vec<&str>>())
     });
-    let words = lines.next_back().ok_or_else(|| source.value(name, "missing", "a line of the file"))?;
+    let mut lines: Vec<_> = lines.collect();
+    let words = match (lines.pop(), lines.len()) {
+        (Some(words), 0) => words,
+        (None, _) => return Err(source.value(name, "missing", "a line of the file")),
+        (_, others) => return Err(source.value(name, format!("in {} lines", others + 1), "in one line")),
+    };
     if words.len() < fewest {
         return Err(source.value(name, words.join(" "), format!("at least {fewest} numbers")));
     }
@@ -201,18 +216,13 @@ fn of_commands(source: Source, text: &str) -> Result<Description, MeasuredError>
     let profile = command(source, text, "profileCfg", 11)?;
     let frame = command(source, text, "frameCfg", 5)?;
     let p = |n: usize| number("profileCfg", profile[n]);
-    let [first, last] = [number("frameCfg", frame[0])?, number("frameCfg", frame[1])?];
+    let chirps = chirps(source, number("frameCfg", frame[0])?, number("frameCfg", frame[1])?)?;
     // newer SDKs name the subframe first: -1 or its number
     let b = |n: usize| number("adcbufCfg", buffer[buffer.len() - 4 + n]);
-    let mut transmitters = Vec::new();
-    let mut chirp = first;
-    while chirp <= last && transmitters.len() < 512 {
-        transmitters.push(transmit_mask(source, text, chirp)?);
-        chirp += 1.0;
-    }
+    let transmitters: Result<Vec<u32>, _> = chirps.map(|chirp| transmit_mask(source, text, chirp)).collect();
     Ok(Description {
         receivers: number("channelCfg", channel[0])? as u32,
-        transmitters,
+        transmitters: transmitters?,
         loops: number("frameCfg", frame[2])? as u32,
         frame_ms: number("frameCfg", frame[4])?,
         start_ghz: p(1)?,
@@ -232,12 +242,12 @@ fn of_commands(source: Source, text: &str) -> Result<Description, MeasuredError>
 }
 
 /// Transmit antennas of a chirp by the command file.
-fn transmit_mask(source: Source, text: &str, chirp: f64) -> Result<u32, MeasuredError> {
+fn transmit_mask(source: Source, text: &str, chirp: u32) -> Result<u32, MeasuredError> {
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("chirpCfg"));
     for line in lines {
         let words: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
         match words.as_deref() {
-            Ok(&[from, to, .., mask]) if (from..=to).contains(&chirp) => return Ok(mask as u32),
+            Ok(&[from, to, .., mask]) if (from..=to).contains(&f64::from(chirp)) => return Ok(mask as u32),
             Ok(_) => (),
             Err(_) => return Err(source.value("chirpCfg", line.trim(), "numbers")),
         }
@@ -272,26 +282,21 @@ fn of_json(source: Source, text: &str) -> Result<Description, MeasuredError> {
     let rf = |rest: &str| number(&format!("/mmWaveDevices/0/rfConfig/{rest}"));
     let profile = |rest: &str| rf(&format!("rlProfiles/0/rlProfileCfg_t/{rest}"));
     let capture = |rest: &str| number(&format!("/mmWaveDevices/0/rawDataCaptureConfig/{rest}"));
-    let [first, last] = [rf("rlFrameCfg_t/chirpStartIdx")?, rf("rlFrameCfg_t/chirpEndIdx")?];
+    let chirps = chirps(source, rf("rlFrameCfg_t/chirpStartIdx")?, rf("rlFrameCfg_t/chirpEndIdx")?)?;
     let count = at("/mmWaveDevices/0/rfConfig/rlChirps")?.as_array().map_or(0, Vec::len);
-    let mut transmitters = Vec::new();
-    let mut chirp = first;
-    while chirp <= last && transmitters.len() < 512 {
-        let mut mask = None;
+    let mask = |chirp: u32| {
         for n in 0..count {
             let of = |name: &str| rf(&format!("rlChirps/{n}/rlChirpCfg_t/{name}"));
-            if (of("chirpStartIdx")?..=of("chirpEndIdx")?).contains(&chirp) {
-                mask = Some(of("txEnable")? as u32);
-                break;
+            if (of("chirpStartIdx")?..=of("chirpEndIdx")?).contains(&f64::from(chirp)) {
+                return Ok(of("txEnable")? as u32);
             }
         }
-        let missing = || source.value("rfConfig/rlChirps", "missing", format!("an entry for chirp {chirp}"));
-        transmitters.push(mask.ok_or_else(missing)?);
-        chirp += 1.0;
-    }
+        Err(source.value("rfConfig/rlChirps", "missing", format!("an entry for chirp {chirp}")))
+    };
+    let transmitters: Result<Vec<u32>, _> = chirps.map(mask).collect();
     Ok(Description {
         receivers: rf("rlChanCfg_t/rxChannelEn")? as u32,
-        transmitters,
+        transmitters: transmitters?,
         loops: rf("rlFrameCfg_t/numLoops")? as u32,
         frame_ms: rf("rlFrameCfg_t/framePeriodicity_msec")?,
         start_ghz: profile("startFreqConst_GHz")?,

@@ -7,7 +7,6 @@
 use super::array::{Array, Numbers};
 use super::cube::Cube;
 use super::{MeasuredError, Source, npy};
-use crate::error::Invalid;
 use crate::results::Sensor;
 use crate::store::limited;
 use serde::Deserialize;
@@ -25,11 +24,11 @@ struct Config {
 
 #[derive(Deserialize)]
 struct DeviceConfig {
-    fmcw_single_shape: Shape,
+    fmcw_single_shape: ChirpConfig,
 }
 
 #[derive(Deserialize)]
-struct Shape {
+struct ChirpConfig {
     rx_antennas: Vec<u32>,
     tx_antennas: Option<Vec<u32>>,
     #[serde(rename = "start_frequency_Hz", alias = "lower_frequency_Hz")]
@@ -92,35 +91,30 @@ pub(super) fn read(folder: &Path, source: Source) -> Result<Cube, MeasuredError>
     Ok(Cube { values, sensor })
 }
 
-fn sensor(source: Source, shape: Shape) -> Result<Sensor, MeasuredError> {
-    let positive = |field: &str, value: f64| -> Result<(), MeasuredError> {
-        let legal = "a number above 0";
-        Ok(Invalid::unless(value.is_finite() && value > 0.0, field, value, legal)
-            .map_err(|e| e.at(source.0.display()))?)
-    };
-    positive("start_frequency_Hz", shape.start_hz)?;
-    positive("end_frequency_Hz less start_frequency_Hz", shape.end_hz - shape.start_hz)?;
-    positive("sample_rate_Hz", shape.sample_rate_hz)?;
-    positive("chirp_repetition_time_s", shape.chirp_repetition_time_s)?;
-    positive("frame_repetition_time_s", shape.frame_repetition_time_s)?;
-    positive("num_chirps_per_frame", f64::from(shape.num_chirps_per_frame))?;
-    positive("num_samples_per_chirp", f64::from(shape.num_samples_per_chirp))?;
-    positive("length of rx_antennas", shape.rx_antennas.len() as f64)?;
+fn sensor(source: Source, chirp: ChirpConfig) -> Result<Sensor, MeasuredError> {
+    source.positive("start_frequency_Hz", chirp.start_hz)?;
+    source.positive("end_frequency_Hz less start_frequency_Hz", chirp.end_hz - chirp.start_hz)?;
+    source.positive("sample_rate_Hz", chirp.sample_rate_hz)?;
+    source.positive("chirp_repetition_time_s", chirp.chirp_repetition_time_s)?;
+    source.positive("frame_repetition_time_s", chirp.frame_repetition_time_s)?;
+    source.positive("num_chirps_per_frame", f64::from(chirp.num_chirps_per_frame))?;
+    source.positive("num_samples_per_chirp", f64::from(chirp.num_samples_per_chirp))?;
+    source.positive("length of rx_antennas", chirp.rx_antennas.len() as f64)?;
     let mask =
         |antennas: Vec<u32>| antennas.iter().fold(0, |mask, n| mask | 1 << n.saturating_sub(1).min(31));
     Ok(Sensor {
         name: "Infineon BGT60".to_owned(),
-        carrier_hz: shape.start_hz,
-        bandwidth_hz: shape.end_hz - shape.start_hz,
-        sample_rate_hz: shape.sample_rate_hz,
-        samples: shape.num_samples_per_chirp,
+        carrier_hz: chirp.start_hz,
+        bandwidth_hz: chirp.end_hz - chirp.start_hz,
+        sample_rate_hz: chirp.sample_rate_hz,
+        samples: chirp.num_samples_per_chirp,
         complex: false,
         converter_bits: BITS,
-        antennas: shape.rx_antennas.len() as u32,
-        chirps: shape.num_chirps_per_frame,
-        transmitters: vec![mask(shape.tx_antennas.unwrap_or_else(|| vec![1]))],
-        chirp_s: shape.chirp_repetition_time_s,
-        frame_s: shape.frame_repetition_time_s,
+        antennas: chirp.rx_antennas.len() as u32,
+        chirps: chirp.num_chirps_per_frame,
+        transmitters: vec![mask(chirp.tx_antennas.unwrap_or_else(|| vec![1]))],
+        chirp_s: chirp.chirp_repetition_time_s,
+        frame_s: chirp.frame_repetition_time_s,
     })
 }
 

@@ -173,6 +173,15 @@ impl Source<'_> {
         Invalid::new(field, value, legal).at(self.0.display()).into()
     }
 
+    /// Refuses what is no positive number.
+    fn positive(self, field: &str, value: f64) -> Result<(), MeasuredError> {
+        if value.is_finite() && value > 0.0 {
+            Ok(())
+        } else {
+            Err(self.value(field, value, "a number above 0"))
+        }
+    }
+
     /// Refuses more numbers than fit the memory; `field` with `value` states them.
     fn fits(self, field: &'static str, value: impl Display, numbers: u64) -> Result<(), MeasuredError> {
         let need = Need::new(field, value.to_string(), BYTES_PER_NUMBER * numbers as f64);

@@ -107,6 +107,10 @@ fn arrays_mean_what_their_shapes_say() {
     assert!(matches!(&signal.samples, Samples::Complex(z) if z[3] == Complex64::new(6.0, 7.0)));
     let signal = read(&folder.npy("real.npy", &[800], &real), &stated()).unwrap();
     assert!(matches!(&signal.samples, Samples::Real(x) if x[3] == 3.0));
+    let counts: Vec<i16> = (0..800).collect();
+    let signal = read(&folder.npy("counts.npy", &[400, 2], &counts), &stated()).unwrap();
+    assert!(matches!(&signal.samples, Samples::Complex(z) if z[3] == Complex64::new(6.0, 7.0)));
+    assert_eq!(signal.about.axes, "[time], complex");
     let raw: Vec<i16> = (0..300 * 2000).map(|n| (n % 1000) as i16).collect();
     let signal = read(&folder.npy("raw.npy", &[300, 1000, 2], &raw), &stated()).unwrap();
     assert!(matches!(&signal.samples, Samples::Slots(s) if s.len() == 300 && s[1][7] == 7));
@@ -198,6 +202,18 @@ fn an_antenna_and_a_chirp_are_taken_from_a_capture() {
     assert_eq!((sensor.antennas, sensor.chirps, sensor.transmitters), (2, 2, vec![1, 2]));
     assert!((sensor.carrier_hz - 77.25e9).abs() < 1.0 && (sensor.bandwidth_hz - 40e6).abs() < 1.0);
     assert!((signal.rate_hz - 1000.0).abs() < 1e-9);
+    let commands = std::fs::read_to_string(folder.file("capture.cfg")).unwrap();
+    for (from, to, words) in [
+        ("frameCfg 0 1 1", "frameCfg 0 600 1", "first and last chirp is 0 to 600"),
+        ("frameCfg 0 1 1", "frameCfg 0 1 4e9", "chirps of a frame is 4294967295, must be 1 to 65536"),
+        ("1 4 5000", "1 4000000000 5000", "samples is 4000000000"),
+        ("profileCfg", "profileCfg 1 2\nprofileCfg", "profileCfg is in 2 lines"),
+    ] {
+        std::fs::write(folder.file("capture.cfg"), commands.replace(from, to)).unwrap();
+        let error = open(&file, &taken).unwrap_err().to_string();
+        assert!(error.contains("capture.cfg") && error.contains(words), "{error}");
+    }
+    std::fs::write(folder.file("capture.cfg"), commands).unwrap();
     let error = refusal(&file, &Stated { antenna: Some(3), ..taken.clone() });
     assert!(error.contains("--antenna is 3, must be 1 to 2"), "{error}");
     let error = refusal(&file, &Stated { chirp: None, ..taken.clone() });

@@ -77,27 +77,27 @@ pub const IMAGE: (f64, f64, f64, f64) = (56.0, 8.0, 204.0, 196.0);
 
 const PAGE: Medium = Medium { width: 352.0, height: 250.0, font: 11.0, left: 0.0, bottom: 0.0, mm: 0.0 };
 
-/// An axis beside the image: what it shows, its ends, and the decimal places of its labels.
-pub struct Side {
-    pub label: &'static str,
-    pub low: f64,
-    pub high: f64,
-    pub places: i32,
+/// An axis beside the image: its label, its ends, and the decimals of its ticks.
+struct Side {
+    label: &'static str,
+    low: f64,
+    high: f64,
+    decimals: i32,
 }
 
 /// The picture with its axes and colour bar; empty for an empty spectrogram.
 pub fn svg(s: &Spectrogram, medium: Medium) -> String {
     let high = s.first_row_hz + s.row_hz * f64::from(s.rows);
-    let left = Side { label: "Doppler (Hz)", low: s.first_row_hz, high, places: 0 };
+    let left = Side { label: "Doppler (Hz)", low: s.first_row_hz, high, decimals: 0 };
     // 2 v / lambda: an axis of radial speeds on the right
     let speed = |hz: f64| hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz);
-    let right = Side { label: "radial speed (m/s)", low: speed(left.low), high: speed(high), places: 1 };
+    let right = Side { label: "radial speed (m/s)", low: speed(left.low), high: speed(high), decimals: 1 };
     drawn(s, &format!("Spectrogram: {}", s.title), &left, Some(&right), medium)
 }
 
 /// A range-time picture, rows from `low_m` to `high_m`.
 pub fn range_time(s: &Spectrogram, low_m: f64, high_m: f64, medium: Medium) -> String {
-    let left = Side { label: "range (m)", low: low_m, high: high_m, places: 2 };
+    let left = Side { label: "range (m)", low: low_m, high: high_m, decimals: 2 };
     drawn(s, &format!("Range over time: {}", s.title), &left, None, medium)
 }
 
@@ -129,7 +129,7 @@ fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium
         let share = f64::from(k) / 4.0;
         let at = y + (1.0 - share) * height;
         let value = |side: &Side| {
-            let digits = 10_f64.powi(side.places);
+            let digits = 10_f64.powi(side.decimals);
             number(((side.low + share * (side.high - side.low)) * digits).round() / digits)
         };
         let (time, across) = (number((share * seconds * 100.0).round() / 100.0), x + share * width);

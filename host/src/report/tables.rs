@@ -45,11 +45,13 @@ pub fn inspection(found: &Inspection) -> String {
                 ),
             ),
             ("transmit antennas", format!("{}, a mask a chirp", masks.join(" "))),
-            (
-                "taken",
-                format!("antenna {} of {}, chirp {} of {}", found.antenna, s.antennas, found.chirp, s.chirps),
-            ),
         ]);
+        if let (Some(antenna), Some(chirp)) = (found.antenna, &found.chirp) {
+            lines.push((
+                "taken",
+                format!("antenna {antenna} of {}, chirp {chirp} of {}", s.antennas, s.chirps),
+            ));
+        }
     }
     lines.extend([
         ("carrier", format!("{} GHz", number(found.carrier_hz / 1e9))),

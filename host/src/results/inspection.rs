@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What a file turned out to be.
+/// Format and axes of a recording.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct About {
     /// Its format.
@@ -71,9 +71,9 @@ pub struct Inspection {
     /// SHA-256 of the samples taken: int16 of slots, else f64, complex ones as two, little-endian.
     pub samples_sha256: String,
     /// Receive antenna that was taken, from 1; of a radar module's chirps only.
-    pub antenna: u32,
+    pub antenna: Option<u32>,
     /// Chirp of every frame that was taken, from 1, or `all`; of a radar module's chirps only.
-    pub chirp: String,
+    pub chirp: Option<String>,
     /// The scenario in TOML that has this sensor as its radar.
     pub scenario: Option<String>,
     /// Why no scenario matches the sensor, or the scenario is not of these slots.

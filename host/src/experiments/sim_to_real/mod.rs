@@ -1,7 +1,7 @@
 //! From simulation to measurement: networks that learned from simulated Doppler alone classify measured walking, running and still.
 //!
 //! The networks learn from draws of [`crate::simulator::randomised`]; no measured sample is learned from. Every second of a recording
-//! has the motion of the recording's name, pauses and turns included; seconds do not overlap. Baselines are scored on the same seconds:
+//! has the motion of the recording's name, pauses and changes of direction included; seconds do not overlap. Baselines are scored on the same seconds:
 //! the majority class, the same networks on white noise, networks that learned from the other recordings (leave one recording out), and
 //! with the feature `svm` a support vector machine on simulated seconds.
 
@@ -181,8 +181,8 @@ impl Work<'_> {
         #[cfg(feature = "svm")]
         {
             let before = self.recordings.iter().take_while(|r| r.measured.name != recording.measured.name);
-            let place = before.filter(|r| r.layout == layout).count();
-            all.push(("support vector machine", vec![self.machine(layout)?.swap_remove(place)]));
+            let index = before.filter(|r| r.layout == layout).count();
+            all.push(("support vector machine", vec![self.machine(layout)?.swap_remove(index)]));
         }
         Ok(all)
     }

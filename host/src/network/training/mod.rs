@@ -69,6 +69,20 @@ pub enum Backend {
 }
 
 impl Backend {
+    /// Those of this build.
+    const ALL: &[Backend] = &[
+        Backend::Cpu,
+        #[cfg(feature = "wgpu")]
+        Backend::Wgpu,
+        #[cfg(feature = "cuda")]
+        Backend::Cuda,
+    ];
+
+    /// The backend of this name, if this build has it.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|backend| backend.name() == name)
+    }
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -91,18 +105,18 @@ impl Backend {
         }
         // burn panics where there is no device, on a thread of its own
         let hook = std::panic::take_hook();
-        let said = Arc::new(Mutex::new(String::new()));
-        let kept = Arc::clone(&said);
+        let message = Arc::new(Mutex::new(String::new()));
+        let first = Arc::clone(&message);
         std::panic::set_hook(Box::new(move |panic| {
-            let mut kept = kept.lock().unwrap_or_else(|e| e.into_inner());
-            if kept.is_empty() {
-                *kept = panic.to_string().lines().skip(1).collect::<Vec<_>>().join(" ");
+            let mut first = first.lock().unwrap_or_else(|e| e.into_inner());
+            if first.is_empty() {
+                *first = panic.to_string().lines().skip(1).collect::<Vec<_>>().join(" ");
             }
         }));
         let tried = std::panic::catch_unwind(|| Tensor::<1>::ones([1], &self.device()).into_data());
         std::panic::set_hook(hook);
-        let said = said.lock().unwrap_or_else(|e| e.into_inner());
-        tried.map(drop).map_err(|_| format!("--backend {}: no device that computes: {said}", self.name()))
+        let message = message.lock().unwrap_or_else(|e| e.into_inner());
+        tried.map(drop).map_err(|_| format!("--backend {}: no usable device: {message}", self.name()))
     }
 
     fn device(self) -> Device {
