@@ -7,9 +7,9 @@ use crate::dataset::Written;
 use crate::formats::model_file::{ModelCheck, Summary};
 use crate::network::interchange::Exchanged;
 use crate::results::{
-    Calibration, Campaign, ChannelTable, Checked, Classified, EarlyExitResult, Files, Inspection, Listed,
-    Merged, Optimum, Prediction, Reproduction, Run, Schedule, Submitted, SweepRow, SweepStatus, Swept,
-    Training, Verify,
+    Calibration, Campaign, ChannelTable, Checked, Classified, EarlyExitResult, Files, Inspection,
+    LearnedRecordings, Listed, Merged, Optimum, Prediction, Reproduction, Run, Schedule, Submitted, SweepRow,
+    SweepStatus, Swept, Training, Verify,
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
@@ -101,6 +101,15 @@ enum Studied {
     Selection(crate::experiments::selection::Selection),
 }
 
+/// The histories of the networks, or with `--recordings` how well they recognise what they did not learn from.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code)]
+enum Learned {
+    Histories(Vec<Training>),
+    Recordings(LearnedRecordings),
+}
+
 /// What a shard did, with `--slurm` or `--kubernetes` the job's files, or with `--status` where the sweep stands.
 #[derive(JsonSchema)]
 #[serde(untagged)]
@@ -139,7 +148,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         #[cfg(feature = "train")]
         "study" => schema_for!(Studied),
         "sweep" => schema_for!(ShardOrJob),
-        "train" => schema_for!(Vec<Training>),
+        "train" => schema_for!(Learned),
         "verify" => schema_for!(Verify),
         _ => return None,
     };

@@ -1,12 +1,12 @@
 //! Commands on the user's own recordings: `inspect`, `classify`.
 
 use super::context::Context;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::pipeline::Classify;
-use crate::recordings::{Chirps, Stated};
-use crate::report::tables;
+use crate::recordings::{Chirps, Stated, annotations};
+use crate::report::recordings::{classified, classified_csv, classified_window, inspection, window_csv};
 use crate::scenario::budget::Budget;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
 /// What the user knows of a recording.
@@ -76,28 +76,68 @@ pub struct ClassifyArgs {
     /// Slots from window to window; absent: the model's sensing slots, so that windows do not overlap.
     #[arg(long, value_name = "SLOTS")]
     pub step: Option<u32>,
+    /// What is printed, unless --json is given.
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
     /// Windows of less confidence are `unknown`.
     #[arg(long, value_name = "0..1", default_value_t = 0.0)]
     pub least_confidence: f64,
 }
 
+/// How windows are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A line a window: its time in s, its class, its confidence.
+    Text,
+    /// A table with the logits.
+    Csv,
+    /// The description of a SigMF recording with the windows as its annotations.
+    Sigmf,
+}
+
 pub fn inspect(context: &Context, args: InspectArgs) -> Result<bool, Failure> {
     let stated = args.stated.stated(context.common.budget());
     let found = context.job()?.inspect(&args.measured, &stated)?;
-    context.print(&found, || tables::inspection(&found))?;
+    context.print(&found, || inspection(&found))?;
     Ok(true)
 }
 
 pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> {
-    let ClassifyArgs { model, measured, stated, step, least_confidence } = args;
+    let ClassifyArgs { model, measured, stated, step, format, least_confidence } = args;
+    let format = if context.common.json { Format::Text } else { format };
     let request = Classify { model, step, least_confidence, stated: stated.stated(context.common.budget()) };
     if measured == [Path::new("-")] {
+        if format == Format::Sigmf {
+            return Err(Invalid::option(
+                "--format",
+                "sigmf",
+                "text or csv: standard input has no description",
+            )
+            .into());
+        }
+        let mut header = (format == Format::Csv).then(|| window_csv(None));
         request.live(&mut std::io::stdin().lock(), &mut |window| {
-            context.print_line(window, || tables::classified_window(window))
+            context.print_line(window, || match format {
+                Format::Csv => {
+                    header.take().unwrap_or_default() + &window_csv(Some(("standard input", window)))
+                }
+                _ => classified_window(window),
+            })
         })?;
         return Ok(true);
     }
     let found = request.files(&measured)?;
-    context.print(&found, || tables::classified(&found))?;
+    match format {
+        Format::Text => context.print(&found, || classified(&found))?,
+        Format::Csv => context.print(&found, || classified_csv(&found))?,
+        Format::Sigmf => {
+            let ([file], [recording]) = (&measured[..], &found.recordings[..]) else {
+                let legal = "of one recording: a description describes one";
+                return Err(Invalid::option("--format", "sigmf", legal).into());
+            };
+            let text = annotations::annotated(file, &recording.windows, found.sensing_slots)?;
+            context.print(&found, || text)?;
+        }
+    }
     Ok(true)
 }

@@ -10,7 +10,9 @@ use crate::network::training::Backend;
 use crate::pipeline::main_job::MainJob;
 use crate::pipeline::reproduce::Reproduce;
 use crate::pipeline::train::Train;
+use crate::pipeline::train_recordings::{Method, Source};
 use crate::recordings::Stated;
+use crate::report::recordings::learned;
 use crate::results::Reproduction;
 
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
@@ -23,7 +25,7 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
 }
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    let TrainArgs { preset, data, recipe, resume, backend } = args;
+    let TrainArgs { preset, data, recordings, method, folds, stated, recipe, resume, backend } = args;
     let name = format!("{backend:?}").to_lowercase();
     let backend = Backend::named(&name)
         .ok_or_else(|| format!("--backend {name}: build it with the feature `{name}`"))?;
@@ -34,6 +36,18 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
         training::Recipe::PaperMomentum => Recipe::PaperMomentum,
     });
     let ask = Train { quick: preset == Preset::Quick, data, recipe, resume, backend };
+    if let Some(folder) = recordings {
+        let method = match method {
+            training::Method::Recordings => Method::Recordings,
+            training::Method::WithSimulation => Method::WithSimulation,
+            training::Method::FineTuning => Method::FineTuning,
+        };
+        let stated = stated.stated(context.common.budget());
+        let source = Source { folder, stated, method, folds: folds as usize };
+        let found = context.job()?.train_recordings(&ask, &source)?;
+        context.print(&found, || learned(&found))?;
+        return Ok(true);
+    }
     let found = context.job()?.train_networks(&ask)?;
     context.print(&found, String::new)?;
     Ok(true)

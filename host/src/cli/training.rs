@@ -1,6 +1,7 @@
 //! The options of `train`, `quantize` and `study`, the same in a build that cannot train.
 
 use super::context::{Preset, count};
+use super::recordings::StatedArgs;
 use crate::dataset::Shard;
 use crate::experiments::Study;
 use crate::reproduce::{Item, Size};
@@ -18,6 +19,17 @@ pub struct TrainArgs {
     /// A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// A folder of labelled recordings of the scenario's radar: folders named as their class, or labels.csv (file,class[,person][,from_s,to_s]).
+    #[arg(id = "measured", long = "recordings", value_name = "FOLDER", conflicts_with = "data")]
+    pub recordings: Option<PathBuf>,
+    /// What networks learn from.
+    #[arg(long, value_enum, requires = "measured", default_value_t = Method::Recordings)]
+    pub method: Method,
+    /// Parts of the cross-validation, at most; a person, or else a recording, is in one of them.
+    #[arg(long, requires = "measured", default_value_t = 5, value_parser = count(2..=1000))]
+    pub folds: u32,
+    #[command(flatten)]
+    pub stated: StatedArgs,
     /// Optimiser, learning rate and batch in one; absent: the scenario's.
     #[arg(long, value_enum)]
     pub recipe: Option<Recipe>,
@@ -38,6 +50,17 @@ pub enum Recipe {
     PaperAdam,
     /// The paper's: momentum 0.9, 0.06, batch 300.
     PaperMomentum,
+}
+
+/// What networks learn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// The recordings alone.
+    Recordings,
+    /// Simulated and measured recordings together; their classes are the simulator's.
+    WithSimulation,
+    /// Simulated recordings first, then the measured ones at a tenth of the learning rate.
+    FineTuning,
 }
 
 /// Where to train.

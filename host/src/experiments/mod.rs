@@ -23,6 +23,8 @@ pub(crate) mod learning_curve;
 pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod robustness;
+#[cfg(feature = "train")]
+pub(crate) mod score;
 pub(crate) mod seeds;
 #[cfg(feature = "train")]
 pub(crate) mod selection;

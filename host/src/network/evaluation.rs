@@ -8,7 +8,6 @@ use super::inference::Classifier;
 use super::parameters::{Images, Parameters};
 use super::spectrograms::Recordings;
 use crate::results::Accuracy;
-use crate::scenario::Class;
 use rayon::prelude::*;
 use sdp3_core::dsn::head::arg_max;
 use sdp3_core::dsn::{Model, ModelError};
@@ -139,8 +138,9 @@ pub fn test(
     Ok(slots.iter().enumerate().map(tested).collect())
 }
 
-pub fn confusion(truth: &[u8], answers: &[u8]) -> Vec<Vec<u32>> {
-    let mut counts = vec![vec![0; Class::ALL.len()]; Class::ALL.len()];
+/// How often a class `[truth]` was answered with another `[answer]`.
+pub fn confusion(truth: &[u8], answers: &[u8], classes: usize) -> Vec<Vec<u32>> {
+    let mut counts = vec![vec![0; classes]; classes];
     for (&truth, &answer) in truth.iter().zip(answers) {
         counts[usize::from(truth)][usize::from(answer)] += 1;
     }
@@ -153,6 +153,7 @@ mod tests {
     use crate::network::early_exits::Policy;
     use crate::network::memory::OwnedMemory;
     use crate::network::spectrograms::{Part, item};
+    use crate::scenario::Class;
     use crate::scenario::Scenario;
     use crate::simulator::dataset::{Set, recording};
     use sdp3_core::early_exit::{EXITS, EarlyExit};
@@ -212,7 +213,7 @@ mod tests {
         };
         assert_eq!(found.classes(0), [1, 0, 2, 0]);
         assert_eq!(found.accuracy(0), 0.75);
-        let counts = confusion(&found.truth, &found.classes(0));
+        let counts = confusion(&found.truth, &found.classes(0), Class::ALL.len());
         assert_eq!(counts.len(), Class::ALL.len());
         assert_eq!([&counts[0][..3], &counts[1][..3], &counts[2][..3]], [[1, 0, 0], [1, 1, 0], [0, 0, 1]]);
     }

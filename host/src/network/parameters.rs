@@ -177,7 +177,7 @@ pub(super) fn stream(seed: u64, purpose: Stream, index: u64) -> Xoshiro256PlusPl
 }
 
 /// A permutation of `0..count`, Fisher and Yates; a function of seed and round.
-pub(super) fn shuffled(count: usize, seed: u64, round: u64) -> Vec<usize> {
+pub(crate) fn shuffled(count: usize, seed: u64, round: u64) -> Vec<usize> {
     let mut random = stream(seed, Stream::Shuffle, round);
     let mut order: Vec<usize> = (0..count).collect();
     for i in (1..count).rev() {

@@ -23,14 +23,14 @@ pub struct Collected {
 
 impl Collected {
     /// More of the same set.
-    pub fn extend(&mut self, more: Collected) {
+    pub fn extend(&mut self, more: &Collected) {
         if self.images.is_empty() {
-            self.images = more.images;
+            self.images.clone_from(&more.images);
             return;
         }
-        for (images, more) in self.images.iter_mut().zip(more.images) {
-            images.pixels.extend(more.pixels);
-            images.labels.extend(more.labels);
+        for (images, more) in self.images.iter_mut().zip(&more.images) {
+            images.pixels.extend(&more.pixels);
+            images.labels.extend(&more.labels);
         }
     }
 }
@@ -209,6 +209,34 @@ fn windows_of(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<Vec<i8>>> {
         images
     };
     (0..windows).map(&mut window).collect()
+}
+
+/// Images at every N_s of labelled recordings of any length: windows `step(N_s)` slots from one to the next, recording by recording.
+pub fn sliding(
+    scenario: &Scenario,
+    recordings: &[(u8, &[Beat])],
+    step: impl Fn(usize) -> usize + Sync,
+) -> Collected {
+    let of = |&slots: &u32| {
+        let mut short = scenario.clone();
+        short.frame.sensing_slots = vec![slots];
+        let length = slots as usize;
+        let windows = |(label, beats): &(u8, &[Beat])| -> Vec<(u8, Vec<i8>)> {
+            let first = (0..(beats.len() + 1).saturating_sub(length)).step_by(step(length).max(1));
+            first
+                .flat_map(|first| images_of_beats(&short, &beats[first..first + length]))
+                .map(|image| (*label, image))
+                .collect()
+        };
+        let each: Vec<(u8, Vec<i8>)> = recordings.par_iter().flat_map_iter(windows).collect();
+        Images {
+            rows: ROWS,
+            frames: scenario.spectrogram.preprocessing().frames(length),
+            pixels: each.iter().flat_map(|(_, image)| image.iter().copied()).collect(),
+            labels: each.iter().map(|&(label, _)| label).collect(),
+        }
+    };
+    Collected { images: scenario.frame.sensing_slots.iter().map(of).collect() }
 }
 
 /// Images at every N_s of the scenario of a recording's raw slots.

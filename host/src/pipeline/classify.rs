@@ -2,7 +2,7 @@
 
 use crate::error::{Failure, Invalid};
 use crate::network::memory::{HostPipeline, OwnedMemory};
-use crate::recordings::{self, Samples, Stated};
+use crate::recordings::{self, Expected, Stated};
 use crate::results::{Classified, ClassifiedRecording, ClassifiedWindow};
 use crate::store::limited;
 use sdp3_core::dsn::Model;
@@ -10,9 +10,6 @@ use std::collections::VecDeque;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Share by which a recording's slot interval and carrier may differ from the model's.
-const INTERVAL: f64 = 0.01;
-const CARRIER: f64 = 0.05;
 /// The class of a window that is not sure enough.
 const UNKNOWN: &str = "unknown";
 
@@ -101,32 +98,14 @@ impl Classify {
 
     fn file(&self, model: &Model, file: &Path) -> Result<ClassifiedRecording, Failure> {
         let signal = recordings::open(file, &self.stated)?;
-        let wrong = |field: &str, value: String, legal: String| -> Failure {
-            Invalid::new(field, value, legal).at(file.display()).into()
+        let expected = Expected {
+            whose: "the model's",
+            per_slot: model.radar().values_per_slot(),
+            interval_us: f64::from(model.interval_us()),
+            carrier_hz: 1e3 * f64::from(model.carrier_khz()),
         };
-        let Samples::Slots(slots) = &signal.samples else {
-            let legal = "raw slots: a model of slots classifies no other signal";
-            return Err(wrong("samples", signal.about.axes, legal.to_owned()));
-        };
-        let per_slot = model.radar().values_per_slot();
-        if slots.per_slot != per_slot {
-            let legal = format!("{per_slot}, as the model's radar has");
-            return Err(wrong("values a slot", slots.per_slot.to_string(), legal));
-        }
-        let (interval_us, model_us) = (1e6 / signal.rate_hz, f64::from(model.interval_us()));
-        if (interval_us - model_us).abs() > INTERVAL * model_us {
-            let legal = format!("{model_us}, the model's, within a hundredth");
-            return Err(wrong("slot interval (us)", interval_us.to_string(), legal));
-        }
-        let carrier_hz = 1e3 * f64::from(model.carrier_khz());
-        if (signal.carrier_hz - carrier_hz).abs() > CARRIER * carrier_hz {
-            let legal = format!("{carrier_hz}, the model's, within 5 %");
-            return Err(wrong("carrier (Hz)", signal.carrier_hz.to_string(), legal));
-        }
-        if slots.len() < model.sensing_slots() {
-            let legal = format!("at least {}, a window of the model", model.sensing_slots());
-            return Err(wrong("slots", slots.len().to_string(), legal));
-        }
+        let slots =
+            expected.slots(&signal, model.sensing_slots()).map_err(|invalid| invalid.at(file.display()))?;
         let mut found = Vec::new();
         let mut each = |window: &ClassifiedWindow| {
             found.push(window.clone());
@@ -137,7 +116,7 @@ impl Classify {
         })?;
         Ok(ClassifiedRecording {
             file: file.display().to_string(),
-            format: signal.about.format,
+            format: signal.about.format.clone(),
             slots: slots.len() as u32,
             windows: found,
         })

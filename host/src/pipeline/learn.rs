@@ -25,11 +25,29 @@ pub struct Trained {
 }
 
 /// How networks are trained, beside the scenario's settings.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct How {
+#[derive(Debug, Clone)]
+pub struct How<'a> {
     pub backend: Backend,
     /// Whether to go on from the checkpoints that are there.
     pub resume: bool,
+    /// Names of the classes, in the order of the labels.
+    pub classes: &'a [String],
+    /// Folder of checkpoints and of what the quantisation reports, within the output's.
+    pub folder: String,
+    /// Networks to go on from, in the order of `frame.sensing_slots`; absent: random weights.
+    pub start: Option<&'a [Parameters]>,
+}
+
+impl<'a> How<'a> {
+    /// Networks from random weights, into the folder `models`.
+    pub fn new(backend: Backend, resume: bool, classes: &'a [String]) -> Self {
+        How { backend, resume, classes, folder: "models".into(), start: None }
+    }
+}
+
+/// Names of the simulator's classes.
+pub fn class_names() -> Vec<String> {
+    Class::ALL.iter().map(|class| class.name().to_owned()).collect()
 }
 
 /// Networks and how well they recognise.
@@ -61,7 +79,7 @@ impl Job {
         let (mut found, mut done) = (Collected { images: Vec::new() }, 0);
         stored.each(|recordings| {
             done += recordings.len() as u64;
-            found.extend(collect_from(&self.scenario, recordings));
+            found.extend(&collect_from(&self.scenario, recordings));
             stage.at(done, u64::from(stored.recordings()));
         })?;
         stage.finish(&format!("training recordings: {done} of a dataset"));
@@ -74,15 +92,16 @@ impl Job {
     /// # Errors
     ///
     /// Images that do not fit the settings; checkpoints of other trainings, or that cannot be written or read.
-    pub(super) fn train(&self, train: &Collected, how: How) -> Result<Trained, Failure> {
+    pub(super) fn train(&self, train: &Collected, how: &How) -> Result<Trained, Failure> {
         let s = &self.scenario;
         let slots = &s.frame.sensing_slots;
-        let name = |n: u32| format!("models/dsn-{n}.checkpoint.json");
+        let name = |n: u32| format!("{}/dsn-{n}.checkpoint.json", how.folder);
         let (mut jobs, mut identities) = (Vec::new(), Vec::new());
-        for (&n, images) in slots.iter().zip(&train.images) {
+        for (index, (&n, images)) in slots.iter().zip(&train.images).enumerate() {
             let seed = self.seed ^ (u64::from(n) << 32);
-            let mut job = training::Job { seed, backend: how.backend, resume: None };
-            let identity = job.identity(images, &s.learning, Class::ALL.len());
+            let start = how.start.map(|networks| networks[index].clone());
+            let mut job = training::Job { seed, backend: how.backend, start, resume: None };
+            let identity = job.identity(images, &s.learning, how.classes.len());
             if how.resume {
                 let path = self.output.path(&name(n));
                 job.resume = match record::read(&path, &identity)? {
@@ -115,7 +134,7 @@ impl Job {
             Ok(())
         };
         let trained =
-            train_all(&train.images, &jobs, &s.learning, Class::ALL.len(), self.workers, &after_epoch)?;
+            train_all(&train.images, &jobs, &s.learning, how.classes.len(), self.workers, &after_epoch)?;
         let last = trained.last().and_then(|t| t.epochs.last());
         let (loss, accuracy) = last.map_or((f64::NAN, f64::NAN), |e| (e.loss, e.accuracy));
         stage.finish(&format!("{} networks, last loss {loss:.3}, accuracy {accuracy:.3}", trained.len()));
@@ -141,16 +160,16 @@ impl Job {
         &self,
         networks: &[Parameters],
         train: &Collected,
+        how: &How,
     ) -> Result<Vec<Vec<u8>>, Failure> {
-        let names: Vec<String> = Class::ALL.iter().map(|class| class.name().to_owned()).collect();
         let stage = self.progress.stage("quantize", "int8 models");
         let mut models = Vec::new();
         for (index, network) in networks.iter().enumerate() {
             let slots = self.scenario.frame.sensing_slots[index];
             let header = header(&self.scenario, slots);
             let (quantized, report) =
-                quantize_tuned(network, header, &names, &train.images[index], &self.scenario.learning)?;
-            self.output.write_json(&format!("models/dsn-{slots}-quantization.json"), &report)?;
+                quantize_tuned(network, header, how.classes, &train.images[index], &self.scenario.learning)?;
+            self.output.write_json(&format!("{}/dsn-{slots}-quantization.json", how.folder), &report)?;
             models.push(quantized.to_bytes()?);
             stage.step(networks.len() as u64);
         }
@@ -164,10 +183,10 @@ impl Job {
     /// # Errors
     ///
     /// Any of the steps'.
-    pub(super) fn learn(&self, rho: f64, how: How) -> Result<(Learned, Vec<Training>), Failure> {
+    pub(super) fn learn(&self, rho: f64, how: &How) -> Result<(Learned, Vec<Training>), Failure> {
         let train = self.collect(rho, Part::Train, "training recordings");
         let mut trained = self.train(&train, how)?;
-        let models = self.quantize(&trained.parameters, &train)?;
+        let models = self.quantize(&trained.parameters, &train, how)?;
         let images = self.collect(rho, Part::Test, "test recordings").images;
         let stage = self.progress.stage("run", "networks on the test recordings");
         let slots = &self.scenario.frame.sensing_slots;
@@ -176,7 +195,7 @@ impl Job {
         for ((tested, images), training) in tested.into_iter().zip(&images).zip(&mut trained.training) {
             training.float_loss = tested.float.loss;
             for (arithmetic, answers) in [("float", &tested.float.classes), ("int8", &tested.int8)] {
-                let counts = confusion(&images.labels, answers);
+                let counts = confusion(&images.labels, answers, how.classes.len());
                 let sensing_slots = training.sensing_slots;
                 confusions.push(Confusion { sensing_slots, arithmetic: arithmetic.into(), counts });
             }

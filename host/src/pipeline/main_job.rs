@@ -1,7 +1,7 @@
 //! The main job: every stage once, each fed by the one before, then the files of the run: `run.json`, `figures.json`, the page.
 
 use super::expected::Work;
-use super::learn::How;
+use super::learn::{How, class_names};
 use super::simulate::Measured;
 use super::verify::{REFERENCE, Targets};
 use super::{Job, budget};
@@ -9,6 +9,7 @@ use crate::error::Failure;
 use crate::network::early_exits;
 use crate::network::parameters::Images;
 use crate::network::spectrograms::{Collected, Part, picture};
+use crate::network::training::Backend;
 use crate::results::{Calibration, EarlyExitGallery, Figures, OperatingPoint, Run, Schedule, Spectrogram};
 use crate::scenario::Class;
 use crate::scheduling::playback;
@@ -54,7 +55,8 @@ impl Job {
         let calibration = self.calibrate(ask.measured.as_ref())?;
         let rho = self.rho_used(&calibration, ask.measured.is_some());
         let (shown, spectrograms) = self.gallery(rho);
-        let (learned, training) = self.learn(rho, How { resume: ask.resume, ..How::default() })?;
+        let (learned, training) =
+            self.learn(rho, &How::new(Backend::default(), ask.resume, &class_names()))?;
         let models = &learned.models;
         self.write_models(models)?;
         let (prediction, curve) = self.predict(&learned.accuracy)?;

@@ -24,6 +24,8 @@ pub(crate) mod study;
 pub(crate) mod sweep;
 #[cfg(feature = "train")]
 pub(crate) mod train;
+#[cfg(feature = "train")]
+pub(crate) mod train_recordings;
 pub(crate) mod verify;
 
 use crate::error::Failure;

@@ -1,7 +1,7 @@
 //! Train and quantise as commands of their own: networks from simulated recordings or a dataset.
 
 use super::expected::Work;
-use super::learn::How;
+use super::learn::{How, Trained, class_names};
 use super::{Job, budget};
 use crate::dataset::Stored;
 use crate::error::Failure;
@@ -64,7 +64,7 @@ impl Job {
     }
 
     /// Images of the training recordings that the scenario asks for.
-    fn simulated(&self) -> Collected {
+    pub(super) fn simulated(&self) -> Collected {
         self.collect(self.rho(), Part::Train, "training recordings")
     }
 
@@ -98,13 +98,19 @@ impl Job {
                 self.simulated()
             }
         };
-        let trained = self.train(&images, How { backend: ask.backend, resume: ask.resume })?;
+        let trained = self.train(&images, &How::new(ask.backend, ask.resume, &class_names()))?;
+        self.write_networks(&trained)?;
+        Ok(trained.training)
+    }
+
+    /// Writes float networks and their histories.
+    pub(super) fn write_networks(&self, trained: &Trained) -> Result<(), Failure> {
         self.output.write("training.csv", history(&trained.training).as_bytes())?;
         for (parameters, n) in trained.parameters.iter().zip(&self.scenario.frame.sensing_slots) {
             self.output.write_json(&network_name(*n), parameters)?;
         }
         self.output.write_json("training.json", &trained.training)?;
-        Ok(trained.training)
+        Ok(())
     }
 
     /// Converts the networks of the output folder into model files, ranges measured on a dataset or simulated recordings.
@@ -137,6 +143,8 @@ impl Job {
             }
             None => self.simulated(),
         };
-        Ok(self.write_models(&self.quantize(&networks, &images)?)?)
+        let classes = class_names();
+        let how = How::new(Backend::default(), false, &classes);
+        Ok(self.write_models(&self.quantize(&networks, &images, &how)?)?)
     }
 }

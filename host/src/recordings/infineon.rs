@@ -43,9 +43,13 @@ struct ChirpConfig {
     sample_rate_hz: f64,
 }
 
+/// Whether a folder is a recording of this kind.
+pub(super) fn holds(folder: &Path) -> bool {
+    ["config.json", "radar.npy"].iter().all(|name| folder.join(name).is_file())
+}
+
 /// The folder of a recording of this kind: the one named, the only one of the SDK in it, or the one that holds the file named.
 pub(super) fn folder(path: &Path) -> Option<PathBuf> {
-    let holds = |folder: &Path| ["config.json", "radar.npy"].iter().all(|name| folder.join(name).is_file());
     if !path.is_dir() {
         let beside = path.file_name().is_some_and(|name| name == "radar.npy" || name == "config.json");
         return path.parent().filter(|folder| beside && holds(folder)).map(Path::to_owned);

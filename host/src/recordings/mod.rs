@@ -4,12 +4,15 @@
 //! What a file does not say about itself (carrier, rate) the user states; what both say, the user decides. Levels are relative:
 //! calibration compares spectrograms on their own mean power, so a gain only changes the power that is printed.
 
+pub(crate) mod annotations;
 mod array;
 mod cube;
 mod dca1000;
+mod expected;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod infineon;
+pub(crate) mod labels;
 mod matlab;
 mod npy;
 mod sigmf;
@@ -27,6 +30,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 pub use cube::Chirps;
+pub use expected::Expected;
 
 /// Most memory that a number takes while it is read, in bytes: as it is in the file, and as half of a complex one that is copied once.
 const BYTES_PER_NUMBER: f64 = 24.0;

@@ -15,6 +15,7 @@ mod page;
 pub(crate) mod panels;
 pub mod paper;
 pub(crate) mod plot;
+pub(crate) mod recordings;
 pub(crate) mod spectrograms;
 #[cfg(feature = "train")]
 pub(crate) mod studies;

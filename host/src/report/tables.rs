@@ -3,86 +3,10 @@
 use super::plot::{grouped, number};
 use crate::formats::table;
 use crate::predictor::{Model, paper};
-use crate::results::{
-    ChannelTable, Classified, ClassifiedRecording, ClassifiedWindow, Figures, Inspection, Interval,
-    Parameters, Prediction, RoomFit, SweepRow, Verify,
-};
+use crate::results::{ChannelTable, Figures, Interval, Parameters, Prediction, RoomFit, SweepRow, Verify};
 use maud::{Markup, html};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-
-/// A recording in words: a line a property, then the matching scenario.
-pub fn inspection(found: &Inspection) -> String {
-    let about = &found.about;
-    let shape: Vec<String> = about.shape.iter().map(usize::to_string).collect();
-    let mut lines =
-        vec![("format", about.format.clone()), ("axes", about.axes.clone()), ("shape", shape.join(" x "))];
-    if let Some(s) = &about.sensor {
-        let numbers = if s.complex { "complex" } else { "real" };
-        let masks: Vec<String> = s.transmitters.iter().map(|mask| format!("{mask:#b}")).collect();
-        lines.extend([
-            ("sensor", s.name.clone()),
-            (
-                "sweep",
-                format!("{} GHz from {} GHz", number(s.bandwidth_hz / 1e9), number(s.carrier_hz / 1e9)),
-            ),
-            (
-                "samples",
-                format!(
-                    "{} {numbers} of {} bits at {} MHz",
-                    s.samples,
-                    s.converter_bits,
-                    number(s.sample_rate_hz / 1e6)
-                ),
-            ),
-            (
-                "chirps",
-                format!(
-                    "{} a frame, {} us apart; frames {} ms apart",
-                    s.chirps,
-                    number(1e6 * s.chirp_s),
-                    number(1e3 * s.frame_s)
-                ),
-            ),
-            ("transmit antennas", format!("{}, a mask a chirp", masks.join(" "))),
-        ]);
-        if let (Some(antenna), Some(chirp)) = (found.antenna, &found.chirp) {
-            lines.push((
-                "taken",
-                format!("antenna {antenna} of {}, chirp {chirp} of {}", s.antennas, s.chirps),
-            ));
-        }
-    }
-    lines.extend([
-        ("carrier", format!("{} GHz", number(found.carrier_hz / 1e9))),
-        ("rate", format!("{} Hz", number(found.rate_hz))),
-        ("length", format!("{} s", number(found.seconds))),
-        ("mean power", format!("{:.1} dB", found.power_db)),
-        ("figures", found.figures.join(", ")),
-    ]);
-    let mut text: String = lines.iter().map(|(name, value)| format!("{name:18}{value}\n")).collect();
-    if let Some(scenario) = &found.scenario {
-        let _ = write!(text, "\nscenario that matches the sensor:\n\n{scenario}");
-    }
-    if let Some(problem) = &found.scenario_problem {
-        let _ = write!(text, "\nno scenario: {problem}");
-    }
-    text.trim_end().to_owned()
-}
-
-/// Windows of recordings, one a line.
-pub fn classified(found: &Classified) -> String {
-    let of = |one: &ClassifiedRecording| {
-        let windows: Vec<String> = one.windows.iter().map(classified_window).collect();
-        format!("{} ({}), {} slots\n{}", one.file, one.format, one.slots, windows.join("\n"))
-    };
-    found.recordings.iter().map(of).collect::<Vec<_>>().join("\n")
-}
-
-/// A window: its time, its class and the confidence.
-pub fn classified_window(window: &ClassifiedWindow) -> String {
-    format!("{:9.3} s  {:16} {:.3}", window.start_s, window.class, window.confidence)
-}
 
 /// Every stage of every target.
 pub fn conformance(verify: &Verify) -> Markup {

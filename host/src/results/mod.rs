@@ -5,6 +5,7 @@
 
 mod files;
 mod inspection;
+mod learned;
 mod optimizer;
 mod reproduction;
 mod spread;
@@ -12,6 +13,7 @@ mod sweep;
 
 pub use files::*;
 pub use inspection::*;
+pub use learned::*;
 pub use optimizer::*;
 pub use reproduction::*;
 pub use spread::*;

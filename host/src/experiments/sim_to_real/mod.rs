@@ -6,11 +6,11 @@
 //! with the feature `svm` a support vector machine on simulated seconds.
 
 mod recogniser;
-mod score;
 mod seconds;
 
 use super::cells::Cells;
 use super::labelled::{LeftOut, Measured, left_out_section};
+use super::score::{Predictions, balanced_accuracy};
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
 #[cfg(feature = "svm")]
@@ -22,7 +22,6 @@ use crate::simulator::randomised::Motion;
 use crate::store::digest::sha256;
 use recogniser::Recogniser;
 use schemars::JsonSchema;
-use score::{Predictions, balanced_accuracy};
 use seconds::{Layout, SLOWEST_HZ};
 use serde::{Deserialize, Serialize};
 
@@ -235,7 +234,7 @@ pub fn study(
     }
     let score = |(m, (method, _)): (usize, &Predicted)| {
         let of = |(recording, methods): (&Labelled<'_>, &Vec<Predicted>)| Predictions {
-            motion: recording.measured.motion,
+            label: recording.measured.motion as u8,
             each: methods[m].1.clone(),
         };
         let all: Vec<Predictions> = work.recordings.iter().zip(&predicted).map(of).collect();

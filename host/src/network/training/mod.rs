@@ -137,6 +137,8 @@ pub struct Job {
     pub seed: u64,
     /// Where it runs.
     pub backend: Backend,
+    /// What to begin with, of the settings' architecture; absent: random weights.
+    pub start: Option<Parameters>,
     /// Where to go on, instead of at the beginning; of this very training.
     pub resume: Option<Checkpoint>,
 }
@@ -144,7 +146,12 @@ pub struct Job {
 impl Job {
     /// What its checkpoints belong to.
     pub fn identity(&self, images: &Images, settings: &Learning, classes: usize) -> Identity {
-        identity(architecture(settings, classes), settings, self.seed, images, self.backend.name())
+        let mut identity =
+            identity(architecture(settings, classes), settings, self.seed, images, self.backend.name());
+        if let Some(start) = &self.start {
+            identity.push(("start", serde_json::to_value(Bits::new(start)).unwrap_or_default()));
+        }
+        identity
     }
 }
 
@@ -270,7 +277,10 @@ impl<'a> Learner<'a> {
         job: &Job,
     ) -> Result<Learner<'a>, TrainingError> {
         let architecture = architecture(settings, classes);
-        let mut parameters = Parameters::initial(architecture, job.seed);
+        let mut parameters = match &job.start {
+            Some(start) => start.clone(),
+            None => Parameters::initial(architecture, job.seed),
+        };
         let mut optimizer = optimizer(settings);
         let (mut epochs, mut best) = (Vec::new(), None);
         if let Some(checkpoint) = &job.resume {

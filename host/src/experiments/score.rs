@@ -1,67 +1,69 @@
 //! Balanced accuracy over recordings, with a bootstrap interval.
 //!
-//! Seconds of one recording resemble each other, so recordings are redrawn as wholes, within their motion, then seconds within each, and
-//! the networks for all of them (Davison and Hinkley, 1997, section 3.8). Where a motion has one recording, the interval covers its seconds
+//! Windows of one recording resemble each other, so recordings are redrawn as wholes, within their class, then windows within each, and
+//! the networks for all of them (Davison and Hinkley, 1997, section 3.8). Where a class has one recording, the interval covers its windows
 //! alone.
 
 use crate::experiments::paired::{COVERAGE, DRAWS};
 use crate::numerics::random::Random;
 use crate::results::Estimate;
-use crate::simulator::randomised::Motion;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Stream number of what is redrawn.
 const STREAM: u64 = 206;
 
-/// Predictions for the seconds of a recording.
+/// Predictions for the windows of a recording.
 #[derive(Debug, Clone)]
 pub struct Predictions {
-    pub motion: Motion,
-    /// `[network][second]`.
+    /// Its class.
+    pub label: u8,
+    /// `[network][window]`.
     pub each: Vec<Vec<u8>>,
 }
 
 impl Predictions {
-    fn correct(&self, network: usize, second: usize) -> f64 {
-        f64::from(u8::from(self.each[network][second] == self.motion as u8))
+    fn correct(&self, network: usize, window: usize) -> f64 {
+        f64::from(u8::from(self.each[network][window] == self.label))
     }
 
-    fn seconds(&self) -> usize {
+    fn windows(&self) -> usize {
         self.each.first().map_or(0, Vec::len)
     }
 
-    /// Share of its seconds that is recognised, mean of the networks.
+    /// Share of its windows that is recognised, mean of the networks.
     pub fn share(&self) -> f64 {
         let all: f64 = (0..self.each.len())
-            .map(|network| (0..self.seconds()).map(|second| self.correct(network, second)).sum::<f64>())
+            .map(|network| (0..self.windows()).map(|window| self.correct(network, window)).sum::<f64>())
             .sum();
-        all / (self.each.len() * self.seconds()).max(1) as f64
+        all / (self.each.len() * self.windows()).max(1) as f64
     }
 }
 
-/// Mean over the motions present of the share of their seconds that is recognised. `pick(n, count)` is the index drawn in place of n.
+/// Mean over the classes present of the share of their windows that is recognised. `pick(n, count)` is the index drawn in place of n.
 fn balanced(recordings: &[Predictions], mut pick: impl FnMut(usize, usize) -> usize) -> f64 {
     let networks = recordings.first().map_or(0, |r| r.each.len());
     let chosen: Vec<usize> = (0..networks).map(|n| pick(n, networks)).collect();
-    let (mut sum, mut motions) = (0.0, 0.0);
-    for motion in Motion::ALL {
+    let (mut sum, mut classes) = (0.0, 0.0);
+    let labels: BTreeSet<u8> = recordings.iter().map(|r| r.label).collect();
+    for label in labels {
         let of: Vec<&Predictions> =
-            recordings.iter().filter(|r| r.motion == motion && r.seconds() > 0).collect();
+            recordings.iter().filter(|r| r.label == label && r.windows() > 0).collect();
         let (mut correct, mut all) = (0.0, 0.0);
         for n in 0..of.len() {
             let recording = of[pick(n, of.len())];
-            for second in 0..recording.seconds() {
-                let second = pick(second, recording.seconds());
-                correct += chosen.iter().map(|&network| recording.correct(network, second)).sum::<f64>();
+            for window in 0..recording.windows() {
+                let window = pick(window, recording.windows());
+                correct += chosen.iter().map(|&network| recording.correct(network, window)).sum::<f64>();
                 all += networks as f64;
             }
         }
         if all > 0.0 {
             sum += correct / all;
-            motions += 1.0;
+            classes += 1.0;
         }
     }
-    sum / f64::max(motions, 1.0)
+    sum / f64::max(classes, 1.0)
 }
 
 /// Balanced accuracy, mean of the networks, with its 95 % interval.
@@ -86,16 +88,16 @@ pub fn balanced_accuracy(recordings: &[Predictions], seed: u64) -> Estimate {
 mod tests {
     use super::*;
 
-    fn predictions(motion: Motion, each: &[&[u8]]) -> Predictions {
-        Predictions { motion, each: each.iter().map(|of| of.to_vec()).collect() }
+    fn predictions(label: u8, each: &[&[u8]]) -> Predictions {
+        Predictions { label, each: each.iter().map(|of| of.to_vec()).collect() }
     }
 
     #[test]
-    fn motions_count_alike_and_seconds_within_them() {
+    fn classes_count_alike_and_windows_within_them() {
         let recordings = [
-            predictions(Motion::Walking, &[&[0, 0, 0, 0, 0, 1], &[0; 6]]),
-            predictions(Motion::Walking, &[&[1, 1], &[0, 0]]),
-            predictions(Motion::Running, &[&[1, 0], &[1, 1]]),
+            predictions(0, &[&[0, 0, 0, 0, 0, 1], &[0; 6]]),
+            predictions(0, &[&[1, 1], &[0, 0]]),
+            predictions(1, &[&[1, 0], &[1, 1]]),
         ];
         let found = balanced_accuracy(&recordings, 1);
         // 13 of 16 and 3 of 4
@@ -105,12 +107,9 @@ mod tests {
     }
 
     #[test]
-    fn one_class_for_all_scores_one_over_the_motions() {
-        let recordings = [
-            predictions(Motion::Walking, &[&[0; 30]]),
-            predictions(Motion::Running, &[&[0; 7]]),
-            predictions(Motion::Still, &[&[0; 7]]),
-        ];
+    fn one_class_for_all_scores_one_over_the_classes() {
+        let recordings =
+            [predictions(0, &[&[0; 30]]), predictions(1, &[&[0; 7]]), predictions(2, &[&[0; 7]])];
         let found = balanced_accuracy(&recordings, 1);
         assert_eq!((found.mean, found.low, found.high), (1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0));
     }
@@ -119,10 +118,10 @@ mod tests {
     fn recordings_as_wholes_widen_the_interval() {
         // ten recordings, each wholly recognised or not, against as many seconds of two recordings
         let whole: Vec<Predictions> =
-            (0..10).map(|n| predictions(Motion::Walking, &[&[u8::from(n % 5 == 0); 20]])).collect();
+            (0..10).map(|n| predictions(0, &[&[u8::from(n % 5 == 0); 20]])).collect();
         let width = |found: Estimate| found.high - found.low;
         let mixed: Vec<u8> = (0..20).map(|n| u8::from(n % 5 == 0)).collect();
-        let seconds: Vec<Predictions> = (0..10).map(|_| predictions(Motion::Walking, &[&mixed])).collect();
+        let seconds: Vec<Predictions> = (0..10).map(|_| predictions(0, &[&mixed])).collect();
         assert!(width(balanced_accuracy(&whole, 1)) > 2.0 * width(balanced_accuracy(&seconds, 1)));
     }
 }
