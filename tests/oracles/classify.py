@@ -125,15 +125,36 @@ share = sum(sum(c) / len(c) for c in counts.values()) / len(counts)
 print(f"  of what it learned from, the model recognises {share:.3f} through classify")
 check(share > 0.8, f"learned recordings: {share}")
 
+# a class held out: the threshold is stated, and classify takes it
+for file_of_third in (WORK / "running").glob("*"):
+    (folders / "adult-running").mkdir(exist_ok=True)
+    shutil.copy(file_of_third, folders / "adult-running")
+three = train("held out", folders, "--hold-out-classes", "--set", "frame.sensing_slots=[400]")
+[network] = three["networks"]
+unknown = network["unknown"]
+print(f"  unknown: {unknown}")
+check(0 <= unknown["auroc"] <= 1 and unknown["known_kept"] + unknown["unknown_refused"] >= 1, unknown)
+model_of_three, files = WORK / "held out/models/dsn-400.sdp3", sorted((WORK / "running").glob("*.sigmf-meta"))
+plain = json.loads(run("classify", model_of_three, *files, "--json"))["recordings"]
+confidences = sorted(w["confidence"] for r in plain for w in r["windows"])
+threshold = confidences[len(confidences) // 2]
+sure = json.loads(run("classify", model_of_three, *files, "--json", "--least-confidence", threshold))["recordings"]
+for a, b in zip(plain, sure, strict=True):
+    for before, after in zip(a["windows"], b["windows"], strict=True):
+        expected = before["class"] if before["confidence"] >= threshold else "unknown"
+        check(after["class"] == expected, f"{before}, {after}")
+
 # refusals name the field
 for change, field in [
     (["--set", "frame.sensing_slots=[1000]"], "slots is 800"),
     (["--set", "radar.carrier_hz=24e9"], "carrier (Hz)"),
     (["--method", "with-simulation", "--folds", "1"], "--folds"),
+    (["--hold-out-classes"], "2 classes"),
 ]:
     said = run("train", "-q", "--recordings", RECORDINGS, *change, "--out", WORK / "refused", legal=(2,))
     check(field in said, said)
 shutil.rmtree(folders / "standing")
+shutil.rmtree(folders / "adult-running")
 said = run("train", "-q", "--recordings", folders, "--out", WORK / "refused", legal=(2,))
 check("classes is 1, must be 2 to 16" in said, said)
 said = run("classify", model, RECORDINGS / f"{one}.sigmf-meta", file, "--format", "sigmf", legal=(2,))

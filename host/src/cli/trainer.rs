@@ -25,7 +25,18 @@ pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
 }
 
 pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
-    let TrainArgs { preset, data, recordings, method, folds, stated, recipe, resume, backend } = args;
+    let TrainArgs {
+        preset,
+        data,
+        recordings,
+        method,
+        folds,
+        hold_out_classes,
+        stated,
+        recipe,
+        resume,
+        backend,
+    } = args;
     let name = format!("{backend:?}").to_lowercase();
     let backend = Backend::named(&name)
         .ok_or_else(|| format!("--backend {name}: build it with the feature `{name}`"))?;
@@ -43,7 +54,7 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
             training::Method::FineTuning => Method::FineTuning,
         };
         let stated = stated.stated(context.common.budget());
-        let source = Source { folder, stated, method, folds: folds as usize };
+        let source = Source { folder, stated, method, folds: folds as usize, hold_out_classes };
         let found = context.job()?.train_recordings(&ask, &source)?;
         context.print(&found, || learned(&found))?;
         return Ok(true);

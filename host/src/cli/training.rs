@@ -28,6 +28,9 @@ pub struct TrainArgs {
     /// Parts of the cross-validation, at most; a person, or else a recording, is in one of them.
     #[arg(long, requires = "measured", default_value_t = 5, value_parser = count(2..=1000))]
     pub folds: u32,
+    /// Hold out each class in turn too: the confidence below which a window is of none of the classes.
+    #[arg(long, requires = "measured")]
+    pub hold_out_classes: bool,
     #[command(flatten)]
     pub stated: StatedArgs,
     /// Optimiser, learning rate and batch in one; absent: the scenario's.

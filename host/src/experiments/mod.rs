@@ -33,6 +33,8 @@ pub(crate) mod sim_to_real;
 pub mod sweep;
 #[cfg(feature = "train")]
 pub(crate) mod trained;
+#[cfg(feature = "train")]
+pub(crate) mod unknown;
 
 #[cfg(feature = "train")]
 pub use crate::results::Spread;

@@ -9,7 +9,7 @@ use super::parameters::{Images, Parameters};
 use super::spectrograms::Recordings;
 use crate::results::Accuracy;
 use rayon::prelude::*;
-use sdp3_core::dsn::head::arg_max;
+use sdp3_core::dsn::head::{arg_max, confidence};
 use sdp3_core::dsn::{Model, ModelError};
 
 /// Why the core would not take a model.
@@ -100,6 +100,14 @@ impl ExitLogits {
         self.logits.iter().map(|logits| arg_max(&logits[network]) as u8).collect()
     }
 
+    /// The confidence of a network alone in its class of every recording.
+    pub fn confidences(&self, network: usize) -> Vec<f64> {
+        let scale = self.scales[network] as f32;
+        let of =
+            |logits: &Vec<Vec<i8>>| f64::from(confidence(&logits[network], arg_max(&logits[network]), scale));
+        self.logits.iter().map(of).collect()
+    }
+
     /// Share of the recordings that a network alone classifies correctly.
     pub fn accuracy(&self, network: usize) -> f64 {
         let right =
@@ -115,6 +123,8 @@ pub struct Tested {
     pub float: Evaluation,
     /// Answers in int8.
     pub int8: Vec<u8>,
+    /// Confidences in them.
+    pub confidences: Vec<f64>,
 }
 
 /// Tests the networks of every N_s.
@@ -133,7 +143,7 @@ pub fn test(
         let float = FloatNetwork::new(&parameters[n]).classify(&images[n]);
         let tested = images[n].len() as u32;
         let accuracy = Accuracy { sensing_slots, float: float.accuracy(), int8: int8.accuracy(n), tested };
-        Tested { accuracy, float, int8: int8.classes(n) }
+        Tested { accuracy, float, int8: int8.classes(n), confidences: int8.confidences(n) }
     };
     Ok(slots.iter().enumerate().map(tested).collect())
 }

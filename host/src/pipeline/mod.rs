@@ -7,6 +7,8 @@ mod budget;
 mod classify;
 #[cfg(feature = "train")]
 mod expected;
+#[cfg(feature = "train")]
+mod folds;
 mod inspect;
 #[cfg(feature = "train")]
 mod learn;

@@ -3,14 +3,17 @@
 //! A person, or where persons are not known a recording, is either learned from or tested with, never both. Windows to learn from overlap by
 //! three quarters; windows to test with do not overlap, as those of `sdp3 classify` do not.
 
+use super::expected::Work;
+use super::folds::folds;
 use super::learn::{How, Trained, class_names};
 use super::train::Train;
 use super::{Job, budget};
 use crate::error::{Failure, Invalid};
 use crate::experiments::score::{Predictions, balanced_accuracy};
+use crate::experiments::unknown::unknown;
 use crate::formats::table;
-use crate::network::evaluation::{confusion, test};
-use crate::network::parameters::{Parameters, shuffled};
+use crate::network::evaluation::{Networks, confusion, test};
+use crate::network::parameters::Parameters;
 use crate::network::spectrograms::{Collected, sliding};
 use crate::network::training::architecture;
 use crate::recordings::labels::{self, Labelled};
@@ -18,7 +21,7 @@ use crate::recordings::{self, Expected, Stated};
 use crate::results::{LearnedNetwork, LearnedRecording, LearnedRecordings};
 use sdp3_core::dims::Beat;
 use sdp3_core::dsn::head::MAX_CLASSES;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Windows to learn from begin a quarter of their length after one another.
@@ -58,6 +61,8 @@ pub struct Source {
     pub method: Method,
     /// Parts of a cross-validation, at most.
     pub folds: usize,
+    /// Whether each class is held out in turn too, to find the confidence of what is none of them.
+    pub hold_out_classes: bool,
 }
 
 /// A recording's beats and label.
@@ -73,6 +78,8 @@ struct Recording {
 struct Answers {
     float: Vec<u8>,
     int8: Vec<u8>,
+    /// Of the int8 answers.
+    confidences: Vec<f64>,
 }
 
 /// The classes: the user's in the order of their names, or the simulator's where these are all among them and simulation takes part.
@@ -93,34 +100,6 @@ fn classes(labelled: &[Labelled], method: Method, folder: &str) -> Result<Vec<St
     }
 }
 
-/// The fold of every recording: groups in random order, those of the same classes spread over the folds.
-fn folds(labelled: &[Labelled], most: usize, seed: u64, folder: &str) -> Result<Vec<usize>, Invalid> {
-    let mut groups: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for l in labelled {
-        groups.entry(l.group()).or_default().insert(&l.class);
-    }
-    let groups: Vec<_> = groups.into_iter().collect();
-    let mut order = shuffled(groups.len(), seed, 0);
-    order.sort_by_key(|&g| &groups[g].1);
-    let count = most.min(groups.len());
-    let fold_of: BTreeMap<&str, usize> =
-        order.iter().enumerate().map(|(place, &g)| (groups[g].0, place % count.max(1))).collect();
-    let fold_of = |l: &Labelled| fold_of.get(l.group()).copied().unwrap_or(0);
-    for l in labelled {
-        let of_class: BTreeSet<usize> =
-            labelled.iter().filter(|other| other.class == l.class).map(fold_of).collect();
-        let legal = "at least 2 recordings, or persons: one to learn from, one to test with";
-        Invalid::unless(of_class.len() >= 2, format!("class {}", l.class), "1 recording or person", legal)
-            .map_err(|invalid| invalid.at(folder))?;
-    }
-    Ok(labelled.iter().map(fold_of).collect())
-}
-
-/// A network for other classes: what leads to its classifier is kept.
-fn with_classes(network: Parameters, fresh: Parameters, same: bool) -> Parameters {
-    if same { network } else { Parameters { architecture: fresh.architecture, head: fresh.head, ..network } }
-}
-
 impl Job {
     /// Trains networks on labelled recordings, with a cross-validation: networks, int8 models, `recordings.json` and `points.csv`.
     ///
@@ -138,6 +117,16 @@ impl Job {
             self.progress.note("read", &format!("left out, it has no class: {}", path.display()));
         }
         let classes = classes(&labelled, from.method, &folder)?;
+        if from.hold_out_classes && (from.method != Method::Recordings || classes.len() < 3) {
+            let value = format!("{} classes, --method {}", classes.len(), from.method.name());
+            let legal =
+                "of at least 3 classes with --method recordings: simulation would show the class held out";
+            return Err(Invalid::option("--hold-out-classes", value, legal).into());
+        }
+        if from.method != Method::Recordings {
+            self.warn_of_rho();
+            self.check_cost(Work::Train, self.rho())?;
+        }
         let fold = folds(&labelled, from.folds, self.seed, &folder)?;
         self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;
         let recordings = self.read_recordings(labelled, &fold, &classes, &from.stated)?;
@@ -173,6 +162,10 @@ impl Job {
             let (trained, models) = learn(&learned, &format!("folds/{}", number + 1))?;
             self.test_fold(number, &recordings, &trained.parameters, &models, &mut answers)?;
         }
+        let foreign = match from.hold_out_classes {
+            true => self.held_out(&recordings, &classes, ask)?,
+            false => vec![Vec::new(); answers.len()],
+        };
         let (trained, models) = learn(&recordings.iter().collect::<Vec<_>>(), "models")?;
         self.write_networks(&trained)?;
         self.write_models(&models)?;
@@ -180,7 +173,7 @@ impl Job {
         self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
         let found = LearnedRecordings {
             method: from.method.name().to_owned(),
-            networks: self.scored(&recordings, &classes, &answers),
+            networks: self.scored(&recordings, &classes, &answers, &foreign),
             recordings: recordings.into_iter().map(|r| self.described(r)).collect(),
             classes,
         };
@@ -267,8 +260,13 @@ impl Job {
         let simulated = class_names();
         let how = How { folder: "simulated".into(), ..How::new(ask.backend, ask.resume, &simulated) };
         let fresh = Parameters::initial(architecture(&self.scenario.learning, classes.len()), self.seed);
-        let networks = self.train(images, &how)?.parameters.into_iter();
-        Ok(networks.map(|network| with_classes(network, fresh.clone(), classes == simulated)).collect())
+        let mut networks = self.train(images, &how)?.parameters;
+        if classes != simulated {
+            networks.iter_mut().for_each(|network| {
+                (network.architecture, network.head) = (fresh.architecture, fresh.head.clone());
+            });
+        }
+        Ok(networks)
     }
 
     /// Tests networks on the recordings of a fold.
@@ -291,15 +289,51 @@ impl Job {
                 test(&networks[one.clone()], &models[one.clone()], &slots[one.clone()], &images[one])?;
             let Some(found) = found.into_iter().next() else { continue };
             let (mut float, mut int8) = (found.float.classes.into_iter(), found.int8.into_iter());
+            let mut confidences = found.confidences.into_iter();
             for &r in &of_fold {
                 let windows = recordings[r].beats.len() / slots[n] as usize;
                 answers[n][r] = Answers {
                     float: float.by_ref().take(windows).collect(),
                     int8: int8.by_ref().take(windows).collect(),
+                    confidences: confidences.by_ref().take(windows).collect(),
                 };
             }
         }
         Ok(())
+    }
+
+    /// Confidences of windows of each class, `[N_s][window]`, by networks that learned the other classes.
+    fn held_out(
+        &self,
+        recordings: &[Recording],
+        classes: &[String],
+        ask: &Train,
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let slots = &self.scenario.frame.sensing_slots;
+        let mut found = vec![Vec::new(); slots.len()];
+        for held in 0..classes.len() {
+            let mut others = classes.to_vec();
+            let name = others.remove(held);
+            let (foreign, learned): (Vec<_>, Vec<_>) = recordings
+                .iter()
+                .map(|r| (r.label, &r.beats[..]))
+                .partition(|(label, _)| usize::from(*label) == held);
+            let relabelled =
+                |(label, beats): &(u8, _)| (label - u8::from(usize::from(*label) > held), *beats);
+            let learned: Vec<(u8, &[Beat])> = learned.iter().map(relabelled).collect();
+            let images = sliding(&self.scenario, &learned, |length| length / OVERLAP);
+            let folder = format!("without/{}", held + 1);
+            self.progress.note("train", &format!("without {name}"));
+            let how = How { folder, ..How::new(ask.backend, ask.resume, &others) };
+            let networks = self.train(&images, &how)?.parameters;
+            let models = self.quantize(&networks, &images, &how)?;
+            let shown = sliding(&self.scenario, &foreign, |length| length).images;
+            for (n, found) in found.iter_mut().enumerate() {
+                let logits = Networks::parse(&models[n..=n], &slots[n..=n])?.images(&shown[n..=n]);
+                found.extend(logits.confidences(0));
+            }
+        }
+        Ok(found)
     }
 
     /// How well every N_s recognises what it did not learn from.
@@ -308,8 +342,10 @@ impl Job {
         recordings: &[Recording],
         classes: &[String],
         answers: &[Vec<Answers>],
+        foreign: &[Vec<f64>],
     ) -> Vec<LearnedNetwork> {
-        let scored = |(&sensing_slots, answers): (&u32, &Vec<Answers>)| {
+        let scored = |((&sensing_slots, answers), foreign): ((&u32, &Vec<Answers>), &Vec<f64>)| {
+            let known: Vec<f64> = answers.iter().flat_map(|a| a.confidences.iter().copied()).collect();
             let each = || recordings.iter().zip(answers);
             let truth: Vec<u8> = each().flat_map(|(r, a)| vec![r.label; a.int8.len()]).collect();
             let share = |of: &dyn Fn(&Answers) -> &Vec<u8>| {
@@ -329,10 +365,11 @@ impl Job {
                 int8: share(&|a| &a.int8),
                 balanced: balanced_accuracy(&each().map(predictions).collect::<Vec<_>>(), self.seed),
                 majority: most as f64 / truth.len().max(1) as f64,
+                unknown: unknown(&known, foreign),
                 confusion: confusion(&truth, &int8, classes.len()),
             }
         };
-        self.scenario.frame.sensing_slots.iter().zip(answers).map(scored).collect()
+        self.scenario.frame.sensing_slots.iter().zip(answers).zip(foreign).map(scored).collect()
     }
 
     fn described(&self, recording: Recording) -> LearnedRecording {
@@ -354,27 +391,6 @@ mod tests {
     fn labelled(name: &str, class: &str, person: &str) -> Labelled {
         let person = Some(person.to_owned()).filter(|p| !p.is_empty());
         Labelled { name: name.into(), path: name.into(), class: class.into(), person, span_s: None }
-    }
-
-    #[test]
-    fn a_person_is_in_one_fold_and_every_class_in_several() {
-        let all: Vec<Labelled> = (0..24)
-            .map(|n| labelled(&format!("{n}"), ["sit", "fall"][n % 2], ["a", "b", "c", "d", "e", "f"][n / 4]))
-            .collect();
-        for most in [2, 3, 5, 100] {
-            let found = folds(&all, most, 1, "here").unwrap();
-            for group in all.chunks(4).zip(found.chunks(4)) {
-                assert!(group.1.iter().all(|fold| *fold == group.1[0]), "{group:?}");
-            }
-            assert_eq!(found.iter().collect::<BTreeSet<_>>().len(), most.min(6));
-        }
-        // two recordings of each of five classes, each class in two of the five folds
-        let few: Vec<Labelled> =
-            (0..10).map(|n| labelled(&format!("{n}"), &format!("class {}", n / 2), "")).collect();
-        let found = folds(&few, 5, 1, "here").unwrap();
-        assert!(found.chunks(2).all(|pair| pair[0] != pair[1]), "{found:?}");
-        let lonely = [labelled("1", "sit", "a"), labelled("2", "sit", "b"), labelled("3", "fall", "a")];
-        assert!(folds(&lonely, 5, 1, "here").unwrap_err().to_string().contains("class fall"));
     }
 
     #[test]

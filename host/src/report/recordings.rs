@@ -114,8 +114,14 @@ pub fn learned(found: &LearnedRecordings) -> String {
     )];
     lines.extend(found.networks.iter().map(|n| {
         let LearnedNetwork { sensing_slots, windows, float, int8, majority, .. } = n;
+        let unknown = n.unknown.as_ref().map_or_else(String::new, |u| {
+            format!(
+                "    unknown below {:.3}: keeps {:.3}, refuses {:.3}, AUROC {:.3}",
+                u.least_confidence, u.known_kept, u.unknown_refused, u.auroc
+            )
+        });
         let Estimate { mean, low, high } = n.balanced;
-        format!("{sensing_slots:5} {windows:8}  {float:.3}  {int8:.3}  {mean:.3} [{low:.3}, {high:.3}]    {majority:.3}")
+        format!("{sensing_slots:5} {windows:8}  {float:.3}  {int8:.3}  {mean:.3} [{low:.3}, {high:.3}]    {majority:.3}{unknown}")
     }));
     lines.join("\n")
 }

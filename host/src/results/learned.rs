@@ -47,6 +47,22 @@ pub struct LearnedNetwork {
     pub balanced: Estimate,
     /// Share of the windows that are of the most frequent class: what always naming it would score.
     pub majority: f64,
+    /// With classes held out: how to tell windows of none of the classes.
+    pub unknown: Option<Unknown>,
     /// Windows `[class][answer]` in int8.
     pub confusion: Vec<Vec<u32>>,
+}
+
+/// A threshold of confidence for windows of no known class. Of known classes are the windows of the cross-validation; of unknown ones
+/// those of each class, by networks that learned the others.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Unknown {
+    /// Confidence below which a window is unknown, for `sdp3 classify --least-confidence`.
+    pub least_confidence: f64,
+    /// Share of windows of known classes at or above it.
+    pub known_kept: f64,
+    /// Share of windows of unknown classes below it.
+    pub unknown_refused: f64,
+    /// Area under the ROC curve: 0.5 is chance, 1 separates all.
+    pub auroc: f64,
 }
