@@ -11,6 +11,8 @@ mod expected;
 mod folds;
 mod inspect;
 #[cfg(feature = "train")]
+mod labelled_recordings;
+#[cfg(feature = "train")]
 mod learn;
 #[cfg(feature = "train")]
 pub(crate) mod main_job;

@@ -5,6 +5,7 @@
 
 use super::expected::Work;
 use super::folds::folds;
+use super::labelled_recordings::Recording;
 use super::learn::{How, Trained, class_names};
 use super::train::Train;
 use super::{Job, budget};
@@ -16,8 +17,8 @@ use crate::network::evaluation::{Networks, confusion, test};
 use crate::network::parameters::Parameters;
 use crate::network::spectrograms::{Collected, sliding};
 use crate::network::training::architecture;
+use crate::recordings::Stated;
 use crate::recordings::labels::{self, Labelled};
-use crate::recordings::{self, Expected, Stated};
 use crate::results::{LearnedNetwork, LearnedRecording, LearnedRecordings};
 use sdp3_core::dims::Beat;
 use sdp3_core::dsn::head::MAX_CLASSES;
@@ -63,14 +64,6 @@ pub struct Source {
     pub folds: usize,
     /// Whether each class is held out in turn too, to find the confidence of what is none of them.
     pub hold_out_classes: bool,
-}
-
-/// A recording's beats and label.
-struct Recording {
-    labelled: Labelled,
-    label: u8,
-    fold: usize,
-    beats: Vec<Beat>,
 }
 
 /// What networks that did not learn from a recording say of its windows.
@@ -182,48 +175,6 @@ impl Job {
         let points = table::csv(&["sensing_slots", "accuracy", "tested"], found.networks.iter().map(point));
         self.output.write("points.csv", points.as_bytes())?;
         self.output.write_result("recordings.json", &found)?;
-        Ok(found)
-    }
-
-    /// The recordings' beats, of the scenario's radar and at least the longest window long.
-    fn read_recordings(
-        &self,
-        labelled: Vec<Labelled>,
-        folds: &[usize],
-        classes: &[String],
-        stated: &Stated,
-    ) -> Result<Vec<Recording>, Failure> {
-        let radar = self.scenario.radar.config();
-        let expected = Expected {
-            whose: "the scenario's",
-            per_slot: radar.values_per_slot(),
-            interval_us: 1e6 * self.scenario.interval_s(),
-            carrier_hz: self.scenario.radar.carrier_hz,
-        };
-        let longest = self.scenario.largest_sensing_slots() as usize;
-        let stage = self.progress.stage("read", "recordings");
-        let (total, mut found) = (labelled.len() as u64, Vec::new());
-        for (labelled, &fold) in labelled.into_iter().zip(folds) {
-            let refuse = |invalid: Invalid| invalid.at(labelled.path.display());
-            let signal = recordings::open(&labelled.path, stated)?;
-            let slots = expected.slots(&signal, longest).map_err(refuse)?;
-            let mut beats = slots.beats(radar).ok_or("a radar that the core refuses")?;
-            if let Some((from_s, to_s)) = labelled.span_s {
-                let slot = |t: f64| (t * signal.rate_hz).round() as usize;
-                let (first, end) = (slot(from_s), slot(to_s));
-                let length = signal.samples.len() as f64 / signal.rate_hz;
-                Invalid::unless(end <= beats.len(), "to_s", to_s, format!("at most {length:.3}, its length"))
-                    .map_err(refuse)?;
-                let legal = format!("at least {longest}, the longest window");
-                Invalid::unless(end - first >= longest, "slots from from_s to to_s", end - first, legal)
-                    .map_err(refuse)?;
-                beats = beats[first..end].to_vec();
-            }
-            let label = classes.iter().position(|class| *class == labelled.class).unwrap_or(0) as u8;
-            found.push(Recording { labelled, label, fold, beats });
-            stage.step(total);
-        }
-        stage.finish(&format!("{total} recordings of {} classes", classes.len()));
         Ok(found)
     }
 
