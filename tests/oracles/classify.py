@@ -1,6 +1,6 @@
 """Checks `sdp3 train --recordings` and what `sdp3 classify` prints: `classify.py SDP3 FOLDER` (called by tests/classify).
 
-FOLDER/recordings has simulated SigMF recordings with annotations, whose labels are the truth.
+FOLDER/recordings has simulated SigMF recordings with annotations; their labels are the truth.
 """
 
 import csv

@@ -19,7 +19,7 @@ pub struct TrainArgs {
     /// A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// A folder of labelled recordings of the scenario's radar: folders named as their class, or labels.csv (file,class[,person][,from_s,to_s]).
+    /// A folder of labelled recordings of the scenario's radar: folders named as their class, or labels.csv (file, class; person, from_s and to_s are optional).
     #[arg(id = "measured", long = "recordings", value_name = "FOLDER", conflicts_with = "data")]
     pub recordings: Option<PathBuf>,
     /// What networks learn from.

@@ -99,7 +99,7 @@ impl Classify {
     fn file(&self, model: &Model, file: &Path) -> Result<ClassifiedRecording, Failure> {
         let signal = recordings::open(file, &self.stated)?;
         let expected = Expected {
-            whose: "the model's",
+            owner: "the model's",
             per_slot: model.radar().values_per_slot(),
             interval_us: f64::from(model.interval_us()),
             carrier_hz: 1e3 * f64::from(model.carrier_khz()),

@@ -29,7 +29,7 @@ impl Job {
     ) -> Result<Vec<Recording>, Failure> {
         let radar = self.scenario.radar.config();
         let expected = Expected {
-            whose: "the scenario's",
+            owner: "the scenario's",
             per_slot: radar.values_per_slot(),
             interval_us: 1e6 * self.scenario.interval_s(),
             carrier_hz: self.scenario.radar.carrier_hz,

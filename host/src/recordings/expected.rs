@@ -7,8 +7,8 @@ use crate::formats::slots::Slots;
 /// The radar that slots must come from.
 #[derive(Debug, Clone, Copy)]
 pub struct Expected {
-    /// Whose it is, for errors: `the model's`.
-    pub whose: &'static str,
+    /// Owner of the radar, for errors: `the model's`.
+    pub owner: &'static str,
     /// Values of a slot.
     pub per_slot: usize,
     /// Time from slot to slot in us.
@@ -28,7 +28,7 @@ impl Expected {
     ///
     /// The first field that differs.
     pub fn slots<'s>(&self, signal: &'s Signal, least: usize) -> Result<&'s Slots, Invalid> {
-        let whose = self.whose;
+        let owner = self.owner;
         let Samples::Slots(slots) = &signal.samples else {
             return Err(Invalid::new("samples", &signal.about.axes, "raw slots of a radar"));
         };
@@ -39,19 +39,19 @@ impl Expected {
             "values a slot",
             slots.per_slot.to_string(),
             slots.per_slot == self.per_slot,
-            format!("{}, {whose}", self.per_slot),
+            format!("{}, {owner}", self.per_slot),
         )?;
         ensure(
             "slot interval (us)",
             interval_us.to_string(),
             near(interval_us, self.interval_us, Self::INTERVAL),
-            format!("{}, {whose}, within a hundredth", self.interval_us),
+            format!("{}, {owner}, within a hundredth", self.interval_us),
         )?;
         ensure(
             "carrier (Hz)",
             signal.carrier_hz.to_string(),
             near(signal.carrier_hz, self.carrier_hz, Self::CARRIER),
-            format!("{}, {whose}, within 5 %", self.carrier_hz),
+            format!("{}, {owner}, within 5 %", self.carrier_hz),
         )?;
         let legal = format!("at least {least}, the longest window");
         ensure("slots", slots.len().to_string(), slots.len() >= least, legal)?;
