@@ -343,6 +343,48 @@ Help: the tool and every command, with examples.
         --data <DIR>
             A dataset that `sdp3 simulate` wrote, instead of simulating: its room, radar, people and rho
   
+        --recordings <FOLDER>
+            A folder of labelled recordings of the scenario's radar: folders named as their class, or labels.csv (file, class; person, from_s and to_s are optional)
+  
+        --method <METHOD>
+            What networks learn from
+  
+            Possible values:
+            - recordings:      The recordings alone
+            - with-simulation: Simulated and measured recordings together; their classes are the simulator's
+            - fine-tuning:     Simulated recordings first, then the measured ones at a tenth of the learning rate
+            
+            [default: recordings]
+  
+        --folds <FOLDS>
+            Parts of the cross-validation, at most; a person, or else a recording, is in one of them
+            
+            [default: 5]
+  
+        --hold-out-classes
+            Hold out each class in turn too: the confidence below which a window is of none of the classes
+  
+        --carrier <HZ>
+            Carrier in Hz, if the file does not say
+  
+        --rate <HZ>
+            Sampling or slow-time rate in Hz, if the file does not say
+  
+        --gain <DB>
+            Gain of the sensor in dB, which is subtracted
+  
+        --dataset <NAME>
+            Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
+  
+        --antenna <N>
+            Receive antenna of a radar module, from 1
+  
+        --chirp <N|all>
+            Chirp of every frame of a radar module, from 1, or all
+  
+        --config <FILE>
+            Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
+  
         --recipe <RECIPE>
             Optimiser, learning rate and batch in one; absent: the scenario's
   
