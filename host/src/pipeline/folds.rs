@@ -36,15 +36,16 @@ pub fn folds(labelled: &[Labelled], most: usize, seed: u64, folder: &str) -> Res
 mod tests {
     use super::*;
 
-    fn labelled(name: &str, class: &str, person: &str) -> Labelled {
-        let person = Some(person.to_owned()).filter(|p| !p.is_empty());
-        Labelled { name: name.into(), path: name.into(), class: class.into(), person, span_s: None }
-    }
-
     #[test]
     fn a_person_is_in_one_fold_and_every_class_in_several() {
         let all: Vec<Labelled> = (0..24)
-            .map(|n| labelled(&format!("{n}"), ["sit", "fall"][n % 2], ["a", "b", "c", "d", "e", "f"][n / 4]))
+            .map(|n| {
+                Labelled::example(
+                    &format!("{n}"),
+                    ["sit", "fall"][n % 2],
+                    Some(["a", "b", "c", "d", "e", "f"][n / 4]),
+                )
+            })
             .collect();
         for most in [2, 3, 5, 100] {
             let found = folds(&all, most, 1, "here").unwrap();
@@ -55,10 +56,14 @@ mod tests {
         }
         // two recordings of each of five classes, each class in two of the five folds
         let few: Vec<Labelled> =
-            (0..10).map(|n| labelled(&format!("{n}"), &format!("class {}", n / 2), "")).collect();
+            (0..10).map(|n| Labelled::example(&format!("{n}"), &format!("class {}", n / 2), None)).collect();
         let found = folds(&few, 5, 1, "here").unwrap();
         assert!(found.chunks(2).all(|pair| pair[0] != pair[1]), "{found:?}");
-        let lonely = [labelled("1", "sit", "a"), labelled("2", "sit", "b"), labelled("3", "fall", "a")];
+        let lonely = [
+            Labelled::example("1", "sit", Some("a")),
+            Labelled::example("2", "sit", Some("b")),
+            Labelled::example("3", "fall", Some("a")),
+        ];
         assert!(folds(&lonely, 5, 1, "here").unwrap_err().to_string().contains("class fall"));
     }
 }

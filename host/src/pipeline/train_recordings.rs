@@ -316,7 +316,7 @@ impl Job {
                 int8: share(&|a| &a.int8),
                 balanced: balanced_accuracy(&each().map(predictions).collect::<Vec<_>>(), self.seed),
                 majority: most as f64 / truth.len().max(1) as f64,
-                unknown: unknown(&known, foreign),
+                unknown: unknown(known, foreign.clone()),
                 confusion: confusion(&truth, &int8, classes.len()),
             }
         };
@@ -339,18 +339,16 @@ impl Job {
 mod tests {
     use super::*;
 
-    fn labelled(name: &str, class: &str, person: &str) -> Labelled {
-        let person = Some(person.to_owned()).filter(|p| !p.is_empty());
-        Labelled { name: name.into(), path: name.into(), class: class.into(), person, span_s: None }
-    }
-
     #[test]
     fn classes_are_the_users_or_the_simulators() {
-        let own = [labelled("1", "wave", ""), labelled("2", "sit", "")];
+        let own = [Labelled::example("1", "wave", None), Labelled::example("2", "sit", None)];
         assert_eq!(classes(&own, Method::Recordings, "").unwrap(), ["sit", "wave"]);
         assert_eq!(classes(&own, Method::FineTuning, "").unwrap(), ["sit", "wave"]);
         assert!(classes(&own, Method::WithSimulation, "here").unwrap_err().to_string().contains("class is"));
-        let simulated = [labelled("1", &class_names()[0], ""), labelled("2", &class_names()[1], "")];
+        let simulated = [
+            Labelled::example("1", &class_names()[0], None),
+            Labelled::example("2", &class_names()[1], None),
+        ];
         assert_eq!(classes(&simulated, Method::FineTuning, "").unwrap(), class_names());
         assert!(classes(&own[..1], Method::Recordings, "").unwrap_err().to_string().contains("2 to 16"));
     }

@@ -32,6 +32,13 @@ pub struct Labelled {
 }
 
 impl Labelled {
+    /// A whole recording that is named as its path.
+    #[cfg(test)]
+    pub fn example(name: &str, class: &str, person: Option<&str>) -> Self {
+        let person = person.map(str::to_owned);
+        Labelled { name: name.into(), path: name.into(), class: class.into(), person, span_s: None }
+    }
+
     /// What must not be both learned from and tested with: the person, else the recording.
     pub fn group(&self) -> &str {
         self.person.as_deref().unwrap_or(&self.name)

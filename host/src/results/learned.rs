@@ -54,7 +54,7 @@ pub struct LearnedNetwork {
 }
 
 /// A threshold of confidence for windows of no known class. Of known classes are the windows of the cross-validation; of unknown ones
-/// those of each class, by networks that learned the others.
+/// those of each class, by networks that learned the others. The threshold was chosen on these windows, so that both shares are optimistic.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Unknown {
     /// Confidence below which a window is unknown, for `sdp3 classify --least-confidence`.
