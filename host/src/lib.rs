@@ -2,6 +2,7 @@
 //!
 //! | feature | default | effect |
 //! |---|---|---|
+//! | `cli` | yes | the command `sdp3`: its pipeline, studies, pages and figures; without it, the library below them |
 //! | `train` | yes | training (burn): `sdp3 run`, `train`, `quantize`, `study`; without it the build takes seconds |
 //! | `wgpu` | no | `sdp3 train --backend wgpu`: Vulkan, Metal, DirectX 12, WebGPU |
 //! | `cuda` | no | `sdp3 train --backend cuda`; the build downloads an LLVM bundle |
@@ -10,32 +11,41 @@
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 
-// what only the commands that train call
-#![cfg_attr(not(feature = "train"), allow(dead_code))]
+// what only the commands call, or those that train
+#![cfg_attr(not(all(feature = "cli", feature = "train")), allow(dead_code))]
 
+#[cfg(feature = "cli")]
 mod cli;
+#[cfg(feature = "cli")]
 pub mod conformance;
 pub mod dataset;
 pub mod error;
+#[cfg(feature = "cli")]
 pub mod experiments;
 pub mod formats;
 pub mod network;
 pub mod numerics;
 pub mod optimizer;
+#[cfg(feature = "cli")]
 mod pipeline;
 pub mod predictor;
 mod progress;
 pub mod recordings;
+#[cfg(feature = "cli")]
 pub mod report;
+#[cfg(feature = "cli")]
 pub mod reproduce;
 pub mod results;
 pub mod scenario;
+#[cfg(feature = "cli")]
 mod scheduling;
+#[cfg(feature = "cli")]
 pub mod schemas;
 pub mod simulator;
 pub mod store;
 pub mod text;
 
+#[cfg(feature = "cli")]
 pub use cli::main;
 
 /// Name and version, as files say what made them.

@@ -50,8 +50,17 @@ pub fn verify(context: &Context, args: VerifyArgs) -> Result<bool, Failure> {
     Ok(verify.mismatches == 0)
 }
 
-pub fn report(context: &Context) -> Result<bool, Failure> {
-    let page = context.job()?.report()?;
+/// A page to write again.
+#[derive(Debug, Clone, Args)]
+pub struct ReportArgs {
+    /// Program for the page to compute with, in WebAssembly (docs/commands.md says how it is built): the page then classifies recordings that
+    /// are dropped on it and computes the region for other links. Absent: the page only shows.
+    #[arg(long, value_name = "FILE.wasm")]
+    pub program: Option<PathBuf>,
+}
+
+pub fn report(context: &Context, args: &ReportArgs) -> Result<bool, Failure> {
+    let page = context.job()?.report(args.program.as_deref())?;
     context.print_files(&[page])?;
     Ok(true)
 }

@@ -209,8 +209,9 @@ pub enum Command {
     /// They are those of --out's run. The figures are SVG and PNG.
     #[command(after_help = "Examples:
   sdp3 report
-  sdp3 report --out small")]
-    Report,
+  sdp3 report --out small
+  sdp3 report --program target/wasm32-wasip1/page/sdp3-page.wasm")]
+    Report(job::ReportArgs),
     /// List, print, write and check scenarios.
     #[command(after_help = "Examples:
   sdp3 scenario list
@@ -290,7 +291,7 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Optimize(args) => optimizer::optimize(context, &args),
         Command::EarlyExits(args) => optimizer::early_exits(context, &args),
         Command::Schedule(args) => optimizer::schedule(context, &args),
-        Command::Report => job::report(context),
+        Command::Report(args) => job::report(context, &args),
         Command::Scenario(args) => scenarios::scenario(context, &args),
         Command::Schema(args) => reference::schema(context, &args),
         Command::Completions(args) => reference::completions(&args),
@@ -302,7 +303,7 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
 fn main_job() -> Command {
     match Cli::parse_from(["sdp3", "run"]).command {
         Some(command) => command,
-        None => Command::Report,
+        None => Command::Report(job::ReportArgs { program: None }),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use crate::error::{Failure, Invalid};
-use crate::pipeline::Classify;
+use crate::network::classify::Classify;
 use crate::recordings::{Chirps, Stated, annotations};
 use crate::report::recordings::{classified, classified_csv, classified_window, inspection, window_csv};
 use crate::scenario::budget::Budget;

@@ -11,6 +11,7 @@ pub(crate) mod burn_model;
 pub(crate) mod calibration;
 #[cfg(feature = "train")]
 pub(crate) mod checkpoint;
+pub mod classify;
 pub(crate) mod early_exits;
 pub(crate) mod evaluation;
 pub(crate) mod float_network;

@@ -21,7 +21,9 @@ pub use operating_point::Rule;
 use crate::error::Invalid;
 use crate::formats::table;
 use crate::predictor::bootstrap::interval;
-use crate::results::{Case, Curve, CurvePoint, Link, OperatingPoint, RegionPoint, Spacing, WeightedPoint};
+use crate::results::{
+    Case, Curve, CurvePoint, Link, OperatingPoint, Optimum, RegionPoint, Spacing, WeightedPoint,
+};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
 use region::Point;
@@ -90,6 +92,15 @@ pub struct Outcome {
     pub spacings: Vec<Spacing>,
     /// The point handed to the scheduler.
     pub operating_point: OperatingPoint,
+}
+
+impl Outcome {
+    /// With the learning curve and the scenario that it is of.
+    pub fn optimum(self, curve: Curve, scenario: &Scenario) -> Optimum {
+        let Outcome { region, weighted, cases, spacings, operating_point } = self;
+        let zone_ratio = scenario.optimizer.zone_ratio;
+        Optimum { curve, region, operating_point, weighted, cases, spacings, zone_ratio }
+    }
 }
 
 /// Bits of one slot for the users of a case.

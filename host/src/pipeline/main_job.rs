@@ -92,7 +92,7 @@ impl Job {
         let output = self.output.clone().of_scenario(&self.scenario.to_toml());
         output.write_result(super::stored::RUN, &run)?;
         output.write_result(super::stored::FIGURES, &figures)?;
-        let page = self.page(&run, &figures)?;
+        let page = self.page(&run, &figures, None)?;
         Ok((run, page))
     }
 

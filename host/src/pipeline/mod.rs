@@ -4,7 +4,6 @@
 //! made a request elsewhere; what is done for it, and which files it leaves, is decided here.
 
 mod budget;
-mod classify;
 #[cfg(feature = "train")]
 mod expected;
 #[cfg(feature = "train")]
@@ -41,7 +40,6 @@ use crate::simulator::dataset;
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 
-pub use classify::Classify;
 pub use simulate::{Dataset, Measured, calibrate_table};
 
 /// What every stage needs.

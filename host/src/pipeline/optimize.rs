@@ -126,15 +126,7 @@ impl Job {
         self.output.fill("boundary.csv", |file| {
             optimizer::write_boundary(file, &curve, points, &self.scenario, &outcome.cases)
         })?;
-        let found = Optimum {
-            curve,
-            region: outcome.region,
-            operating_point: outcome.operating_point,
-            weighted: outcome.weighted,
-            cases: outcome.cases,
-            spacings: outcome.spacings,
-            zone_ratio: self.scenario.optimizer.zone_ratio,
-        };
+        let found = outcome.optimum(curve, &self.scenario);
         self.output.write_result("optimize.json", &found)?;
         let region = figures::region(&found.region, &found.operating_point, &found.cases, points);
         self.draw("optimize", &region.svg(Medium::SINGLE))?;

@@ -1,15 +1,17 @@
 //! What an earlier command left in the output folder: its run, its scenario, its models.
 
 use super::Job;
+use super::optimize::QUANTIZE_FIRST;
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::check_use;
-use crate::report::paper::draw;
+use crate::report::{Live, paper::draw};
 use crate::results::{Accuracy, CurvePoint, Figures, Run};
 use crate::scenario::Scenario;
 use crate::store::difference::difference;
 use crate::store::digest::sha256;
+use crate::store::limited;
 use crate::store::output::OutputError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
@@ -149,12 +151,12 @@ impl Job {
         draw(&self.output, name, svg)
     }
 
-    /// Draws the page and the figures of the run again; the page's path.
+    /// Draws the page and the figures of the run again, with a program in the page if its file is given; the page's path.
     ///
     /// # Errors
     ///
-    /// A run that is not there, of another scenario than the one given, or with files of several runs.
-    pub fn report(self) -> Result<PathBuf, Failure> {
+    /// A run that is not there, of another scenario than the one given, or with files of several runs; a file that is no program.
+    pub fn report(self, program: Option<&Path>) -> Result<PathBuf, Failure> {
         let (run, made) = self.output.read_result::<Run>(RUN, RUN_FIRST)?;
         let (figures, with) = self.output.read_result::<Figures>(FIGURES, RUN_FIRST)?;
         let scenario = self.run_scenario()?;
@@ -170,12 +172,28 @@ impl Job {
         if found != must {
             return Err(refuse("scenario.toml", "SHA-256", &found, &must).into());
         }
-        Job { scenario, ..self }.page(&run, &figures)
+        let job = Job { scenario, ..self };
+        let live = program.map(|file| job.live(file)).transpose()?;
+        job.page(&run, &figures, live.as_ref())
+    }
+
+    /// The program of a page in WebAssembly with the run's models.
+    fn live(&self, program: &Path) -> Result<Live, Failure> {
+        let bytes = limited::read(program, limited::NETWORK);
+        let bytes = bytes.map_err(|error| format!("{}: {error}", program.display()))?;
+        if !bytes.starts_with(b"\0asm") {
+            let found = format!("{:?}", bytes[..bytes.len().min(4)].escape_ascii().to_string());
+            let legal = "\"\\x00asm\", a program in WebAssembly: sdp3-page.wasm";
+            return Err(Invalid::new("first bytes", found, legal).at(program.display()).into());
+        }
+        let models = self.models(QUANTIZE_FIRST)?;
+        let models = self.scenario.frame.sensing_slots.iter().copied().zip(models);
+        Ok(Live::new(&bytes, models, &self.scenario)?)
     }
 
     /// Pictures and page of a run; the page's path.
-    pub(super) fn page(&self, run: &Run, figures: &Figures) -> Result<PathBuf, Failure> {
-        let page = crate::report::page(run, figures, &self.scenario.to_toml());
+    pub(super) fn page(&self, run: &Run, figures: &Figures, live: Option<&Live>) -> Result<PathBuf, Failure> {
+        let page = crate::report::page(run, figures, &self.scenario.to_toml(), live);
         for (name, bytes) in crate::report::paper::files(run, figures)? {
             self.output.write(&format!("figures/{name}"), &bytes)?;
         }

@@ -2,7 +2,7 @@
 //!
 //! [`page()`] is one self-contained HTML file: static figures and tables, and over them the explorer, a script of our own that
 //! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content
-//! security policy that allows none. Without the script the page still shows every figure. [`paper`] writes the figures as files.
+//! security policy that allows none. Without the script the page still shows every figure. [`Live`] makes it compute, too. [`paper`] writes the figures as files.
 
 mod confusion;
 pub(crate) mod early_exits;
@@ -11,6 +11,7 @@ mod explorer;
 pub(crate) mod fidelity;
 pub(crate) mod figures;
 pub(crate) mod gallery;
+mod live;
 mod page;
 pub(crate) mod panels;
 pub mod paper;
@@ -23,6 +24,7 @@ pub mod sweep;
 pub(crate) mod tables;
 pub(crate) mod timeline;
 
+pub use live::Live;
 pub use page::page;
 
 const STYLE: &str = include_str!("style.css");

@@ -1,7 +1,7 @@
 //! The report page of a run, section by section.
 
 use super::plot::{Plot, grouped, number};
-use super::{STYLE, confusion, explorer, figures as pictures, spectrograms, tables, timeline};
+use super::{Live, STYLE, confusion, explorer, figures as pictures, spectrograms, tables, timeline};
 use crate::results::{Figures, Run};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -9,7 +9,8 @@ const PAPER: &str =
     "Li et al., \"Integrated Sensing and Communication from Learning Perspective: An SDP3 Approach\".";
 
 /// A section: its address in the page, its entry in the navigation, its title.
-const SECTIONS: [(&str, &str, &str); 7] = [
+const SECTIONS: [(&str, &str, &str); 8] = [
+    ("recording", "Your recording", "Your recording"),
     ("region", "Region", "Accuracy-throughput region"),
     ("spectrograms", "Spectrograms", "Spectrograms"),
     ("calibration", "Calibration", "Calibration"),
@@ -29,14 +30,14 @@ fn figure(name: &str, plot: &Plot, caption: &str) -> Markup {
     html! { figure data-figure=(name) { (PreEscaped(plot.html())) figcaption { (caption) } } }
 }
 
-/// The report page of a run.
-pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
+/// The report page of a run; with a program it also computes.
+pub fn page(run: &Run, figures: &Figures, scenario_toml: &str, live: Option<&Live>) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
-                (explorer::policy())
+                (explorer::policy(live.is_some()))
                 meta name="viewport" content="width=device-width,initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { "sdp3: " (run.scenario) }
@@ -56,8 +57,9 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
                 main {
                     (headline(run))
                     nav aria-label="Sections" {
-                        @for (id, text, _) in SECTIONS { a href={ "#" (id) } { (text) } " " }
+                        @for (id, text, _) in &SECTIONS[usize::from(live.is_none())..] { a href={ "#" (id) } { (text) } " " }
                     }
+                    @if live.is_some() { (recording()) }
                     (region(run, figures))
                     (gallery(figures))
                     (calibration(figures))
@@ -75,7 +77,7 @@ pub fn page(run: &Run, figures: &Figures, scenario_toml: &str) -> String {
                         html! { details { summary { "scenario.toml" } pre { (scenario_toml) } } },
                     ))
                 }
-                (explorer::embedded(run, figures))
+                (explorer::embedded(run, figures, live))
             }
         }
     };
@@ -129,6 +131,15 @@ fn headline(run: &Run) -> Markup {
         (run.verify.mismatches.to_string(), "of them differ"),
     ];
     html! { ul.headline { @for (value, text) in figures { li { b { (value) } " " (text) } } } }
+}
+
+fn recording() -> Markup {
+    section(
+        "recording",
+        "What the models of this run make of a recording of raw slots of the same radar: WAV, CSV, NPY, NPZ, MATLAB, SigMF (both of its \
+         files), or a module's capture. The program of sdp3 runs in this page, and nothing leaves it.",
+        html! { noscript { p { "This needs JavaScript." } } },
+    )
 }
 
 fn region(run: &Run, figures: &Figures) -> Markup {

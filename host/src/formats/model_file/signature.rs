@@ -66,6 +66,8 @@ const PUBLIC: &str = "pub";
 fn write_new(path: &Path, bytes: &[u8], secret: bool) -> std::io::Result<()> {
     let mut options = std::fs::OpenOptions::new();
     options.write(true).create_new(true);
+    #[cfg(not(unix))]
+    let _ = secret;
     #[cfg(unix)]
     if secret {
         use std::os::unix::fs::OpenOptionsExt;

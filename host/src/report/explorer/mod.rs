@@ -1,9 +1,10 @@
 //! The explorer: the script of the report page and the data it reads.
 //!
 //! Every file beside this one has one reason: `data` reads the JSON, `marks` makes elements, `cursor` lets pointer and keyboard
-//! move along a plot, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
+//! move along a plot, `wasi` runs a program, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
 //! allows this script by its hash and nothing else: no request, no other script.
 
+use super::Live;
 use super::plot::COLOURS;
 use crate::results::{Figures, Run};
 use base64::Engine;
@@ -13,7 +14,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// The script's files in the order of their use.
-const FILES: [&str; 10] = [
+const FILES: [&str; 12] = [
     include_str!("data.js"),
     include_str!("marks.js"),
     include_str!("cursor.js"),
@@ -24,6 +25,8 @@ const FILES: [&str; 10] = [
     include_str!("learning.js"),
     include_str!("confusion.js"),
     include_str!("tables.js"),
+    include_str!("wasi.js"),
+    include_str!("live.js"),
 ];
 
 fn script() -> String {
@@ -31,10 +34,12 @@ fn script() -> String {
 }
 
 /// The page's policy: this script, styles in the page, pictures in the page, and no address at all.
-pub fn policy() -> Markup {
+/// A page that computes may also compile the program in it.
+pub fn policy(live: bool) -> Markup {
     let hash = STANDARD.encode(Sha256::digest(script()));
+    let compiled = if live { " 'wasm-unsafe-eval'" } else { "" };
     let rules = format!(
-        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; base-uri 'none'; \
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{hash}'{compiled}; base-uri 'none'; \
          form-action 'none'"
     );
     html! { meta http-equiv="Content-Security-Policy" content=(rules); }
@@ -47,8 +52,8 @@ pub fn colours() -> String {
 }
 
 /// The data and the script, at the page's end.
-pub fn embedded(run: &Run, figures: &Figures) -> Markup {
-    html! { (json("run", run)) (json("figures", figures)) script { (PreEscaped(script())) } }
+pub fn embedded(run: &Run, figures: &Figures, live: Option<&Live>) -> Markup {
+    html! { (json("run", run)) (json("figures", figures)) @if let Some(live) = live { (json("live", live)) } script { (PreEscaped(script())) } }
 }
 
 /// A result as a data block; `<` is escaped as JSON does it, so that nothing in it ends the block.

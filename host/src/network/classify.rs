@@ -16,6 +16,7 @@ const UNKNOWN: &str = "unknown";
 /// What to classify with, and how.
 #[derive(Debug, Clone)]
 pub struct Classify {
+    /// Model file.
     pub model: PathBuf,
     /// Slots from window to window; absent: as many as the model takes.
     pub step: Option<u32>,

@@ -1,0 +1,71 @@
+//! The program of the report page, for WebAssembly (WASI, preview 1): what `sdp3 classify` and `sdp3 optimize` find, by the same code.
+//!
+//! It reads one request as JSON from standard input, and prints what the command prints with `--json`. Files that a request names
+//! are those of the page. Exit code 2: standard error says why there is nothing.
+
+use sdp3::error::Failure;
+use sdp3::network::classify::Classify;
+use sdp3::optimizer::{self, Rule};
+use sdp3::predictor::bootstrap::replicates;
+use sdp3::predictor::{best_curve, fit_all};
+use sdp3::recordings::Stated;
+use sdp3::results::Optimum;
+use sdp3::scenario::{Override, Scenario};
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What the page asks for; fields have the names and meanings of the command's options.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Request {
+    /// The windows of a recording: `sdp3 classify`.
+    Classify {
+        model: PathBuf,
+        recording: PathBuf,
+        step: Option<u32>,
+        least_confidence: f64,
+        carrier_hz: Option<f64>,
+        rate_hz: Option<f64>,
+    },
+    /// The region through the points of a file, in a scenario with fields set: `sdp3 optimize`.
+    Optimize { points: PathBuf, scenario: PathBuf, set: Vec<String>, seed: u64 },
+}
+
+fn optimum(points: &Path, scenario: &Path, set: &[String], seed: u64) -> Result<Optimum, Failure> {
+    let set: Result<Vec<Override>, _> = set.iter().map(|one| one.parse()).collect();
+    let scenario = Scenario::resolve(Some(scenario), &set?)?;
+    let points = sdp3::formats::points::read(points)?;
+    let curve = best_curve(&fit_all(&points)?);
+    let rule = Rule::Weighted(scenario.optimizer.accuracy_weight);
+    let replicates = replicates(&curve, &points, seed);
+    let outcome = optimizer::optimise(&curve, &points, &replicates, &scenario, rule, seed)?;
+    Ok(outcome.optimum(curve, &scenario))
+}
+
+fn print(found: &impl Serialize) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, found)?;
+    Ok(writeln!(out)?)
+}
+
+fn execute() -> Result<(), Failure> {
+    match serde_json::from_reader(std::io::stdin().lock())? {
+        Request::Classify { model, recording, step, least_confidence, carrier_hz, rate_hz } => {
+            let stated = Stated { carrier_hz, rate_hz, ..Stated::default() };
+            print(&Classify { model, step, least_confidence, stated }.files(&[recording])?)
+        }
+        Request::Optimize { points, scenario, set, seed } => print(&optimum(&points, &scenario, &set, seed)?),
+    }
+}
+
+fn main() -> ExitCode {
+    match execute() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "{error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,221 @@
+// The program of the commands in the page: recordings of the reader's own are classified, and the region is computed for other links.
+
+const live = document.getElementById("data-live") && read("live");
+const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+
+async function compiled() {
+  const packed = new Blob([bytesOf(live.program)]).stream();
+  return WebAssembly.compile(await new Response(packed.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+}
+
+let program;
+let last = Promise.resolve();
+
+/** Asks the program, one request after the other: the text it prints; what it says on standard error is thrown. */
+function ask(request, files) {
+  const answered = last.then(async () => {
+    program ??= await compiled();
+    const { exit, output, errors } = await execute(program, new TextEncoder().encode(JSON.stringify(request)), files);
+    if (exit !== 0) throw new Error(errors.trim());
+    return output;
+  });
+  last = answered.catch(() => null);
+  return answered;
+}
+
+const statusLine = () => html("p", { class: "status", role: "status" });
+const labelled = (text, input) => html("label", { class: "control" }, text, input);
+
+/** What a text field states, or nothing. */
+const stated = (input) => (input.value.trim() === "" ? null : Number(input.value));
+
+/** Classes over time: a lane for each class, a block for each window, the surer the darker. */
+function lanes(classes, windows, seconds, model) {
+  const [left, lane, width] = [175, 28, 800];
+  const names = windows.some((w) => w.class === "unknown") ? [...classes, "unknown"] : classes;
+  const end = windows.at(-1).start_s + seconds;
+  const x = (s) => left + ((width - left - 12) * s) / end;
+  const height = lane * names.length;
+  const picture = mark("svg", { viewBox: `0 0 ${width} ${height + 46}`, role: "img", "aria-label": "class of every window over time" });
+  names.forEach((name, k) => {
+    picture.append(mark("text", { x: left - 8, y: lane * k + 20, "text-anchor": "end", "font-size": 14 }, words(name)));
+    picture.append(mark("path", { class: "lane", d: `M${left} ${lane * (k + 1)}H${width - 12}` }));
+  });
+  for (const w of windows) {
+    const k = names.indexOf(w.class);
+    const text = `${w.start_s.toFixed(2)} s: ${words(w.class)}, ${percent(w.confidence)}`;
+    const at = { x: x(w.start_s), y: lane * k + 3, width: Math.max(1, x(w.start_s + seconds) - x(w.start_s) - 1), height: lane - 6 };
+    picture.append(mark("rect", { ...at, class: "window", opacity: Math.max(0.15, w.confidence) }, mark("title", {}, text)));
+  }
+  const tick = (s, anchor) => mark("text", { x: x(s), y: height + 17, "text-anchor": anchor, "font-size": 14 }, s.toFixed(2));
+  picture.append(tick(0, "start"), tick(end / 2, "middle"), tick(end, "end"));
+  picture.append(mark("text", { x: x(end / 2), y: height + 38, "text-anchor": "middle", "font-size": 14 }, "time (s)"));
+  return html("figure", { class: "drawn" }, picture, html("figcaption", {}, `windows of ${model} slots; the darker, the more confident`));
+}
+
+const ROWS = 200;
+
+function windowTable(windows) {
+  const row = (w) => html("tr", {}, html("td", {}, w.start_s.toFixed(3)), html("td", {}, words(w.class)), html("td", {}, w.confidence.toFixed(4)));
+  const head = ["start (s)", "class", "confidence"].map((name) => html("th", { scope: "col" }, name));
+  const more = windows.length > ROWS ? html("p", {}, `the first ${ROWS} of ${windows.length} windows`) : null;
+  return html("details", { open: true }, html("summary", {}, "windows"), html("div", { class: "scroll" }, html("table", {}, html("tr", {}, ...head), ...windows.slice(0, ROWS).map(row))), more);
+}
+
+function recordingPanel() {
+  const section = document.getElementById("recording");
+  const files = {};
+  let chosen = [];
+  const number = (attributes) => html("input", { type: "number", ...attributes, onchange: () => classify() });
+  const models = Object.keys(live.models).sort((a, b) => a - b);
+  const option = (slots) => html("option", { value: slots, selected: slots === models.at(-1) }, slots);
+  const model = html("select", { name: "model", onchange: () => classify() }, ...models.map(option));
+  const step = number({ name: "step", min: 1, placeholder: "N_s" });
+  const least = number({ name: "least-confidence", min: 0, max: 1, step: 0.05, value: 0 });
+  const carrier = number({ name: "carrier", placeholder: "of the file" });
+  const rate = number({ name: "rate", placeholder: "of the file" });
+  const status = statusLine();
+  const found = html("div", { id: "found" });
+
+  async function classify() {
+    if (!chosen.length) return;
+    const recording = chosen.find((name) => /\.sigmf-meta$/i.test(name)) ?? chosen[0];
+    const slots = model.value;
+    const request = { model: `dsn-${slots}.sdp3`, recording, step: stated(step), least_confidence: stated(least) ?? 0, carrier_hz: stated(carrier), rate_hz: stated(rate) };
+    status.textContent = `${recording}: computing`;
+    try {
+      const output = await ask({ classify: request }, { ...files, [request.model]: bytesOf(live.models[slots]) });
+      const { classes, recordings, sensing_slots } = JSON.parse(output);
+      const [{ windows, format, slots: held }] = recordings;
+      const seconds = (sensing_slots * run.operating_point.spacing_slots * run.operating_point.period_s) / run.operating_point.period_slots;
+      status.textContent = `${recording}: ${format}, ${held} slots, windows: ${windows.length}`;
+      found.replaceChildren(lanes(classes, windows, seconds, sensing_slots), windowTable(windows));
+      found.dataset.json = output;
+    } catch (problem) {
+      status.textContent = problem.message;
+      found.replaceChildren();
+      delete found.dataset.json;
+    }
+  }
+  async function take(list) {
+    chosen = [...list].map((file) => file.name);
+    for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
+    await classify();
+  }
+  const input = html("input", { type: "file", multiple: true, onchange: () => take(input.files) });
+  const stop = (event) => event.preventDefault();
+  const drop = (event) => {
+    event.preventDefault();
+    take(event.dataTransfer.files);
+  };
+  const zone = html("label", { class: "drop", ondragover: stop, ondrop: drop }, "Drop a recording here, or choose its files: ", input);
+  const controls = [["model, N_s ", model], ["slots from window to window ", step], ["least confidence ", least], ["carrier (Hz) ", carrier], ["slots a second (Hz) ", rate]];
+  section.append(zone, html("div", { class: "controls" }, ...controls.map(([text, input]) => labelled(text, input))), status, found);
+}
+
+/** Boundaries of the run's links and of others, on scales that hold both; points are `[accuracy, Mbit/s]`. */
+function twoRegions(own, computed) {
+  const [left, right, top, bottom, width, height] = [70, 12, 10, 46, 800, 340];
+  const all = [...own, ...computed].flat();
+  const axis = (k, from, to) => {
+    const [low, high] = [Math.min(...all.map((p) => p[k])), Math.max(...all.map((p) => p[k]))];
+    return Object.assign((v) => from + ((to - from) * (v - low)) / (high - low || 1), { low, high, from, to });
+  };
+  const scale = { x: axis(0, left, width - right), y: axis(1, height - bottom, top) };
+  const lines = (boundaries, name) => boundaries.map((points) => mark("path", { class: name, d: pathOf(scale, points) }));
+  const write = (x, y, anchor, text) => mark("text", { x, y, "text-anchor": anchor, "font-size": 14 }, text);
+  const [base, middle] = [height - bottom, (left + width - right) / 2];
+  return mark(
+    "svg",
+    { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "regions of the run's links and of those chosen" },
+    mark("path", { class: "lane", d: `M${left} ${top}V${base}H${width - right}` }),
+    ...lines(own, "own"),
+    ...lines(computed, "compared"),
+    ...[scale.x.low, (scale.x.low + scale.x.high) / 2, scale.x.high].map((v, k) => write(scale.x(v), base + 18, ["start", "middle", "end"][k], v.toFixed(2))),
+    ...[scale.y.low, (scale.y.low + scale.y.high) / 2, scale.y.high].map((v, k) => write(left - 6, scale.y(v) + (k === 2 ? 14 : k ? 5 : 0), "end", v.toFixed(1))),
+    write(middle, height - 6, "middle", "recognition accuracy A; upwards: throughput of the worst user (Mbit/s)"),
+  );
+}
+
+/** The fields of the scenario that the controls set, as `sdp3 optimize --set` takes them. */
+function linkPanel() {
+  const { power_w, noise_figure_db, cases, slot_bit } = live.communication;
+  // bits of a slot that are stated do not depend on the link
+  if (known(slot_bit)) return;
+  const figure = plotOf("region");
+  const drawn = html("div", { class: "drawn" });
+  const most = Math.max(...cases.map((users) => users.length));
+  const dbm = (watt) => 10 * Math.log10(watt) + 30;
+  const watt = (level) => Number((10 ** ((level - 30) / 10)).toPrecision(6));
+  const status = statusLine();
+  const readout = readoutOf();
+  const command = html("code", { class: "command" });
+  const slider = (name, text, unit, attributes) => {
+    const output = html("output", {});
+    const input = html("input", { type: "range", name, ...attributes, oninput: () => say(), onchange: () => compute() });
+    const say = () => {
+      output.textContent = `${Number(input.value)}${unit}`;
+      input.setAttribute("aria-valuetext", output.textContent);
+    };
+    say();
+    return { input, element: html("label", { class: "control" }, text, input, output), say };
+  };
+  const start = Math.round(dbm(power_w));
+  const power = slider("power", "power of the base station", " dBm", { min: Math.min(-20, start), max: Math.max(50, start), value: start });
+  const noise = slider("noise", "receivers' noise figure", " dB", { min: 0, max: Math.max(20, noise_figure_db), step: 0.5, value: noise_figure_db });
+  const users = slider("users", "receivers", "", { min: 1, max: most, value: most });
+  const overrides = () => {
+    const set = [];
+    if (Number(power.input.value) !== start) set.push(`communication.power_w=${watt(Number(power.input.value))}`);
+    if (Number(noise.input.value) !== noise_figure_db) set.push(`communication.noise_figure_db=${noise.input.value}`);
+    if (Number(users.input.value) !== most) {
+      set.push(`communication.cases=${JSON.stringify(cases.map((places) => places.slice(0, Number(users.input.value))))}`);
+    }
+    return set;
+  };
+  async function compute() {
+    const set = overrides();
+    status.textContent = "computing";
+    command.textContent = ["sdp3 optimize", ...set.map((one) => `--set '${one}'`)].join(" ");
+    const files = { "run.json": new TextEncoder().encode(JSON.stringify(run)), "scenario.toml": new TextEncoder().encode(live.scenario) };
+    try {
+      const output = await ask({ optimize: { points: "run.json", scenario: "scenario.toml", set, seed: run.seed } }, files);
+      if (JSON.stringify(set) !== JSON.stringify(overrides())) return;
+      const found = JSON.parse(output);
+      const point = found.operating_point;
+      const boundary = (region, number) => region.filter((p) => p.case === number).map((p) => [p.accuracy, p.throughput_bit / point.period_s / 1e6]);
+      const boundaries = (region) => found.cases.map((one) => boundary(region, one.case));
+      drawn.replaceChildren(twoRegions(boundaries(run.region), boundaries(found.region)));
+      fillReadout(readout, [
+        ["case", String(point.case)],
+        ["N_s", String(point.sensing_slots)],
+        ["N_c", point.communication_slots.join(" + ")],
+        ["accuracy", digits(point.accuracy, 4)],
+        ["throughput", megabit(point.throughput_bit)],
+        ["rate", megabitPerSecond(point.throughput_bit)],
+        ["zone", words(point.zone)],
+      ]);
+      status.textContent = "computed: full lines are the boundaries of these links, dotted ones those of the run's";
+      readout.dataset.json = output;
+    } catch (problem) {
+      status.textContent = problem.message;
+      drawn.replaceChildren();
+      readout.replaceChildren();
+      delete readout.dataset.json;
+    }
+  }
+  const reset = () => {
+    power.input.value = start;
+    noise.input.value = noise_figure_db;
+    users.input.value = most;
+    [power, noise, users].forEach((one) => one.say());
+    compute();
+  };
+  const fields = html("fieldset", { id: "links" }, html("legend", {}, "compute the region for other links"), power.element, noise.element, users.element, html("button", { type: "button", onclick: reset }, "the run's own links"));
+  figure.append(html("div", { class: "controls" }, fields), status, readout, drawn, command);
+}
+
+if (live) {
+  recordingPanel();
+  linkPanel();
+}

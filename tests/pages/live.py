@@ -1,0 +1,179 @@
+"""Uses the program in a run's page: live.py SDP3 OUT RECORDING... [--shots FOLDER].
+
+RECORDING are the files of one recording of raw slots. The page's JSON must be the command's, byte for byte; a console error or a
+request fails the check, and so does a page of more than 2 MiB.
+"""
+
+import argparse
+import json
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from playwright.sync_api import sync_playwright
+
+LARGEST = 2 << 20
+
+
+class Visit:
+    """A page, and what was compared in it."""
+
+    def __init__(self, page, given):
+        self.page, self.given, self.wrong, self.compared = page, given, [], 0
+
+    def same(self, what, found, expected):
+        self.compared += 1
+        if found != expected:
+            self.wrong.append(f"{what}: the page says {str(found)[:200]!r}, expected {str(expected)[:200]!r}")
+
+    def command(self, *arguments):
+        """What the command prints, or what it says and exit code 2."""
+        done = subprocess.run([self.given.sdp3, "-q", *map(str, arguments)], capture_output=True, text=True)
+        return done.stdout if done.returncode == 0 else done.stderr.strip().removeprefix("sdp3: ")
+
+    def answer(self, selector):
+        self.page.wait_for_selector(f"{selector}[data-json]")
+        return self.page.locator(selector).get_attribute("data-json")
+
+    def status(self, section):
+        return self.until(section, lambda text: text and not text.endswith("computing"))
+
+    def until(self, section, holds):
+        """The status line once it holds. The page's policy allows no test that is made of text within the page."""
+        line = self.page.locator(f"{section} .status")
+        for _ in range(600):
+            text = line.text_content()
+            if holds(text):
+                return text
+            self.page.wait_for_timeout(50)
+        raise TimeoutError(f"{section}: the status stays {text!r}")
+
+
+def recording(visit, models):
+    """A recording that is chosen, by some of the models: as `sdp3 classify` has it."""
+    page, files = visit.page, visit.given.recording
+    described = next((file for file in files if file.suffix == ".sigmf-meta"), files[0])
+    page.locator("#recording input[type=file]").set_input_files(files)
+    visit.answer("#found")
+    for model in models:
+        slots = model.stem.removeprefix("dsn-")
+        page.locator("#recording select").select_option(slots)
+        for step, least in [("", "0"), ("100", "0.9")]:
+            page.locator("input[name=step]").fill(step)
+            page.locator("input[name=least-confidence]").fill(least)
+            page.locator("input[name=least-confidence]").press("Enter")
+            page.locator("input[name=least-confidence]").blur()
+            visit.status("#recording")
+            options = (["--step", step] if step else []) + ["--least-confidence", least]
+            printed = visit.command("classify", model, described, *options, "--json")
+            expected = json.loads(printed)
+            # the command has the paths of this machine, the page has names
+            expected["model"], expected["recordings"][0]["file"] = model.name, described.name
+            found = json.loads(visit.answer("#found"))
+            visit.same(f"classes by {model.name}, step {step or 'N_s'}, least confidence {least}", found, expected)
+            windows = expected["recordings"][0]["windows"]
+            shown = page.locator("#found td").all_text_contents()
+            rows = [[f"{w['start_s']:.3f}", w["class"].replace("-", " "), f"{w['confidence']:.4f}"] for w in windows]
+            visit.same(f"table of {model.name}", shown, sum(rows, []))
+            visit.same(f"marks of {model.name}", page.locator("#found rect.window").count(), len(windows))
+
+
+def dropped(visit):
+    """Files that are dropped give what files that are chosen give; a file that is no recording gives the command's own words."""
+    page = visit.page
+    before = visit.answer("#found")
+    page.evaluate("document.getElementById('found').removeAttribute('data-json')")
+    with tempfile.TemporaryDirectory() as folder:
+        for file in visit.given.recording:
+            shutil.copy(file, folder)
+        drop(page, sorted(pathlib.Path(folder).iterdir()))
+        visit.same("dropped", visit.answer("#found"), before)
+        broken = pathlib.Path(folder) / "broken.wav"
+        broken.write_bytes(b"RIFF\x10\x00\x00\x00WAVEfmt ")
+        model = f"dsn-{page.locator('#recording select').input_value()}.sdp3"
+        drop(page, [broken])
+        visit.until("#recording", lambda text: "broken.wav" in text)
+        said = visit.command("classify", visit.given.out / "models" / model, broken).replace(f"{folder}/", "")
+        visit.same("a broken file", visit.status("#recording"), said)
+        visit.same("a broken file leaves nothing", page.locator("#found *").count(), 0)
+
+
+def drop(page, files):
+    contents = [{"name": file.name, "bytes": list(file.read_bytes())} for file in files]
+    script = """(files) => {
+        const moved = new DataTransfer();
+        for (const file of files) moved.items.add(new File([new Uint8Array(file.bytes)], file.name));
+        document.querySelector("#recording .drop").dispatchEvent(new DragEvent("drop", { dataTransfer: moved, bubbles: true, cancelable: true }));
+    }"""
+    page.evaluate(script, contents)
+
+
+def links(visit):
+    """Each control is moved by keys: the region is the one of the command that the page names."""
+    page = visit.page
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out"
+        shutil.copytree(visit.given.out, out)
+        for name, key, times in [("power", "ArrowLeft", 7), ("noise", "ArrowRight", 3), ("users", "ArrowLeft", 1)]:
+            slider = page.locator(f"#links input[name={name}]")
+            page.evaluate("document.querySelectorAll('#region .readout').forEach((e) => e.removeAttribute('data-json'))")
+            slider.focus()
+            for _ in range(times):
+                page.keyboard.press(key)
+            visit.until("#region", lambda text: text.startswith("computed"))
+            page.wait_for_selector("#region .readout[data-json]")
+            command = shlex.split(page.locator("#region .command").text_content())
+            visit.same(f"the command names {name}", any(part.startswith("communication.") for part in command), True)
+            printed = visit.command(*command[1:], "--out", out, "--json")
+            visit.same(f"region after {name}", page.locator("#region .readout[data-json]").get_attribute("data-json"), printed)
+            computed = json.loads(page.locator("#region .readout[data-json]").get_attribute("data-json"))
+            shown = page.locator("#region .readout[data-json] dd[data-value=N_s]").text_content()
+            visit.same(f"N_s after {name}", shown, str(computed["operating_point"]["sensing_slots"]))
+            visit.same(f"boundaries after {name}", page.locator("#region .drawn path.compared").count(), len(computed["cases"]))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("sdp3", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("recording", type=pathlib.Path, nargs="+")
+    parser.add_argument("--shots", type=pathlib.Path)
+    given = parser.parse_args()
+    page_file = (given.out / "report.html").resolve()
+    trouble, wrong, compared = [], [], 0
+    size = page_file.stat().st_size
+    if size > LARGEST:
+        wrong.append(f"the page has {size} bytes, more than {LARGEST}")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
+        models = sorted((given.out / "models").glob("*.sdp3"))
+        for name, width, used in [("wide", 1280, models), ("narrow", 390, models[-1:])]:
+            context = browser.new_context(viewport={"width": width, "height": 900}, has_touch=width < 600, offline=True)
+            page = context.new_page()
+            page.set_default_timeout(30_000)
+            page.on("console", lambda m: m.type in ("error", "warning") and trouble.append(f"console: {m.text}"))
+            page.on("pageerror", lambda error: trouble.append(f"script: {error}"))
+            asked = lambda request: request.url != page_file.as_uri() and not request.url.startswith("data:")
+            page.on("request", lambda request: asked(request) and trouble.append(f"request: {request.url}"))
+            page.goto(page_file.as_uri())
+            visit = Visit(page, given)
+            recording(visit, used)
+            links(visit)
+            visit.same("wider than the window", page.evaluate("document.documentElement.scrollWidth <= innerWidth"), True)
+            if given.shots:
+                for section in ["recording", "region"]:
+                    page.locator(f"#{section}").screenshot(path=given.shots / f"live-{section}-{name}.png")
+            dropped(visit)
+            wrong += visit.wrong
+            compared += visit.compared
+        browser.close()
+    for line in (trouble + wrong)[:20]:
+        print(line)
+    print(f"{size} bytes; {compared} answers compared, {len(wrong)} wrong; {len(trouble)} console messages and requests")
+    sys.exit(1 if trouble or wrong else 0)
+
+
+main()
