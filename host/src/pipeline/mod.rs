@@ -23,6 +23,7 @@ pub(crate) mod reproduce;
 mod schedule;
 mod simulate;
 mod stored;
+mod stored_exits;
 #[cfg(feature = "train")]
 pub(crate) mod study;
 pub(crate) mod sweep;
@@ -43,6 +44,7 @@ use std::path::{Path, PathBuf};
 
 pub use classify::Classify;
 pub use simulate::{Dataset, Measured, calibrate_table};
+pub use stored_exits::EarlyExits;
 
 /// What every stage needs.
 #[derive(Debug, Clone)]

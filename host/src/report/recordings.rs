@@ -4,7 +4,7 @@ use super::plot::number;
 use crate::formats::table;
 use crate::results::{
     Classified, ClassifiedRecording, ClassifiedWindow, Estimate, Inspection, LearnedNetwork,
-    LearnedRecordings,
+    LearnedRecordings, UsedExits,
 };
 use std::fmt::Write;
 
@@ -73,12 +73,30 @@ pub fn classified(found: &Classified) -> String {
         let windows: Vec<String> = one.windows.iter().map(classified_window).collect();
         format!("{} ({}), {} slots\n{}", one.file, one.format, one.slots, windows.join("\n"))
     };
-    found.recordings.iter().map(of).collect::<Vec<_>>().join("\n")
+    let mut parts: Vec<String> = found.recordings.iter().map(of).collect();
+    parts.extend(found.early_exits.as_ref().map(used_exits));
+    parts.join("\n")
 }
 
-/// A window: its time, its class and the confidence.
+/// The exits that windows were classified with, and the mean number of slots they used.
+pub fn used_exits(used: &UsedExits) -> String {
+    let slots: Vec<String> = used.sensing_slots.iter().map(u32::to_string).collect();
+    let threshold = match used.threshold > 1.0 {
+        true => "which none reaches".to_owned(),
+        false => format!("of {}", number(used.threshold)),
+    };
+    let weights = if used.fitted { "fitted weights" } else { "each network's own softmax" };
+    format!(
+        "mean slots used: {:.1}; exits after {} slots at a confidence {threshold}, {weights}",
+        used.mean_slots_used,
+        slots.join(", ")
+    )
+}
+
+/// A window: its time, its class, the confidence and the slots it used.
 pub fn classified_window(window: &ClassifiedWindow) -> String {
-    format!("{:9.3} s  {:16} {:.3}", window.start_s, window.class, window.confidence)
+    let ClassifiedWindow { start_s, class, confidence, slots_used, .. } = window;
+    format!("{start_s:9.3} s  {class:16} {confidence:.3}  {slots_used:4} slots")
 }
 
 /// Windows as CSV.
@@ -90,13 +108,14 @@ pub fn classified_csv(found: &Classified) -> String {
 
 /// A window with its recording's name as a line of CSV without its end; `None`: the header with its end.
 pub fn window_csv(window: Option<(&str, &ClassifiedWindow)>) -> String {
-    let header = ["file", "first_slot", "start_s", "class", "confidence", "logits"];
+    let header = ["file", "first_slot", "start_s", "slots_used", "class", "confidence", "logits"];
     let Some((file, w)) = window else { return table::csv(&header, []) };
     let logits: Vec<String> = w.logits.iter().map(i8::to_string).collect();
     let cells = [
         file,
         &w.first_slot.to_string(),
         &w.start_s.to_string(),
+        &w.slots_used.to_string(),
         &w.class,
         &w.confidence.to_string(),
         &logits.join(" "),

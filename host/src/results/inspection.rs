@@ -91,8 +91,25 @@ pub struct Classified {
     pub sensing_slots: u32,
     /// Its classes, in the order of the logits.
     pub classes: Vec<String>,
+    /// Early exits; absent: every window used all its slots.
+    pub early_exits: Option<UsedExits>,
     /// Recording by recording.
     pub recordings: Vec<ClassifiedRecording>,
+}
+
+/// Early exits that windows were classified with.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct UsedExits {
+    /// The folder with their models.
+    pub folder: String,
+    /// Sensing slots after which they classify, ascending.
+    pub sensing_slots: Vec<u32>,
+    /// Confidence that stops; above 1 none does.
+    pub threshold: f64,
+    /// Whether `sdp3 early-exits` fitted their weights; else an exit's confidence is its network's own softmax.
+    pub fitted: bool,
+    /// Mean number of slots that a window used.
+    pub mean_slots_used: f64,
 }
 
 /// A recording's windows.
@@ -115,10 +132,12 @@ pub struct ClassifiedWindow {
     pub first_slot: u32,
     /// Time of its first slot in s.
     pub start_s: f64,
+    /// Slots after which it was classified: all of the window's, or those of an early exit.
+    pub slots_used: u32,
     /// The most probable class, or `unknown` below the least confidence.
     pub class: String,
-    /// Probability of the most probable class by softmax, 0 to 1.
+    /// Probability of the most probable class by softmax, 0 to 1; with early exits, of the evidence of all exits so far.
     pub confidence: f64,
-    /// The network's logits, int8.
+    /// The logits of the network that classified, int8.
     pub logits: Vec<i8>,
 }
