@@ -3,6 +3,7 @@
 FOLDER/recordings has simulated SigMF recordings with annotations; their labels are the truth.
 """
 
+import array
 import csv
 import io
 import json
@@ -287,6 +288,37 @@ check("unknown" in classes and len(classes) > 1, f"the picture needs sure window
 drawn(WORK / "pictures/b.svg", found, 200)
 run("classify", model, file, "--picture", WORK / "pictures/c.svg")
 drawn(WORK / "pictures/c.svg", json.loads(run("classify", model, file, "--json")), 200)
+
+# the supervision of samples: slots made silent, saturated, offset and stuck are found, and what is classified stays the same
+samples = array.array("h", slots_file.read_bytes())
+
+
+def set_slots(first, count, value):
+    for n in range(first * 2000, (first + count) * 2000):
+        samples[n] = value(n)
+
+
+set_slots(100, 3, lambda n: 7)
+set_slots(300, 1, lambda n: 32767 if n // 2 % 2 else -32768)
+set_slots(500, 1, lambda n: round(random.gauss(4000, 3000)))
+set_slots(600, 1, lambda n: samples[n] & ~1)
+damaged = WORK / "damaged"
+damaged.mkdir()
+(damaged / "a.sigmf-data").write_bytes(samples.tobytes())
+meta = json.loads(file.read_text())
+meta["global"].pop("core:sha512", None)
+(damaged / "a.sigmf-meta").write_text(json.dumps(meta))
+plain = windows_of(model, damaged / "a.sigmf-meta")
+[recording] = json.loads(run("classify", model, damaged / "a.sigmf-meta", "--guard", "--json"))["recordings"]
+said = [(f["fault"], f["slots"], f["first_slot"]) for f in recording["supervision"]["faults"]]
+check(said == [("silent", 3, 100), ("saturated", 1, 300), ("offset", 1, 500), ("stuck", 1, 600)], said)
+check([w["faulty_slots"] for w in recording["windows"]] == [3, 1, 1, 1] and recording["supervision"]["faulty_slots"] == 6, recording)
+check([{**w, "faulty_slots": None} for w in recording["windows"]] == plain, f"{recording['windows']}, without --guard {plain}")
+lines = run("classify", model, damaged / "a.sigmf-meta", "--guard").splitlines()
+check([line.split()[-2:] for line in lines[1:5]] == [[str(n), "faulty"] for n in (3, 1, 1, 1)] and "silent: 3 slots" in lines[5], lines)
+check(run("classify", model, "-", "--guard", stdin=samples.tobytes()).splitlines() == lines[1:], "live faults are not the file's")
+whole = json.loads(run("classify", model, *several, "--guard", "--json"))["recordings"]
+check({r["supervision"]["faulty_slots"] for r in whole} == {0}, f"faults of simulated recordings: {[r['supervision'] for r in whole]}")
 
 # refusals name the field
 for change, field in [

@@ -1,15 +1,16 @@
 //! Commands on the user's own recordings: `inspect`, `classify`.
 
-use super::context::Context;
+use super::context::{Context, say};
 use crate::error::{Failure, Invalid};
 use crate::pipeline::{Classify, EarlyExits};
 use crate::recordings::{Chirps, Stated, annotations};
 use crate::report::paper::{self, Form};
 use crate::report::recordings::{
-    classified, classified_csv, classified_window, inspection, used_exits, window_csv,
+    classified, classified_csv, classified_window, inspection, supervision, used_exits, window_csv,
 };
 use crate::scenario::budget::Budget;
 use crate::store::output::Output;
+use crate::text::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -86,6 +87,9 @@ pub struct ClassifyArgs {
     /// Confidence that ends a window; absent: that of the operating point that `sdp3 early-exits` found. Above 1, up to 2, none does.
     #[arg(long, value_name = "CONFIDENCE", requires = "early_exits")]
     pub threshold: Option<f64>,
+    /// Also say which slots the module's supervision of samples would refuse: silent, stuck, saturated or offset converters.
+    #[arg(long)]
+    pub guard: bool,
     /// Picture to draw, .svg, .png or .pdf: each recording's spectrogram, with class and confidence over time below it.
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
@@ -129,6 +133,7 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
         step,
         early_exits,
         threshold,
+        guard,
         picture,
         format,
         least_confidence,
@@ -137,7 +142,7 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
     let format = if context.common.json { Format::Text } else { format };
     let early_exits = early_exits.map(|folder| EarlyExits { folder, threshold });
     let stated = stated.stated(context.common.budget());
-    let request = Classify { model, early_exits, step, least_confidence, stated };
+    let request = Classify { model, early_exits, step, least_confidence, guard, stated };
     if measured == [Path::new("-")] {
         if format == Format::Sigmf {
             return Err(Invalid::option(
@@ -152,7 +157,7 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
             return Err(Invalid::option("--picture", file.display(), legal).into());
         }
         let mut header = (format == Format::Csv).then(|| window_csv(None));
-        let used = request.live(&mut std::io::stdin().lock(), &mut |window| {
+        let ended = request.live(&mut std::io::stdin().lock(), &mut |window| {
             context.print_line(window, || match format {
                 Format::Csv => {
                     header.take().unwrap_or_default() + &window_csv(Some(("standard input", window)))
@@ -160,8 +165,10 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
                 _ => classified_window(window),
             })
         })?;
-        if let (Some(used), Format::Text, false) = (used, format, context.common.json) {
-            context.print_line(&used, || used_exits(&used))?;
+        let said = ended.supervision.as_ref().map(supervision);
+        let lines: Vec<String> = said.into_iter().chain(ended.early_exits.as_ref().map(used_exits)).collect();
+        if format == Format::Text && !context.common.json && !lines.is_empty() {
+            say(&shown(&lines.join("\n")))?;
         }
         return Ok(true);
     }

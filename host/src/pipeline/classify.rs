@@ -1,13 +1,14 @@
 //! Recordings of a radar, classified window by window through the core's chain.
 
 use super::inspect::doppler_over_time;
+use super::sample_supervision::Supervisor;
 use super::stored_exits::{EarlyExits, StoredExits};
 use crate::error::{Failure, Invalid};
 use crate::formats::slots::Slots;
 use crate::network::memory::OwnedMemory;
 use crate::recordings::{self, Expected, Signal, Stated};
 use crate::report::classes_over_time::{self, MOST_RECORDINGS, MOST_WINDOWS};
-use crate::results::{Classified, ClassifiedRecording, ClassifiedWindow, UsedExits};
+use crate::results::{Classified, ClassifiedRecording, ClassifiedWindow, SampleSupervision, UsedExits};
 use crate::simulator::calibration::slots_without_clutter;
 use sdp3_core::dsn::{Classification, Kernels, Model};
 use sdp3_core::early_exit::EarlyExit;
@@ -29,8 +30,19 @@ pub struct Classify {
     pub step: Option<u32>,
     /// Windows of less confidence are unknown.
     pub least_confidence: f64,
+    /// Whether the module's supervision looks at the samples of every slot. Windows are classified all the same.
+    pub guard: bool,
     /// What was stated about the recordings.
     pub stated: Stated,
+}
+
+/// What is known once a stream has ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
+    /// What was used of early exits, if there are any.
+    pub early_exits: Option<UsedExits>,
+    /// What the supervision of samples said, if it looked.
+    pub supervision: Option<SampleSupervision>,
 }
 
 impl Classify {
@@ -90,7 +102,7 @@ impl Classify {
         })
     }
 
-    /// Classifies slots of little-endian int16 as they come, until they end; `each` sees every window. What was used of early exits.
+    /// Classifies slots of little-endian int16 as they come, until they end; `each` sees every window.
     ///
     /// # Errors
     ///
@@ -99,7 +111,7 @@ impl Classify {
         &self,
         source: &mut impl Read,
         each: &mut dyn FnMut(&ClassifiedWindow) -> Result<(), Failure>,
-    ) -> Result<Option<UsedExits>, Failure> {
+    ) -> Result<Ended, Failure> {
         let stored = self.stored()?;
         let exits = Exits::new(&stored)?;
         let mut slot = vec![0; 2 * exits.last.radar().values_per_slot()];
@@ -109,7 +121,7 @@ impl Classify {
             slots += u64::from(window.slots_used);
             each(window)
         };
-        self.windows(&exits, &mut counted, |push| {
+        let supervision = self.windows(&exits, &mut counted, |push| {
             loop {
                 let mut filled = 0;
                 while filled < slot.len() {
@@ -131,7 +143,7 @@ impl Classify {
                 push(slot.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect())?;
             }
         })?;
-        Ok(self.used(&stored, &exits, windows, slots))
+        Ok(Ended { early_exits: self.used(&stored, &exits, windows, slots), supervision })
     }
 
     /// The models, once the options are checked.
@@ -168,32 +180,32 @@ impl Classify {
             found.push(window.clone());
             Ok(())
         };
-        self.windows(exits, &mut each, |push| slots.iter().try_for_each(|slot| push(slot.to_vec())))?;
+        let supervision =
+            self.windows(exits, &mut each, |push| slots.iter().try_for_each(|slot| push(slot.to_vec())))?;
         Ok(ClassifiedRecording {
             file: file.display().to_string(),
             format: signal.about.format.clone(),
             slots: slots.len() as u32,
+            supervision,
             windows: found,
         })
     }
 
-    /// Runs `feed` on windows of these exits.
+    /// Runs `feed` on windows of these exits. What the supervision of samples said, if it looks.
     fn windows(
         &self,
         exits: &Exits,
         each: &mut dyn FnMut(&ClassifiedWindow) -> Result<(), Failure>,
         feed: impl FnOnce(&mut dyn FnMut(Vec<i16>) -> Result<(), Failure>) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+    ) -> Result<Option<SampleSupervision>, Failure> {
         let mut memory = OwnedMemory::for_model(&exits.last);
         // the fastest kernels are those of one model
         if let [_] = exits.all[..] {
             let pipeline = memory.pipeline(exits.last).map_err(|error| error.to_string())?;
-            let mut windows = self.begin(exits, pipeline, each);
-            return feed(&mut |slot| windows.push(slot));
+            return self.begin(exits, pipeline, each).fed(feed);
         }
         let pipeline = memory.early_exits(exits.all.clone(), exits.threshold);
-        let mut windows = self.begin(exits, pipeline.map_err(|error| error.to_string())?, each);
-        feed(&mut |slot| windows.push(slot))
+        self.begin(exits, pipeline.map_err(|error| error.to_string())?, each).fed(feed)
     }
 
     fn begin<'a, 'm, K: Kernels>(
@@ -211,6 +223,7 @@ impl Classify {
             used: 0,
             first: 0,
             skip: 0,
+            supervisor: self.guard.then(|| Supervisor::new(exits.last.radar())),
             each,
         }
     }
@@ -247,26 +260,37 @@ struct Windows<'a, 'm, K> {
     pipeline: Pipeline<'m, 'a, K>,
     step: usize,
     least_confidence: f64,
-    /// Slots from the window's first on.
-    slots: VecDeque<Vec<i16>>,
+    /// Slots from the window's first on, and whether the module would not use them.
+    slots: VecDeque<(Vec<i16>, bool)>,
     /// How many of them the pipeline has.
     used: usize,
     /// Number of the window's first slot.
     first: usize,
     /// Slots to pass over until then.
     skip: usize,
+    supervisor: Option<Supervisor>,
     each: &'a mut dyn FnMut(&ClassifiedWindow) -> Result<(), Failure>,
 }
 
 impl<K: Kernels> Windows<'_, '_, K> {
+    /// Takes all slots. What the supervision of samples said, if it looks.
+    fn fed(
+        mut self,
+        feed: impl FnOnce(&mut dyn FnMut(Vec<i16>) -> Result<(), Failure>) -> Result<(), Failure>,
+    ) -> Result<Option<SampleSupervision>, Failure> {
+        feed(&mut |slot| self.push(slot))?;
+        Ok(self.supervisor.map(Supervisor::found))
+    }
+
     /// Takes a slot, and ends the windows that are sure with it, or complete.
     fn push(&mut self, slot: Vec<i16>) -> Result<(), Failure> {
+        let faulty = self.supervisor.as_mut().is_some_and(|supervisor| supervisor.is_faulty(&slot));
         if self.skip > 0 {
             self.skip -= 1;
             return Ok(());
         }
-        self.slots.push_back(slot);
-        while let Some(slot) = self.slots.get(self.used) {
+        self.slots.push_back((slot, faulty));
+        while let Some((slot, _)) = self.slots.get(self.used) {
             self.pipeline.push(slot, &mut ()).map_err(|error| error.to_string())?;
             self.used += 1;
             if let Some(found) = self.pipeline.classify(&mut ())
@@ -283,11 +307,13 @@ impl<K: Kernels> Windows<'_, '_, K> {
         let model = &self.exits.last;
         let confidence = f64::from(found.confidence);
         let sure = confidence >= self.least_confidence;
+        let faulty = self.slots.iter().take(self.used).filter(|(_, faulty)| *faulty).count();
         let class = if sure { model.class_name(usize::from(found.class)) } else { UNKNOWN };
         (self.each)(&ClassifiedWindow {
             first_slot: self.first as u32,
             start_s: self.first as f64 * 1e-6 * f64::from(model.interval_us()),
             slots_used: self.used as u32,
+            faulty_slots: self.supervisor.is_some().then_some(faulty as u32),
             class: class.to_owned(),
             confidence,
             logits: found.logits.to_vec(),

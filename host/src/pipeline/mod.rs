@@ -20,6 +20,7 @@ mod notes;
 mod optimize;
 #[cfg(feature = "train")]
 pub(crate) mod reproduce;
+mod sample_supervision;
 mod schedule;
 mod simulate;
 mod stored;

@@ -107,6 +107,7 @@ mod tests {
             first_slot,
             start_s: 0.0,
             slots_used: 100,
+            faulty_slots: None,
             class: class.into(),
             confidence: 0.9,
             logits: Vec::new(),

@@ -244,3 +244,71 @@ fn shortened(name: &str, width: f64) -> String {
     let ends = name.char_indices().map(|(at, _)| &name[at..]);
     ends.map(|end| format!("…{end}")).find(|text| fits(text)).unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_name_keeps_its_end() {
+        assert_eq!(shortened("walk.npy", 200.0), "walk.npy");
+        let short = shortened(&format!("{}/walk.npy", "ä".repeat(300)), 200.0);
+        assert!(short.starts_with("…ä") && short.ends_with("ä/walk.npy"), "{short}");
+        assert!(MEDIUM.width_of(&short) <= 200.0, "{short}");
+        assert_eq!(shortened("walk.npy", 0.0), "");
+    }
+
+    #[test]
+    fn a_window_is_in_its_classs_line_as_wide_as_its_slots() {
+        let window = |first_slot, class: &str| ClassifiedWindow {
+            first_slot,
+            start_s: f64::from(first_slot) / 1000.0,
+            slots_used: 200,
+            faulty_slots: None,
+            class: class.into(),
+            confidence: 0.5,
+            logits: Vec::new(),
+        };
+        let recording = ClassifiedRecording {
+            file: "a<b".into(),
+            format: "NPY".into(),
+            slots: 1000,
+            supervision: None,
+            windows: vec![window(0, "sit"), window(100, "fall"), window(500, "unknown")],
+        };
+        let found = Classified {
+            model: "m".into(),
+            sensing_slots: 400,
+            classes: vec!["sit".into(), "fall".into()],
+            early_exits: None,
+            recordings: vec![recording],
+        };
+        let spectrogram = Spectrogram {
+            title: String::new(),
+            rows: 2,
+            frames: 1,
+            first_row_hz: -100.0,
+            row_hz: 100.0,
+            frame_s: 0.5,
+            carrier_hz: 1e9,
+            range_db: 50.0,
+            intensities: vec![0, 255],
+        };
+        let over_time = OverTime { spectrogram, first_s: 0.25, slot_rate_hz: 1000.0 };
+        let svg = picture(&found, &[over_time]);
+        let marks: Vec<&str> = svg.split("<g class=\"window\"").skip(1).collect();
+        let number = |text: &str, name: &str| -> f64 {
+            text.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+        };
+        // the margins are 28 and the shortest width of names, and 100
+        let wide = MEDIUM.width - 100.0 - 28.0 - MEDIUM.width_of("unknown").max(36.0);
+        let widths: Vec<f64> = marks.iter().map(|mark| number(mark, "width")).collect();
+        for (width, share) in widths.iter().zip([0.1, 0.2, 0.2]) {
+            assert!((width + 0.6 - share * wide).abs() < 0.02, "{widths:?}");
+        }
+        let tops: Vec<f64> = marks.iter().map(|mark| number(mark, " y")).collect();
+        assert_eq!([tops[1] - tops[0], tops[2] - tops[1]], [CLASS; 2]);
+        assert_eq!([COLOURS[0], COLOURS[1], SOFT.colour].map(|colour| svg.matches(colour).count()), [1; 3]);
+        assert!(svg.contains("a&lt;b") && !svg.contains("a<b"));
+    }
+}
