@@ -54,7 +54,11 @@ fn execute() -> Result<(), Failure> {
     match serde_json::from_reader(std::io::stdin().lock())? {
         Request::Classify { model, recording, step, least_confidence, carrier_hz, rate_hz } => {
             let stated = Stated { carrier_hz, rate_hz, ..Stated::default() };
-            print(&Classify { model, step, least_confidence, stated }.files(&[recording])?)
+            let (early_exits, guard) = (None, false);
+            print(
+                &Classify { model, early_exits, step, least_confidence, guard, stated }
+                    .files(&[recording])?,
+            )
         }
         Request::Optimize { points, scenario, set, seed } => print(&optimum(&points, &scenario, &set, seed)?),
     }

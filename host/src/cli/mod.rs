@@ -83,8 +83,9 @@ pub enum Command {
     ///
     /// The recording must be of the model's radar: samples of a slot, slot interval and carrier.
     #[command(after_help = "Examples:
-  sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta
-  sdp3 classify sensor.sdp3 RadarIfxAvian_00 --antenna 1 --chirp 1 --step 100 --json
+  sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta --picture walk.png
+  sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta --early-exits out --threshold 0.95
+  sdp3 classify sensor.sdp3 RadarIfxAvian_00 --antenna 1 --chirp 1 --step 100 --guard --json
   sensor | sdp3 classify sensor.sdp3 -")]
     Classify(recordings::ClassifyArgs),
     /// Run every channel model through the property tests of the paper's Table I.

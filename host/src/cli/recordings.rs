@@ -1,11 +1,17 @@
 //! Commands on the user's own recordings: `inspect`, `classify`.
 
-use super::context::Context;
+use super::context::{Context, say};
 use crate::error::{Failure, Invalid};
-use crate::network::classify::Classify;
+use crate::network::classify::{Classify, EarlyExits};
+use crate::pipeline::classes_over_time;
 use crate::recordings::{Chirps, Stated, annotations};
-use crate::report::recordings::{classified, classified_csv, classified_window, inspection, window_csv};
+use crate::report::paper::{self, Form};
+use crate::report::recordings::{
+    classified, classified_csv, classified_window, inspection, supervision, used_exits, window_csv,
+};
 use crate::scenario::budget::Budget;
+use crate::store::output::Output;
+use crate::text::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -76,6 +82,18 @@ pub struct ClassifyArgs {
     /// Slots from window to window; absent: the model's sensing slots, so that windows do not overlap.
     #[arg(long, value_name = "SLOTS")]
     pub step: Option<u32>,
+    /// End a window as soon as an exit is sure: the models in this folder with fewer slots than MODEL, which is one of them, with the weights that `sdp3 early-exits` wrote there.
+    #[arg(long, value_name = "DIR")]
+    pub early_exits: Option<PathBuf>,
+    /// Confidence that ends a window; absent: that of the operating point that `sdp3 early-exits` found. Above 1, up to 2, none does.
+    #[arg(long, value_name = "CONFIDENCE", requires = "early_exits")]
+    pub threshold: Option<f64>,
+    /// Also say which slots the module's supervision of samples would refuse: silent, stuck, saturated or offset converters.
+    #[arg(long)]
+    pub guard: bool,
+    /// Picture to draw, .svg, .png or .pdf: each recording's spectrogram, with class and confidence over time below it.
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
     /// What is printed, unless --json is given.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
@@ -87,7 +105,7 @@ pub struct ClassifyArgs {
 /// How windows are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// A line a window: its time in s, its class, its confidence.
+    /// A line a window: its time in s, its class, its confidence, the slots it used.
     Text,
     /// A table with the logits.
     Csv,
@@ -102,10 +120,30 @@ pub fn inspect(context: &Context, args: InspectArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
+/// The kind of picture that a file's name asks for.
+fn drawn_as(file: &Path) -> Result<Form, Invalid> {
+    let legal = "a name that ends in .svg, .png or .pdf";
+    Form::of(file).ok_or_else(|| Invalid::option("--picture", file.display(), legal))
+}
+
 pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> {
-    let ClassifyArgs { model, measured, stated, step, format, least_confidence } = args;
+    let ClassifyArgs {
+        model,
+        measured,
+        stated,
+        step,
+        early_exits,
+        threshold,
+        guard,
+        picture,
+        format,
+        least_confidence,
+    } = args;
+    let picture = picture.map(|file| drawn_as(&file).map(|form| (file, form))).transpose()?;
     let format = if context.common.json { Format::Text } else { format };
-    let request = Classify { model, step, least_confidence, stated: stated.stated(context.common.budget()) };
+    let early_exits = early_exits.map(|folder| EarlyExits { folder, threshold });
+    let stated = stated.stated(context.common.budget());
+    let request = Classify { model, early_exits, step, least_confidence, guard, stated };
     if measured == [Path::new("-")] {
         if format == Format::Sigmf {
             return Err(Invalid::option(
@@ -115,8 +153,12 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
             )
             .into());
         }
+        if let Some((file, _)) = picture {
+            let legal = "absent: standard input is classified as it comes";
+            return Err(Invalid::option("--picture", file.display(), legal).into());
+        }
         let mut header = (format == Format::Csv).then(|| window_csv(None));
-        request.live(&mut std::io::stdin().lock(), &mut |window| {
+        let ended = request.live(&mut std::io::stdin().lock(), &mut |window| {
             context.print_line(window, || match format {
                 Format::Csv => {
                     header.take().unwrap_or_default() + &window_csv(Some(("standard input", window)))
@@ -124,20 +166,34 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
                 _ => classified_window(window),
             })
         })?;
+        let said = ended.supervision.as_ref().map(supervision);
+        let lines: Vec<String> = said.into_iter().chain(ended.early_exits.as_ref().map(used_exits)).collect();
+        if format == Format::Text && !context.common.json && !lines.is_empty() {
+            say(&shown(&lines.join("\n")))?;
+        }
         return Ok(true);
     }
-    let found = request.files(&measured)?;
-    match format {
-        Format::Text => context.print(&found, || classified(&found))?,
-        Format::Csv => context.print(&found, || classified_csv(&found))?,
+    let (found, drawn) = match picture {
+        None => (request.files(&measured)?, None),
+        Some((file, form)) => {
+            let (found, svg) = classes_over_time::picture(&request, &measured)?;
+            (found, Some((file, paper::form("--picture", &svg, form)?)))
+        }
+    };
+    let text = match format {
+        Format::Text => classified(&found),
+        Format::Csv => classified_csv(&found),
         Format::Sigmf => {
             let ([file], [recording]) = (&measured[..], &found.recordings[..]) else {
                 let legal = "of one recording: a description describes one";
                 return Err(Invalid::option("--format", "sigmf", legal).into());
             };
-            let text = annotations::annotated(file, &recording.windows, found.sensing_slots)?;
-            context.print(&found, || text)?;
+            annotations::annotated(file, &recording.windows)?
         }
+    };
+    if let Some((file, bytes)) = drawn {
+        Output::write_file(&file, &bytes)?;
     }
+    context.print(&found, || text)?;
     Ok(true)
 }

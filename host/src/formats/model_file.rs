@@ -19,6 +19,14 @@ pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
 pub use summary::{ModelCheck, Summary};
 
+/// What makes the int8 networks of a folder.
+pub(crate) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
+
+/// Where a folder has the int8 network of so many sensing slots.
+pub(crate) fn name(sensing_slots: u32) -> String {
+    format!("models/dsn-{sensing_slots}.sdp3")
+}
+
 /// Version of the format written.
 pub const VERSION: u16 = 1;
 /// Bytes of the header.

@@ -25,6 +25,7 @@ pub mod quantization;
 #[cfg(feature = "train")]
 pub(crate) mod recipe;
 pub mod safetensors;
+pub(crate) mod sample_supervision;
 pub(crate) mod spectrograms;
 #[cfg(test)]
 pub(crate) mod synthetic;

@@ -3,7 +3,7 @@
 use super::Job;
 use crate::error::Failure;
 use crate::recordings::{self, Chirps, Samples, Signal, Stated};
-use crate::report::{paper, plot::Medium, spectrograms};
+use crate::report::{classes_over_time::OverTime, paper, plot::Medium, spectrograms};
 use crate::results::{Inspection, Sensor, Spectrogram};
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::calibration::comparison::slow_time;
@@ -44,7 +44,7 @@ impl Job {
                 let cells = profiles.first().map_or(0, Vec::len);
                 let slow = (0..cells).map(|cell| profiles.iter().map(|profile| profile[cell]).collect());
                 let doppler = of_doppler(&title, slow.collect(), signal.rate_hz, false, carrier_hz);
-                pictures.push(("doppler-time", doppler));
+                pictures.push(("doppler-time", spectrograms::svg(&doppler, Medium::SINGLE)));
                 let high_m = profiles.first().map_or(0, Vec::len) as f64 * SPEED_OF_LIGHT
                     / (2.0 * sensor.bandwidth_hz);
                 let range = range_time(&title, &signal, &profiles);
@@ -52,8 +52,8 @@ impl Job {
             }
             _ => match slow_time(&signal, &self.scenario.radar) {
                 Ok(slow) => {
-                    let picture = of_doppler(&title, vec![slow.signal], slow.rate_hz, slow.real, carrier_hz);
-                    pictures.push(("doppler-time", picture));
+                    let doppler = of_doppler(&title, vec![slow.signal], slow.rate_hz, slow.real, carrier_hz);
+                    pictures.push(("doppler-time", spectrograms::svg(&doppler, Medium::SINGLE)));
                 }
                 // raw slots say nothing of their radar
                 Err(other) => scenario_problem = Some(format!("{other}; --scenario names another")),
@@ -96,12 +96,25 @@ fn of_doppler(
     rate_hz: f64,
     real: bool,
     carrier_hz: f64,
-) -> String {
+) -> Spectrogram {
     cells.iter_mut().for_each(|slow| remove_mean(slow));
     let length = cells.first().map_or(0, Vec::len);
     let intensity = Intensity::new(WINDOW.min(length), HOP.max(length / COLUMNS));
     let decibels = intensity.mean_decibels(cells.iter().map(Vec::as_slice), real);
-    spectrograms::svg(&intensity.picture(title, &decibels, real, rate_hz, carrier_hz), Medium::SINGLE)
+    intensity.picture(title, &decibels, real, rate_hz, carrier_hz)
+}
+
+/// The spectrogram of slow time on its time axis: a column is centred on its window.
+pub(super) fn doppler_over_time(
+    title: &str,
+    slow: Vec<Complex64>,
+    rate_hz: f64,
+    carrier_hz: f64,
+) -> OverTime {
+    let window_s = WINDOW.min(slow.len()) as f64 / rate_hz;
+    let spectrogram = of_doppler(title, vec![slow], rate_hz, false, carrier_hz);
+    let first_s = ((window_s - spectrogram.frame_s) / 2.0).max(0.0);
+    OverTime { spectrogram, first_s, slot_rate_hz: rate_hz }
 }
 
 /// For every slot the beat spectrum over range, `[slot][cell]`, Hann window; of real samples the positive half.

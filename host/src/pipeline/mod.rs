@@ -4,6 +4,7 @@
 //! made a request elsewhere; what is done for it, and which files it leaves, is decided here.
 
 mod budget;
+pub mod classes_over_time;
 #[cfg(feature = "train")]
 mod expected;
 #[cfg(feature = "train")]

@@ -4,7 +4,7 @@
 use super::expected::Work;
 use super::{Job, budget, stored};
 use crate::error::{Failure, Invalid};
-use crate::formats::points;
+use crate::formats::{model_file::QUANTIZE_FIRST, points};
 use crate::network::early_exits::Policy;
 use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
@@ -17,9 +17,6 @@ use crate::report::{self, figures, plot::Medium};
 use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, SweepRow};
 use sdp3_core::early_exit::EXITS;
 use std::path::Path;
-
-/// What makes int8 networks.
-pub(super) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
 
 impl Job {
     /// The learning curve through accuracies.

@@ -1,10 +1,11 @@
 //! Schedule as a command: one period of the operating point, or a campaign of many.
 
-use super::optimize::QUANTIZE_FIRST;
 use super::{Job, budget};
 use crate::error::Failure;
+use crate::formats::model_file::QUANTIZE_FIRST;
+use crate::network::early_exits::stored;
 use crate::report::timeline;
-use crate::results::{Campaign, EarlyExitResult, FittedExit, Schedule};
+use crate::results::{Campaign, FittedExit, Schedule};
 use crate::scheduling::campaign::{Exits, Settings, plain, simulate};
 use crate::scheduling::playback;
 use std::io;
@@ -79,8 +80,7 @@ impl Job {
 
     /// The exits that `sdp3 early-exits` fitted to the models.
     fn fitted_exits(&self) -> Result<Vec<FittedExit>, Failure> {
-        let made_by = "`sdp3 early-exits` with the same --out makes it";
-        let (known, _) = self.output.read_result::<EarlyExitResult>("early-exits.json", made_by)?;
+        let known = stored::fitted(&self.output)?;
         let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
         let own = &self.scenario.frame.sensing_slots;
         match slots == *own {

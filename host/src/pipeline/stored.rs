@@ -1,16 +1,16 @@
 //! What an earlier command left in the output folder: its run, its scenario, its models.
 
 use super::Job;
-use super::optimize::QUANTIZE_FIRST;
 use crate::error::{Failure, Invalid};
-use crate::formats::model_file::check_use;
+use crate::formats::model_file::{self, QUANTIZE_FIRST, check_use};
 use crate::report::{Live, paper::draw};
 use crate::results::{Accuracy, CurvePoint, Figures, Run};
-use crate::scenario::Scenario;
+use crate::scenario::{Class, Scenario};
 use crate::store::difference::difference;
 use crate::store::digest::sha256;
 use crate::store::limited;
 use crate::store::output::OutputError;
+use sdp3_core::dsn::Model;
 use std::path::{Path, PathBuf};
 
 /// The results of a run.
@@ -21,11 +21,6 @@ pub(super) const FIGURES: &str = "figures.json";
 /// What makes the files of a run.
 pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
 
-/// Where the folder has the int8 network of so many sensing slots.
-fn model_name(sensing_slots: u32) -> String {
-    format!("models/dsn-{sensing_slots}.sdp3")
-}
-
 /// Accuracies as points of the learning curve.
 pub fn points(accuracy: &[Accuracy]) -> Vec<CurvePoint> {
     let point = |a: &Accuracy| CurvePoint {
@@ -35,6 +30,15 @@ pub fn points(accuracy: &[Accuracy]) -> Vec<CurvePoint> {
         std: None,
     };
     accuracy.iter().map(point).collect()
+}
+
+/// Refuses a model of other classes than simulated recordings have.
+fn check_classes(model: &[u8]) -> Result<(), Failure> {
+    let model = Model::parse(model)?;
+    let names: Vec<&str> = (0..model.classes()).map(|class| model.class_name(class)).collect();
+    let own = Class::ALL.map(Class::name);
+    let legal = format!("{}, those of simulated recordings", own.join(", "));
+    Ok(Invalid::unless(names == own, "classes", names.join(", "), legal)?)
 }
 
 impl Job {
@@ -121,13 +125,14 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// A model that is missing or of another radar.
+    /// A model that is missing, of another radar, or of other classes than simulated recordings have.
     pub(super) fn models(&self, hint: &'static str) -> Result<Vec<Vec<u8>>, Failure> {
         let stored = |&slots: &u32| {
-            let name = model_name(slots);
+            let name = model_file::name(slots);
             let bytes = self.output.read(&name, hint)?;
             let path = self.output.path(&name);
             check_use(&bytes, &self.scenario, slots).map_err(|e| format!("{}: {e}", path.display()))?;
+            check_classes(&bytes).map_err(|e| format!("{}: {e}", path.display()))?;
             Ok(bytes)
         };
         self.scenario.frame.sensing_slots.iter().map(stored).collect()
@@ -137,7 +142,7 @@ impl Job {
     #[cfg(feature = "train")]
     pub(super) fn write_models(&self, models: &[Vec<u8>]) -> Result<Vec<PathBuf>, OutputError> {
         let slots = &self.scenario.frame.sensing_slots;
-        models.iter().zip(slots).map(|(bytes, &n)| self.output.write(&model_name(n), bytes)).collect()
+        models.iter().zip(slots).map(|(bytes, &n)| self.output.write(&model_file::name(n), bytes)).collect()
     }
 
     /// Writes the scenario that a command's results are of beside them: `COMMAND-scenario.toml`.

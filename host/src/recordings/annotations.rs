@@ -64,12 +64,12 @@ pub fn read(path: &Path) -> Result<Vec<Annotation>, Failure> {
         .collect()
 }
 
-/// The description of a recording with its windows, `length` slots long, as its annotations.
+/// The description of a recording with its windows as its annotations, each over the slots that it used.
 ///
 /// # Errors
 ///
 /// A recording of another format than SigMF, or a description that is not readable.
-pub fn annotated(path: &Path, windows: &[ClassifiedWindow], length: u32) -> Result<String, Failure> {
+pub fn annotated(path: &Path, windows: &[ClassifiedWindow]) -> Result<String, Failure> {
     let sigmf = path.extension().is_some_and(|ending| ending.to_string_lossy().starts_with("sigmf"));
     let Some(Meta { mut text, slot_samples, .. }) = (if sigmf { meta(path)? } else { None }) else {
         return Err(Invalid::option(
@@ -82,7 +82,7 @@ pub fn annotated(path: &Path, windows: &[ClassifiedWindow], length: u32) -> Resu
     let annotation = |window: &ClassifiedWindow| {
         json!({
             "core:sample_start": u64::from(window.first_slot) * slot_samples,
-            "core:sample_count": u64::from(length) * slot_samples,
+            "core:sample_count": u64::from(window.slots_used) * slot_samples,
             "core:label": window.class,
             "core:generator": crate::PROGRAM,
             "core:comment": format!("confidence {:.3}", window.confidence),
@@ -106,11 +106,13 @@ mod tests {
         let window = |first_slot, class: &str| ClassifiedWindow {
             first_slot,
             start_s: 0.0,
+            slots_used: 100,
+            faulty_slots: None,
             class: class.into(),
             confidence: 0.9,
             logits: Vec::new(),
         };
-        let text = annotated(&path, &[window(0, "sit"), window(250, "fall")], 100).unwrap();
+        let text = annotated(&path, &[window(0, "sit"), window(250, "fall")]).unwrap();
         assert!(text.contains("\"core:author\": \"me\""));
         std::fs::write(&path, text).unwrap();
         let found = read(&folder.path().join("a.sigmf-data")).unwrap();
@@ -119,9 +121,7 @@ mod tests {
         for (found, (label, span_s)) in found.iter().zip(expected) {
             assert_eq!((found.label.as_str(), found.span_s), (label, span_s));
         }
-        assert!(
-            annotated(&folder.path().join("a.wav"), &[], 1).unwrap_err().to_string().contains("--format")
-        );
+        assert!(annotated(&folder.path().join("a.wav"), &[]).unwrap_err().to_string().contains("--format"));
         std::fs::write(
             &path,
             global.replace("[]", r#"[], "annotations": [{"core:label": "x", "core:sample_start": -1}]"#),

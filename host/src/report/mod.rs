@@ -4,6 +4,7 @@
 //! reads the same JSON as the reader has (`run.json`, `figures.json`, embedded). No address outside the file, and a content
 //! security policy that allows none. Without the script the page still shows every figure. [`Live`] makes it compute, too. [`paper`] writes the figures as files.
 
+pub(crate) mod classes_over_time;
 mod confusion;
 pub(crate) mod early_exits;
 mod explorer;

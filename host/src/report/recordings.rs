@@ -4,7 +4,7 @@ use super::plot::number;
 use crate::formats::table;
 use crate::results::{
     Classified, ClassifiedRecording, ClassifiedWindow, Estimate, Inspection, LearnedNetwork,
-    LearnedRecordings,
+    LearnedRecordings, SampleFaults, SampleSupervision, UsedExits,
 };
 use std::fmt::Write;
 
@@ -70,15 +70,45 @@ pub fn inspection(found: &Inspection) -> String {
 /// Windows of recordings, one a line.
 pub fn classified(found: &Classified) -> String {
     let of = |one: &ClassifiedRecording| {
-        let windows: Vec<String> = one.windows.iter().map(classified_window).collect();
-        format!("{} ({}), {} slots\n{}", one.file, one.format, one.slots, windows.join("\n"))
+        let windows = one.windows.iter().map(classified_window);
+        let lines: Vec<String> = windows.chain(one.supervision.as_ref().map(supervision)).collect();
+        format!("{} ({}), {} slots\n{}", one.file, one.format, one.slots, lines.join("\n"))
     };
-    found.recordings.iter().map(of).collect::<Vec<_>>().join("\n")
+    let mut parts: Vec<String> = found.recordings.iter().map(of).collect();
+    parts.extend(found.early_exits.as_ref().map(used_exits));
+    parts.join("\n")
 }
 
-/// A window: its time, its class and the confidence.
+/// The exits that windows were classified with, and the mean number of slots they used.
+pub fn used_exits(used: &UsedExits) -> String {
+    let slots: Vec<String> = used.sensing_slots.iter().map(u32::to_string).collect();
+    let weights = if used.fitted { "fitted weights" } else { "each network's own softmax" };
+    format!(
+        "mean slots used: {:.1}; exits after {} slots, threshold {}, {weights}",
+        used.mean_slots_used,
+        slots.join(", "),
+        number(used.threshold)
+    )
+}
+
+/// What the supervision of samples says, a line a fault.
+pub fn supervision(said: &SampleSupervision) -> String {
+    if said.faults.is_empty() {
+        return "supervision of samples: no fault".to_owned();
+    }
+    let line = |f: &SampleFaults| {
+        let SampleFaults { fault, slots, first_slot, first } = f;
+        format!("supervision of samples: {fault}: {slots} slots, the first is {first_slot}: {first}")
+    };
+    said.faults.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A window: its time, its class, the confidence, the slots it used and how many of them are faulty.
 pub fn classified_window(window: &ClassifiedWindow) -> String {
-    format!("{:9.3} s  {:16} {:.3}", window.start_s, window.class, window.confidence)
+    let ClassifiedWindow { start_s, class, confidence, slots_used, faulty_slots, .. } = window;
+    let faulty =
+        faulty_slots.filter(|&slots| slots > 0).map_or_else(String::new, |n| format!(", {n} faulty"));
+    format!("{start_s:9.3} s  {class:16} {confidence:.3}  {slots_used:4} slots{faulty}")
 }
 
 /// Windows as CSV.
@@ -90,13 +120,16 @@ pub fn classified_csv(found: &Classified) -> String {
 
 /// A window with its recording's name as a line of CSV without its end; `None`: the header with its end.
 pub fn window_csv(window: Option<(&str, &ClassifiedWindow)>) -> String {
-    let header = ["file", "first_slot", "start_s", "class", "confidence", "logits"];
+    let header =
+        ["file", "first_slot", "start_s", "slots_used", "faulty_slots", "class", "confidence", "logits"];
     let Some((file, w)) = window else { return table::csv(&header, []) };
     let logits: Vec<String> = w.logits.iter().map(i8::to_string).collect();
     let cells = [
         file,
         &w.first_slot.to_string(),
         &w.start_s.to_string(),
+        &w.slots_used.to_string(),
+        &w.faulty_slots.map_or_else(String::new, |slots| slots.to_string()),
         &w.class,
         &w.confidence.to_string(),
         &logits.join(" "),

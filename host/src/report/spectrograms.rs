@@ -51,7 +51,7 @@ pub fn png(s: &Spectrogram) -> Vec<u8> {
 }
 
 /// An image as a data address.
-fn data(png: &[u8]) -> String {
+pub(super) fn data(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png))
 }
 
@@ -89,10 +89,32 @@ struct Side {
 pub fn svg(s: &Spectrogram, medium: Medium) -> String {
     let high = s.first_row_hz + s.row_hz * f64::from(s.rows);
     let left = Side { label: "Doppler (Hz)", low: s.first_row_hz, high, decimals: 0 };
-    // 2 v / lambda: an axis of radial speeds on the right
-    let speed = |hz: f64| hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz);
-    let right = Side { label: "radial speed (m/s)", low: speed(left.low), high: speed(high), decimals: 1 };
+    // an axis of radial speeds on the right
+    let (low, high) = (radial_speed(s, left.low), radial_speed(s, high));
+    let right = Side { label: "radial speed (m/s)", low, high, decimals: 1 };
     drawn(s, &format!("Spectrogram: {}", s.title), &left, Some(&right), medium)
+}
+
+/// The radial speed of a Doppler shift, in m/s: f = 2 v / lambda.
+pub(super) fn radial_speed(s: &Spectrogram, hz: f64) -> f64 {
+    hz * crate::scenario::SPEED_OF_LIGHT / (2.0 * s.carrier_hz)
+}
+
+/// The colour bar of a spectrogram from a corner on, with its numbers on the right.
+pub(super) fn colour_bar(s: &Spectrogram, (x, top): (f64, f64), height: f64) -> String {
+    let (low, decibels) = (number(-s.range_db), number(-s.range_db / 2.0));
+    format!(
+        "<g class=\"colour-bar\"><image href=\"{}\" x=\"{x}\" y=\"{top}\" width=\"10\" height=\"{height}\" preserveAspectRatio=\"none\"/>\
+         <text x=\"{}\" y=\"{}\" text-anchor=\"end\">dB</text><text x=\"{right}\" y=\"{}\">0</text>\
+         <text x=\"{right}\" y=\"{}\">{decibels}</text><text x=\"{right}\" y=\"{}\">{low}</text></g>",
+        data(&ramp()),
+        x + 33.0,
+        top - 12.0,
+        top + 6.0,
+        top + height / 2.0 + 4.0,
+        top + height,
+        right = x + 13.0,
+    )
 }
 
 /// A range-time picture, rows from `low_m` to `high_m`.
@@ -160,15 +182,7 @@ fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium
             y + height + 16.0,
         );
     }
-    let (low, decibels) = (number(-s.range_db), number(-s.range_db / 2.0));
-    let _ = write!(
-        svg,
-        "<g class=\"colour-bar\"><image href=\"{}\" x=\"318\" y=\"34\" width=\"10\" height=\"144\" preserveAspectRatio=\"none\"/>\
-         <text x=\"351\" y=\"22\" text-anchor=\"end\">dB</text><text x=\"331\" y=\"40\">0</text>\
-         <text x=\"331\" y=\"110\">{decibels}</text><text x=\"331\" y=\"178\">{low}</text></g></svg>",
-        data(&ramp())
-    );
-    svg
+    svg + &colour_bar(s, (318.0, 34.0), 144.0) + "</svg>"
 }
 
 /// A figure element with the picture and its title; nothing for an empty spectrogram.

@@ -91,8 +91,47 @@ pub struct Classified {
     pub sensing_slots: u32,
     /// Its classes, in the order of the logits.
     pub classes: Vec<String>,
+    /// Early exits; absent: every window used all its slots.
+    pub early_exits: Option<UsedExits>,
     /// Recording by recording.
     pub recordings: Vec<ClassifiedRecording>,
+}
+
+/// Early exits that windows were classified with.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct UsedExits {
+    /// The folder with their models.
+    pub folder: String,
+    /// Sensing slots after which they classify, ascending.
+    pub sensing_slots: Vec<u32>,
+    /// Confidence that stops; above 1 none does.
+    pub threshold: f64,
+    /// Whether `sdp3 early-exits` fitted their weights; else an exit's confidence is its network's own softmax.
+    pub fitted: bool,
+    /// Mean number of slots that a window used.
+    pub mean_slots_used: f64,
+}
+
+/// What the module's supervision of samples says of a recording's slots.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+pub struct SampleSupervision {
+    /// Slots that the module would not use: it would begin the window again.
+    pub faulty_slots: u32,
+    /// Fault by fault, in the order of their first slots.
+    pub faults: Vec<SampleFaults>,
+}
+
+/// Slots with one kind of fault.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SampleFaults {
+    /// Kind of the fault: silent, stuck, saturated or offset.
+    pub fault: String,
+    /// How many slots have it.
+    pub slots: u32,
+    /// Number of the first.
+    pub first_slot: u32,
+    /// What is wrong with the first.
+    pub first: String,
 }
 
 /// A recording's windows.
@@ -104,6 +143,8 @@ pub struct ClassifiedRecording {
     pub format: String,
     /// Its slots.
     pub slots: u32,
+    /// What the supervision of samples says of it; absent: it did not look.
+    pub supervision: Option<SampleSupervision>,
     /// Window by window.
     pub windows: Vec<ClassifiedWindow>,
 }
@@ -115,10 +156,14 @@ pub struct ClassifiedWindow {
     pub first_slot: u32,
     /// Time of its first slot in s.
     pub start_s: f64,
+    /// Slots after which it was classified: all of the window's, or those of an early exit.
+    pub slots_used: u32,
+    /// How many of these slots the module would not use; absent: the supervision of samples did not look.
+    pub faulty_slots: Option<u32>,
     /// The most probable class, or `unknown` below the least confidence.
     pub class: String,
-    /// Probability of the most probable class by softmax, 0 to 1.
+    /// Probability of the most probable class by softmax, 0 to 1; with early exits, of the evidence of all exits so far.
     pub confidence: f64,
-    /// The network's logits, int8.
+    /// The logits of the network that classified, int8.
     pub logits: Vec<i8>,
 }

@@ -15,6 +15,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
+use std::path::Path;
 
 /// Dots of a PNG to the inch.
 const DPI: f32 = 600.0;
@@ -79,27 +80,86 @@ pub fn files(run: &Run, found: &Figures) -> Result<Vec<(String, Vec<u8>)>, Paper
     Ok(files)
 }
 
+/// A kind of file that a picture is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// 600 dots to the inch.
+    Png,
+    /// One page, its font embedded.
+    Pdf,
+    /// Its font embedded.
+    Svg,
+}
+
+impl Form {
+    const ALL: [Form; 3] = [Form::Png, Form::Pdf, Form::Svg];
+
+    /// How the names of such files end.
+    fn ending(self) -> &'static str {
+        match self {
+            Form::Png => "png",
+            Form::Pdf => "pdf",
+            Form::Svg => "svg",
+        }
+    }
+
+    /// The kind that a file's name ends with.
+    pub fn of(file: &Path) -> Option<Form> {
+        let ending = file.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|form| form.ending() == ending)
+    }
+}
+
 /// A picture as SVG, PDF and PNG: file names and bytes.
 ///
 /// # Errors
 ///
 /// [`PaperError`] names it.
 pub fn forms(name: &str, svg: &str) -> Result<[(String, Vec<u8>); 3], PaperError> {
-    let whole = dejavu::sans::regular();
-    let mut options = Options { font_family: font::FAMILY.into(), dpi: CSS, ..Options::default() };
-    let fonts = options.fontdb_mut();
-    fonts.load_font_data(whole.to_vec());
-    fonts.set_sans_serif_family(font::FAMILY);
-    let svg = on_white(svg);
-    let tree =
-        Tree::from_str(&svg, &options).map_err(|source| PaperError::Svg { name: name.into(), source })?;
-    let letters = font::subset(whole, &text(&svg), &pdf::glyphs(&tree));
-    let files = [
-        (format!("{name}.png"), png(name, &tree)?),
-        (format!("{name}.pdf"), pdf::pdf(name, &tree, &letters)?),
-        (format!("{name}.svg"), with_font(&svg, &letters.bytes).into_bytes()),
-    ];
-    Ok(files)
+    let drawn = Drawn::new(name, svg)?;
+    let [png, pdf, svg] = Form::ALL;
+    let file = |form: Form| Ok((format!("{name}.{}", form.ending()), drawn.bytes(form)?));
+    Ok([file(png)?, file(pdf)?, file(svg)?])
+}
+
+/// A picture as one kind of file.
+///
+/// # Errors
+///
+/// [`PaperError`] names it.
+pub fn form(name: &str, svg: &str, form: Form) -> Result<Vec<u8>, PaperError> {
+    Drawn::new(name, svg)?.bytes(form)
+}
+
+/// A picture that stands alone, and what its files are made of.
+struct Drawn<'a> {
+    name: &'a str,
+    svg: String,
+    tree: Tree,
+    letters: font::Subset,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(name: &'a str, svg: &str) -> Result<Self, PaperError> {
+        let whole = dejavu::sans::regular();
+        let mut options = Options { font_family: font::FAMILY.into(), dpi: CSS, ..Options::default() };
+        let fonts = options.fontdb_mut();
+        fonts.load_font_data(whole.to_vec());
+        fonts.set_sans_serif_family(font::FAMILY);
+        let svg = on_white(svg);
+        let tree =
+            Tree::from_str(&svg, &options).map_err(|source| PaperError::Svg { name: name.into(), source })?;
+        let letters = font::subset(whole, &text(&svg), &pdf::glyphs(&tree));
+        Ok(Drawn { name, svg, tree, letters })
+    }
+
+    fn bytes(&self, form: Form) -> Result<Vec<u8>, PaperError> {
+        Ok(match form {
+            Form::Png => png(self.name, &self.tree)?,
+            Form::Pdf => pdf::pdf(self.name, &self.tree, &self.letters)?,
+            Form::Svg => with_font(&self.svg, &self.letters.bytes).into_bytes(),
+        })
+    }
 }
 
 /// Writes a picture in every form.

@@ -47,7 +47,7 @@ impl Axis {
     }
 
     /// Round values inside the axis, about so many.
-    fn ticks(&self, most: usize) -> Vec<f64> {
+    pub fn ticks(&self, most: usize) -> Vec<f64> {
         if self.log {
             let (low, high) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
             return (low..=high).map(|e| 10_f64.powi(e)).collect();

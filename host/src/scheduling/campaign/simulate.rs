@@ -5,12 +5,13 @@ use super::radar::{Radar, Station};
 use super::trace::Trace;
 use super::{Loop, Settings, play, scheduler};
 use crate::error::{Failure, Invalid};
+use crate::network::early_exits::fitted;
 use crate::network::memory::OwnedMemory;
 use crate::results::{Campaign, FittedExit};
 use crate::scenario::Scenario;
 use crate::simulator::calibration::rho_of;
 use sdp3_core::dsn::Model;
-use sdp3_core::early_exit::{EXITS, EarlyExit};
+use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::scheduler::Plan;
 use std::io::{self, Write};
 use std::time::Instant;
@@ -57,8 +58,9 @@ pub fn simulate(
         None => Loop::Schedule(Box::new(scheduler)),
         Some(memory) => {
             let (exits, threshold) = match exits {
-                Exits::Fitted(fitted, threshold) => {
-                    (parsed.iter().zip(fitted).map(exit).collect(), *threshold)
+                Exits::Fitted(exits, threshold) => {
+                    let exit = |(model, exit): (&_, &FittedExit)| fitted(*model, &exit.weights);
+                    (parsed.iter().zip(exits).map(exit).collect(), *threshold)
                 }
                 Exits::None => (vec![largest(&parsed, settings.sensing_slots)?], 2.0),
             };
@@ -71,12 +73,6 @@ pub fn simulate(
     let campaign = play(scenario, settings, environment, slots, &mut trace, progress);
     let took_s = begun.elapsed().as_secs_f64();
     Ok((Simulated { campaign, plan, took_s }, trace.finish()))
-}
-
-fn exit<'m>((model, fitted): (&Model<'m>, &FittedExit)) -> EarlyExit<'m> {
-    let mut weights = [0; EXITS];
-    weights.iter_mut().zip(&fitted.weights).for_each(|(to, from)| *to = *from);
-    EarlyExit { model: *model, weights }
 }
 
 /// The model of most sensing slots that a period has, as the only exit.
