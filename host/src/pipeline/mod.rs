@@ -26,6 +26,7 @@ mod stored;
 #[cfg(feature = "train")]
 pub(crate) mod study;
 pub(crate) mod sweep;
+mod targets;
 #[cfg(feature = "train")]
 pub(crate) mod train;
 #[cfg(feature = "train")]
@@ -43,6 +44,7 @@ use std::path::{Path, PathBuf};
 
 pub use classify::Classify;
 pub use simulate::{Dataset, Measured, calibrate_table};
+pub use targets::{INDEX, Targets};
 
 /// What every stage needs.
 #[derive(Debug, Clone)]
