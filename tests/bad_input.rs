@@ -15,9 +15,15 @@ fn refused(arguments: &[&str], prepare: impl Fn(&Path), words: &[&str]) {
     for word in words {
         assert!(stderr.contains(word), "{arguments:?}: {word:?} is not in: {stderr}");
     }
-    for name in
-        ["run.json", "figures.json", "report.html", "calibration.json", "optimize.json", "campaign.json"]
-    {
+    for name in [
+        "run.json",
+        "figures.json",
+        "report.html",
+        "calibration.json",
+        "optimize.json",
+        "campaign.json",
+        "targets.json",
+    ] {
         assert!(!folder.path().join("out").join(name).exists(), "{arguments:?} wrote {name}");
     }
 }
@@ -274,4 +280,24 @@ fn datasets_that_cannot_be() {
         another,
         &["request.json", "classes", "--out"],
     );
+}
+
+#[test]
+fn point_targets_that_cannot_be() {
+    let targets = |option: &str, value: &str, words: &[&str]| {
+        refused(&["targets", option, value, "--out", "@/out"], |_| (), words);
+    };
+    for value in ["0", "-1", "101", "NaN"] {
+        targets(&format!("--every-s={value}"), "--quiet", &["--every-s", value, "0.00001 to 100 s"]);
+    }
+    targets("--duration-s", "121", &["--duration-s", "121", "0.00001 to 120 s"]);
+    targets("--index", "2000000", &["--index", "2000000", "0 to 1999999"]);
+    targets("--classes", "flying", &["--classes", "flying", "adult-walking"]);
+    refused(
+        &["targets", "--duration-s", "120", "--every-s", "0.00001", "--max-time", "1m", "--out", "@/out"],
+        |_| (),
+        &["--duration-s / --every-s", "120 / 0.00001", "60000000 instants", "--max-time"],
+    );
+    let file = |folder: &Path| std::fs::write(folder.join("out"), "").expect("a file");
+    refused(&["targets", "--out", "@/out/below"], file, &["out/below", "--out"]);
 }

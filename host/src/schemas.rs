@@ -13,6 +13,7 @@ use crate::results::{
 };
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored::Table;
+use crate::simulator::targets::PointTargets;
 use schemars::{JsonSchema, schema_for};
 use serde_json::Value;
 
@@ -23,7 +24,7 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 32] = published![
+pub const PUBLISHED: [(&str, &str); 33] = published![
     "calibrate",
     "channels",
     "classify",
@@ -54,6 +55,7 @@ pub const PUBLISHED: [(&str, &str); 32] = published![
     "simulate",
     "study",
     "sweep",
+    "targets",
     "train",
     "verify",
 ];
@@ -148,6 +150,7 @@ pub fn of_types(name: &str) -> Option<Value> {
         #[cfg(feature = "train")]
         "study" => schema_for!(Studied),
         "sweep" => schema_for!(ShardOrJob),
+        "targets" => schema_for!(PointTargets),
         "train" => schema_for!(Learned),
         "verify" => schema_for!(Verify),
         _ => return None,

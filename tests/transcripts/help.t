@@ -8,6 +8,7 @@ Help: the tool and every command, with examples.
   Commands:
     run          Run the main job: simulate, calibrate, train, run, verify, optimize, schedule, report
     simulate     Simulate recordings and write them as a dataset
+    targets      Write the moving person as point targets for other radar simulators
     calibrate    Find the channel correlation rho that a measured signal shows
     inspect      Show what a recording holds: format, shape, sensor, rate, pictures over time, and the scenario that matches the sensor
     classify     Classify recordings of a radar by the radar module's own chain, window by window
@@ -1429,7 +1430,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

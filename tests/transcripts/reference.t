@@ -31,6 +31,7 @@ Schemas, completions and man pages.
   simulate
   study
   sweep
+  targets
   train
   verify
 
@@ -61,7 +62,7 @@ Schemas, completions and man pages.
 
   $ sdp3 schema nothing
   error: invalid value 'nothing' for '[COMMAND]'
-    [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, train, verify]
+    [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
   
   For more information, try '--help'.
   [2]
@@ -79,6 +80,7 @@ Schemas, completions and man pages.
   pages/sdp3.1
   pages/sdp3-run.1
   pages/sdp3-simulate.1
+  pages/sdp3-targets.1
   pages/sdp3-calibrate.1
   pages/sdp3-inspect.1
   pages/sdp3-classify.1
@@ -123,7 +125,7 @@ Schemas, completions and man pages.
   2
 
   $ sdp3 completions bash | grep -c 'compgen -W "standing child-walking child-pacing adult-walking '
-  3
+  4
 
   $ sdp3 completions bash | grep -c 'compgen -W "vapor_pressure pow3 log_power '
   1

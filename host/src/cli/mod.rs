@@ -65,6 +65,15 @@ pub enum Command {
   sdp3 simulate --channel ray-tracing --classes adult-walking,adult-running --per-class 200 --out data
   sdp3 simulate --per-class 1000 --raw --sigmf --shard 2/8 --out data")]
     Simulate(simulator::SimulateArgs),
+    /// Write the moving person as point targets for other radar simulators.
+    ///
+    /// One CSV file for every class has position, velocity, radar cross section and phase of the sixteen primitives over time. What is
+    /// left out is the channel's: room, occlusion, antenna pattern.
+    #[command(after_help = "Examples:
+  sdp3 targets --out targets
+  sdp3 targets --classes adult-walking --every-s 0.01 --duration-s 2 --out targets
+  sdp3 targets --scenario bgt60 --classes adult-running --index 3 --seed 7 --json")]
+    Targets(simulator::TargetsArgs),
     /// Find the channel correlation rho that a measured signal shows.
     #[command(after_help = "Examples:
   sdp3 calibrate --measured walk.wav --carrier 24.125e9
@@ -277,6 +286,7 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         #[cfg(not(feature = "train"))]
         Command::Quantize(_) => crate::pipeline::untrained("quantize"),
         Command::Simulate(args) => simulator::simulate(context, args),
+        Command::Targets(args) => simulator::targets(context, args),
         Command::Calibrate(args) => simulator::calibrate(context, args),
         Command::Inspect(args) => recordings::inspect(context, args),
         Command::Classify(args) => recordings::classify(context, args),

@@ -1,13 +1,14 @@
-//! Commands that simulate and compare with measurements: `simulate`, `calibrate`, `channels`, `gallery`.
+//! Commands that simulate and compare with measurements: `simulate`, `targets`, `calibrate`, `channels`, `gallery`.
 
 use super::context::{Context, count, one_of};
 use super::recordings::StatedArgs;
 use crate::dataset::{PER_CLASS, Shard};
 use crate::error::Failure;
-use crate::pipeline::{Dataset, Measured, calibrate_table};
+use crate::pipeline::{Dataset, INDEX, Measured, Targets, calibrate_table};
 use crate::report::tables;
 use crate::scenario::budget::Budget;
 use crate::scenario::{Class, Model};
+use crate::simulator::targets::PointTargetFile;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -48,6 +49,23 @@ pub struct SimulateArgs {
     pub shard: Shard,
 }
 
+/// Point targets to write.
+#[derive(Debug, Clone, Args)]
+pub struct TargetsArgs {
+    /// Classes; absent: the paper's five.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = one_of(&Class::EVERY, Class::name))]
+    pub classes: Option<Vec<Class>>,
+    /// Number of the recording within its class, from 0: the person is that of the recording which `sdp3 simulate` makes.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = count(INDEX))]
+    pub index: u32,
+    /// Seconds between two instants; absent: from one sensing slot to the next.
+    #[arg(long, value_name = "S")]
+    pub every_s: Option<f64>,
+    /// Seconds in all; absent: those of a recording.
+    #[arg(long, value_name = "S")]
+    pub duration_s: Option<f64>,
+}
+
 /// A measured signal to calibrate on, or the table.
 #[derive(Debug, Clone, Args)]
 pub struct CalibrateArgs {
@@ -64,6 +82,17 @@ pub fn simulate(context: &Context, args: SimulateArgs) -> Result<bool, Failure> 
     job.scenario.channel.model = channel.unwrap_or(job.scenario.channel.model);
     let written = job.simulate(Dataset { per_class, classes, raw, sigmf, shard })?;
     context.print(&written, String::new)?;
+    Ok(true)
+}
+
+pub fn targets(context: &Context, args: TargetsArgs) -> Result<bool, Failure> {
+    let TargetsArgs { classes, index, every_s, duration_s } = args;
+    let job = context.job()?;
+    let written = job.targets(Targets { classes, index, every_s, duration_s })?;
+    context.print(&written, || {
+        let path = |file: &PointTargetFile| job.output.path(&file.file).display().to_string();
+        written.files.iter().map(path).collect::<Vec<_>>().join("\n")
+    })?;
     Ok(true)
 }
 

@@ -7,6 +7,7 @@
 //! | boundary ([`regions`]) | `POINT` x N_s of one case, `ROW` x rows of a sweep | combinations x cases x N_s x 1e-6 |
 //! | training ([`training`]) | images x 64 x frames x 3, `4 x batch x channels x pixels x (2 blocks + 3)` of each network at work | `expected.rs` |
 //! | learning curves ([`fits`]) | none | points x 0.1 |
+//! | point targets ([`targets`]) | none: rows go to their file | instants x classes x 60e-6 |
 //! | periods ([`campaign`]) | none: the trace goes to its file | periods x slots x 30e-9 |
 //!
 //! Recordings are held to the budget by their reader, 24 bytes a number.
@@ -28,6 +29,8 @@ const POINT: f64 = 150.0;
 const ROW: f64 = 600.0;
 /// Seconds of the seven curves, their leave-one-out and their bands, for every point.
 const FIT_S: f64 = 0.1;
+/// Seconds of the sixteen rows of an instant.
+const INSTANT_S: f64 = 60e-6;
 /// Seconds of a decision of the scheduler.
 const DECISION_S: f64 = 30e-9;
 
@@ -74,6 +77,16 @@ pub(super) fn regions(scenario: &Scenario, budget: Budget, combinations: u64) ->
 /// Seconds of all learning curves through so many points.
 pub(super) fn fits(points: usize) -> [Need; 1] {
     [Need::new("points", points, FIT_S * points as f64)]
+}
+
+/// Refuses too many instants of all classes.
+///
+/// # Errors
+///
+/// The time they cover, and what is between two of them.
+pub(super) fn targets(budget: Budget, duration_s: f64, every_s: f64, instants: u64) -> Result<(), Invalid> {
+    let values = format!("{duration_s} / {every_s}, {instants} instants of all classes");
+    budget.check_time(&[Need::new("--duration-s / --every-s", values, instants as f64 * INSTANT_S)])
 }
 
 /// Refuses too many periods of the scheduler.

@@ -26,6 +26,7 @@ mod stored;
 #[cfg(feature = "train")]
 pub(crate) mod study;
 pub(crate) mod sweep;
+mod targets;
 #[cfg(feature = "train")]
 pub(crate) mod train;
 #[cfg(feature = "train")]
@@ -42,6 +43,7 @@ use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 
 pub use simulate::{Dataset, Measured, calibrate_table};
+pub use targets::{INDEX, Targets};
 
 /// What every stage needs.
 #[derive(Debug, Clone)]

@@ -160,6 +160,11 @@ pub(crate) fn scene_people(scenario: &Scenario, class: Class, random: &mut Rando
     people
 }
 
+/// The person of a recording.
+pub(crate) fn target_of(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Target {
+    scene_people(scenario, class, &mut stream(seed, set, 0, class, index)).swap_remove(0)
+}
+
 /// The recording with these coordinates.
 pub fn recording(
     scenario: &Scenario,

@@ -12,16 +12,19 @@ use super::trajectory::Trajectory;
 use super::{Vec3, add, scale};
 use crate::numerics::random::Random;
 use crate::scenario::{Class, Target};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What is true of a recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GroundTruth {
+    /// How it moves.
     pub class: Class,
     /// Whether a child moves.
     pub child: bool,
+    /// Height in m.
     pub height_m: f64,
     /// Walking speed in m/s, 0 standing or stepping on the spot.
     pub speed_m_s: f64,
