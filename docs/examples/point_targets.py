@@ -1,6 +1,6 @@
 """Point targets of `sdp3 targets` in NumPy: reader, slow-time signal and Doppler over time.
 
-point_targets.py FOLDER CLASS [PICTURE.png]     draws Doppler over time, from CSV alone
+point_targets.py FOLDER CLASS [PICTURE.png]     draws Doppler over time
 
 The radar is monostatic. A point of cross section sigma at the distance D echoes with the amplitude
 lambda sqrt(sigma) / ((4 pi)^1.5 D^2) and the phase -4 pi D / lambda, between isotropic antennas.

@@ -1,6 +1,6 @@
 """Point targets of `sdp3 targets` against what they must equal.
 
-Usage: targets.py recording FOLDER DATA INDEX    NumPy alone: velocities, and the recordings of `sdp3 simulate` without their room
+Usage: targets.py recording FOLDER DATA INDEX    in NumPy: velocities, and the recordings of `sdp3 simulate` without their room
        targets.py sionna FOLDER CLASS            Sionna RT's direct echoes
        targets.py radarsimpy FOLDER CLASS        RadarSimPy's baseband
 """

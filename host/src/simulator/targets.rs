@@ -1,7 +1,7 @@
 //! The person of a recording as point targets: position, velocity, cross section and phase of every primitive, for other simulators.
 //!
-//! A point target echoes by the radar equation alone: lambda sqrt(sigma) / ((4 pi)^1.5 D^2) at the delay 2 D / c. What the channel
-//! adds is left out: the room, occlusion, and the antenna's pattern.
+//! A point target echoes by the radar equation: lambda sqrt(sigma) / ((4 pi)^1.5 D^2) at the delay 2 D / c. What the channel adds is
+//! left out: the room, occlusion, and the antenna's pattern.
 
 use super::body::Vec3;
 use super::body::motion::GroundTruth;
