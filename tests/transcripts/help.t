@@ -280,6 +280,198 @@ Help: the tool and every command, with examples.
     sdp3 calibrate --measured sitting.npy --rate 20 --carrier 60e9 --motion standing --json
     sdp3 calibrate --table rho.toml
 
+  $ sdp3 inspect --help
+  Show what a recording holds: format, shape, sensor, rate, pictures over time, and the scenario that matches the sensor.
+  
+  The pictures are doppler-time and, of a radar module, range-time, of the antenna and the chirp stated, or of the first.
+  
+  Usage: sdp3 inspect [OPTIONS] <PATH>
+  
+  Arguments:
+    <PATH>
+            A recording: WAV, CSV, NPY, NPZ, MATLAB, SigMF, HDF5, a folder of Infineon's radar SDK, a capture of TI's DCA1000
+  
+  Options:
+        --carrier <HZ>
+            Carrier in Hz, if the file does not say
+  
+        --rate <HZ>
+            Sampling or slow-time rate in Hz, if the file does not say
+  
+        --gain <DB>
+            Gain of the sensor in dB, which is subtracted
+  
+        --dataset <NAME>
+            Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
+  
+        --antenna <N>
+            Receive antenna of a radar module, from 1
+  
+        --chirp <N|all>
+            Chirp of every frame of a radar module, from 1, or all
+  
+        --config <FILE>
+            Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 inspect walk.wav --carrier 24.125e9
+    sdp3 inspect RadarIfxAvian_00 --antenna 2
+    sdp3 inspect adc_data.bin --config profile.cfg --chirp all --json
+
+  $ sdp3 classify --help
+  Classify recordings of a radar by the radar module's own chain, window by window.
+  
+  The recording must be of the model's radar: samples of a slot, slot interval and carrier.
+  
+  Usage: sdp3 classify [OPTIONS] <MODEL> <PATH>...
+  
+  Arguments:
+    <MODEL>
+            Model file
+  
+    <PATH>...
+            Recordings of raw slots, as `sdp3 inspect` reads them; or `-`: slots from standard input, little-endian int16 without pauses
+  
+  Options:
+        --carrier <HZ>
+            Carrier in Hz, if the file does not say
+  
+        --rate <HZ>
+            Sampling or slow-time rate in Hz, if the file does not say
+  
+        --gain <DB>
+            Gain of the sensor in dB, which is subtracted
+  
+        --dataset <NAME>
+            Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
+  
+        --antenna <N>
+            Receive antenna of a radar module, from 1
+  
+        --chirp <N|all>
+            Chirp of every frame of a radar module, from 1, or all
+  
+        --config <FILE>
+            Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
+  
+        --step <SLOTS>
+            Slots from window to window; absent: the model's sensing slots, so that windows do not overlap
+  
+        --early-exits <DIR>
+            End a window as soon as an exit is sure: the models in this folder with fewer slots than MODEL, which is one of them, with the weights that `sdp3 early-exits` wrote there
+  
+        --threshold <CONFIDENCE>
+            Confidence that ends a window; absent: that of the operating point that `sdp3 early-exits` found. Above 1, up to 2, none does
+  
+        --guard
+            Also say which slots the module's supervision of samples would refuse: silent, stuck, saturated or offset converters
+  
+        --picture <FILE>
+            Picture to draw, .svg, .png or .pdf: each recording's spectrogram, with class and confidence over time below it
+  
+        --format <FORMAT>
+            What is printed, unless --json is given
+  
+            Possible values:
+            - text:  A line a window: its time in s, its class, its confidence, the slots it used
+            - csv:   A table with the logits
+            - sigmf: The description of a SigMF recording with the windows as its annotations
+            
+            [default: text]
+  
+        --least-confidence <0..1>
+            Windows of less confidence are `unknown`
+            
+            [default: 0]
+  
+        --scenario <FILE.toml|NAME>
+            Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
+  
+        --set <FIELD=VALUE>
+            Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
+  
+        --seed <SEED>
+            Seed of everything random [default: 1]
+  
+        --out <DIR>
+            Folder for results
+            
+            [default: out]
+  
+        --threads <THREADS>
+            Threads; 0 takes all processors. Results do not depend on it
+            
+            [default: 0]
+  
+        --max-memory <SIZE>
+            Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB
+            
+            [default: 4GiB]
+  
+        --max-time <TIME>
+            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d
+            
+            [default: 30d]
+  
+        --json
+            Print results as JSON, and nothing else, on stdout
+  
+    -v, --verbose
+            Print more on stderr
+  
+    -q, --quiet
+            Print only errors on stderr
+  
+    -h, --help
+            Print help (see a summary with '-h')
+  
+  Examples:
+    sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta --picture walk.png
+    sdp3 classify out/models/dsn-1000.sdp3 walk.sigmf-meta --early-exits out --threshold 0.95
+    sdp3 classify sensor.sdp3 RadarIfxAvian_00 --antenna 1 --chirp 1 --step 100 --guard --json
+    sensor | sdp3 classify sensor.sdp3 -
+
   $ sdp3 channels --help
   Run every channel model through the property tests of the paper's Table I
   
