@@ -7,6 +7,7 @@ request fails the check, and so does a page of more than 2 MiB.
 import argparse
 import json
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -79,6 +80,34 @@ def recording(visit, models):
             rows = [[f"{w['start_s']:.3f}", w["class"].replace("-", " "), f"{w['confidence']:.4f}"] for w in windows]
             visit.same(f"table of {model.name}", shown, sum(rows, []))
             visit.same(f"marks of {model.name}", page.locator("#found rect.window").count(), len(windows))
+
+
+def spectrogram(visit):
+    """The picture of the recording has the pixels of the one that `sdp3 inspect` embeds in its SVG."""
+    described = next((file for file in visit.given.recording if file.suffix == ".sigmf-meta"), visit.given.recording[0])
+    with tempfile.TemporaryDirectory() as folder:
+        visit.command("inspect", described, "--scenario", visit.given.out / "scenario.toml", "--out", folder)
+        svg = (pathlib.Path(folder) / "doppler-time.svg").read_text()
+    address = max(re.findall(r'"(data:image/png;base64,[^"]+)"', svg), key=len)
+    script = """async (address) => {
+        const image = new Image();
+        image.src = address;
+        await image.decode();
+        const pixels = (width, height, paint) => {
+            const context = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
+            paint(context);
+            return context.getImageData(0, 0, width, height).data;
+        };
+        const own = document.querySelector("#doppler canvas");
+        const found = own.getContext("2d").getImageData(0, 0, own.width, own.height).data;
+        const other = pixels(image.width, image.height, (context) => context.drawImage(image, 0, 0));
+        const differs = found.length === other.length ? found.filter((byte, k) => byte !== other[k]).length : -1;
+        return [own.width, own.height, image.width, image.height, differs, new Set(found).size > 20];
+    }"""
+    width, height, *size, differs, drawn = visit.page.evaluate(script, address)
+    visit.same("size of the spectrogram", [width, height], size)
+    visit.same("pixels of the spectrogram that differ", differs, 0)
+    visit.same("a spectrogram with something in it", drawn, True)
 
 
 def dropped(visit):
@@ -161,6 +190,7 @@ def main():
             page.goto(page_file.as_uri())
             visit = Visit(page, given)
             recording(visit, used)
+            spectrogram(visit)
             links(visit)
             visit.same("wider than the window", page.evaluate("document.documentElement.scrollWidth <= innerWidth"), True)
             if given.shots:

@@ -8,9 +8,10 @@ use sdp3::network::classify::Classify;
 use sdp3::optimizer::{self, Rule};
 use sdp3::predictor::bootstrap::replicates;
 use sdp3::predictor::{best_curve, fit_all};
-use sdp3::recordings::Stated;
+use sdp3::recordings::{self, Stated};
 use sdp3::results::Optimum;
 use sdp3::scenario::{Override, Scenario};
+use sdp3::simulator::calibration::doppler::of_signal;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,8 @@ enum Request {
         carrier_hz: Option<f64>,
         rate_hz: Option<f64>,
     },
+    /// Doppler over time of a recording, as `sdp3 inspect` draws it.
+    Spectrogram { recording: PathBuf, scenario: PathBuf, carrier_hz: Option<f64>, rate_hz: Option<f64> },
     /// The region through the points of a file, in a scenario with fields set: `sdp3 optimize`.
     Optimize { points: PathBuf, scenario: PathBuf, set: Vec<String>, seed: u64 },
 }
@@ -59,6 +62,11 @@ fn execute() -> Result<(), Failure> {
                 &Classify { model, early_exits, step, least_confidence, guard, stated }
                     .files(&[recording])?,
             )
+        }
+        Request::Spectrogram { recording, scenario, carrier_hz, rate_hz } => {
+            let stated = Stated { carrier_hz, rate_hz, first: true, ..Stated::default() };
+            let radar = Scenario::load(&scenario)?.radar;
+            print(&of_signal("", &recordings::open(&recording, &stated)?, &radar)?)
         }
         Request::Optimize { points, scenario, set, seed } => print(&optimum(&points, &scenario, &set, seed)?),
     }

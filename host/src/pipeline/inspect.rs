@@ -6,19 +6,14 @@ use crate::recordings::{self, Chirps, Samples, Signal, Stated};
 use crate::report::{classes_over_time::OverTime, paper, plot::Medium, spectrograms};
 use crate::results::{Inspection, Sensor, Spectrogram};
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
-use crate::simulator::calibration::comparison::slow_time;
-use crate::simulator::calibration::conditioning::remove_mean;
-use crate::simulator::calibration::intensity::{Intensity, RANGE_DB};
+use crate::simulator::calibration::doppler::{COLUMNS, WINDOW, of_cells, of_signal};
+use crate::simulator::calibration::intensity::RANGE_DB;
 use crate::simulator::channel::Complex64;
 use crate::store::digest::sha256;
 use rustfft::FftPlannerScalar;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Most columns of a picture, samples of its windows and their least distance.
-const COLUMNS: usize = 800;
-const WINDOW: usize = 128;
-const HOP: usize = 8;
 /// Ranges that a matching scenario's gate covers, in m, and its range samples.
 const GATE_M: [f64; 2] = [0.9, 5.7];
 const GATE_SAMPLES: u32 = 8;
@@ -43,16 +38,15 @@ impl Job {
                 let profiles = range_profiles(&signal, sensor);
                 let cells = profiles.first().map_or(0, Vec::len);
                 let slow = (0..cells).map(|cell| profiles.iter().map(|profile| profile[cell]).collect());
-                let doppler = of_doppler(&title, slow.collect(), signal.rate_hz, false, carrier_hz);
+                let doppler = of_cells(&title, slow.collect(), signal.rate_hz, false, carrier_hz);
                 pictures.push(("doppler-time", spectrograms::svg(&doppler, Medium::SINGLE)));
                 let high_m = profiles.first().map_or(0, Vec::len) as f64 * SPEED_OF_LIGHT
                     / (2.0 * sensor.bandwidth_hz);
                 let range = range_time(&title, &signal, &profiles);
                 pictures.push(("range-time", spectrograms::range_time(&range, 0.0, high_m, Medium::SINGLE)));
             }
-            _ => match slow_time(&signal, &self.scenario.radar) {
-                Ok(slow) => {
-                    let doppler = of_doppler(&title, vec![slow.signal], slow.rate_hz, slow.real, carrier_hz);
+            _ => match of_signal(&title, &signal, &self.scenario.radar) {
+                Ok(doppler) => {
                     pictures.push(("doppler-time", spectrograms::svg(&doppler, Medium::SINGLE)));
                 }
                 // raw slots say nothing of their radar
@@ -89,21 +83,6 @@ impl Job {
     }
 }
 
-/// The spectrogram of the slow time of range cells, each without its mean, of as many columns as are drawn.
-fn of_doppler(
-    title: &str,
-    mut cells: Vec<Vec<Complex64>>,
-    rate_hz: f64,
-    real: bool,
-    carrier_hz: f64,
-) -> Spectrogram {
-    cells.iter_mut().for_each(|slow| remove_mean(slow));
-    let length = cells.first().map_or(0, Vec::len);
-    let intensity = Intensity::new(WINDOW.min(length), HOP.max(length / COLUMNS));
-    let decibels = intensity.mean_decibels(cells.iter().map(Vec::as_slice), real);
-    intensity.picture(title, &decibels, real, rate_hz, carrier_hz)
-}
-
 /// The spectrogram of slow time on its time axis: a column is centred on its window.
 pub(super) fn doppler_over_time(
     title: &str,
@@ -112,7 +91,7 @@ pub(super) fn doppler_over_time(
     carrier_hz: f64,
 ) -> OverTime {
     let window_s = WINDOW.min(slow.len()) as f64 / rate_hz;
-    let spectrogram = of_doppler(title, vec![slow], rate_hz, false, carrier_hz);
+    let spectrogram = of_cells(title, vec![slow], rate_hz, false, carrier_hz);
     let first_s = ((window_s - spectrogram.frame_s) / 2.0).max(0.0);
     OverTime { spectrogram, first_s, slot_rate_hz: rate_hz }
 }

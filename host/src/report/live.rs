@@ -1,5 +1,6 @@
 //! What makes the page compute: the program of the commands in WebAssembly, and the models and the scenario that it reads.
 
+use super::spectrograms::colour;
 use crate::scenario::{Communication, Scenario};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -19,6 +20,8 @@ pub struct Live {
     scenario: String,
     /// What of it the controls set.
     communication: Communication,
+    /// Colours of the intensities 0 to 255 of a spectrogram.
+    colours: Vec<[u8; 3]>,
 }
 
 impl Live {
@@ -39,6 +42,7 @@ impl Live {
             models: models.map(|(slots, bytes)| (slots, STANDARD.encode(bytes))).collect(),
             scenario: scenario.to_toml(),
             communication: scenario.communication.clone(),
+            colours: (0..=255).map(colour).collect(),
         })
     }
 }

@@ -21,7 +21,7 @@ const RAMP: [[u8; 3]; 9] = [
     [252, 253, 191],
 ];
 
-fn colour(intensity: u8) -> [u8; 3] {
+pub fn colour(intensity: u8) -> [u8; 3] {
     let position = f64::from(intensity) / 255.0 * 8.0;
     let stop = (position as usize).min(7);
     let share = position - stop as f64;

@@ -53,6 +53,22 @@ function lanes(classes, windows, seconds, model) {
   return html("figure", { class: "drawn" }, picture, html("figcaption", {}, `windows of ${model} slots; the darker, the more confident`));
 }
 
+/** Doppler over time, the highest frequency on top. */
+function spectrogramFigure({ rows, frames, first_row_hz, row_hz, frame_s, range_db, intensities }) {
+  const canvas = html("canvas", { width: frames, height: rows, role: "img", "aria-label": "Doppler over time" });
+  const image = new ImageData(frames, rows);
+  for (let row = 0; row < rows; row++) {
+    for (let frame = 0; frame < frames; frame++) {
+      const at = 4 * ((rows - 1 - row) * frames + frame);
+      image.data.set([...live.colours[intensities[row * frames + frame]], 255], at);
+    }
+  }
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  const [low, high] = [first_row_hz, first_row_hz + (rows - 1) * row_hz].map((hz) => hz.toFixed(0));
+  const text = `Doppler, ${low} to ${high} Hz upwards, over ${(frames * frame_s).toFixed(2)} s; black is ${digits(range_db, 0)} dB below the maximum`;
+  return html("figure", { class: "drawn" }, canvas, html("figcaption", {}, text));
+}
+
 const ROWS = 200;
 
 function windowTable(windows) {
@@ -66,22 +82,36 @@ function recordingPanel() {
   const section = document.getElementById("recording");
   const files = {};
   let chosen = [];
-  const number = (attributes) => html("input", { type: "number", ...attributes, onchange: () => classify() });
+  const number = (attributes) => html("input", { type: "number", onchange: () => classify(), ...attributes });
   const models = Object.keys(live.models).sort((a, b) => a - b);
   const option = (slots) => html("option", { value: slots, selected: slots === models.at(-1) }, slots);
   const model = html("select", { name: "model", onchange: () => classify() }, ...models.map(option));
   const step = number({ name: "step", min: 1, placeholder: "N_s" });
   const least = number({ name: "least-confidence", min: 0, max: 1, step: 0.05, value: 0 });
-  const carrier = number({ name: "carrier", placeholder: "of the file" });
-  const rate = number({ name: "rate", placeholder: "of the file" });
+  const changed = () => chosen.length && draw().then(classify);
+  const carrier = number({ name: "carrier", placeholder: "of the file", onchange: changed });
+  const rate = number({ name: "rate", placeholder: "of the file", onchange: changed });
   const status = statusLine();
   const found = html("div", { id: "found" });
+  const doppler = html("div", { id: "doppler" });
+  const named = () => chosen.find((name) => /\.sigmf-meta$/i.test(name)) ?? chosen[0];
+  const sensor = () => ({ carrier_hz: stated(carrier), rate_hz: stated(rate) });
+
+  async function draw() {
+    try {
+      const request = { recording: named(), scenario: "scenario.toml", ...sensor() };
+      const output = await ask({ spectrogram: request }, { ...files, "scenario.toml": new TextEncoder().encode(live.scenario) });
+      doppler.replaceChildren(spectrogramFigure(JSON.parse(output)));
+    } catch {
+      // what classifies the recording says why it cannot be read
+      doppler.replaceChildren();
+    }
+  }
 
   async function classify() {
     if (!chosen.length) return;
-    const recording = chosen.find((name) => /\.sigmf-meta$/i.test(name)) ?? chosen[0];
-    const slots = model.value;
-    const request = { model: `dsn-${slots}.sdp3`, recording, step: stated(step), least_confidence: stated(least) ?? 0, carrier_hz: stated(carrier), rate_hz: stated(rate) };
+    const [recording, slots] = [named(), model.value];
+    const request = { model: `dsn-${slots}.sdp3`, recording, step: stated(step), least_confidence: stated(least) ?? 0, ...sensor() };
     status.textContent = `${recording}: computing`;
     try {
       const output = await ask({ classify: request }, { ...files, [request.model]: bytesOf(live.models[slots]) });
@@ -100,6 +130,7 @@ function recordingPanel() {
   async function take(list) {
     chosen = [...list].map((file) => file.name);
     for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
+    await draw();
     await classify();
   }
   const input = html("input", { type: "file", multiple: true, onchange: () => take(input.files) });
@@ -110,7 +141,7 @@ function recordingPanel() {
   };
   const zone = html("label", { class: "drop", ondragover: stop, ondrop: drop }, "Drop a recording here, or choose its files: ", input);
   const controls = [["model, N_s ", model], ["slots from window to window ", step], ["least confidence ", least], ["carrier (Hz) ", carrier], ["slots a second (Hz) ", rate]];
-  section.append(zone, html("div", { class: "controls" }, ...controls.map(([text, input]) => labelled(text, input))), status, found);
+  section.append(zone, html("div", { class: "controls" }, ...controls.map(([text, input]) => labelled(text, input))), status, doppler, found);
 }
 
 /** Boundaries of the run's links and of others, on scales that hold both; points are `[accuracy, Mbit/s]`. */

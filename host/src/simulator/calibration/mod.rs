@@ -8,6 +8,7 @@
 pub(crate) mod comparison;
 pub(crate) mod conditioning;
 pub(crate) mod divergence;
+pub mod doppler;
 pub(crate) mod intensity;
 pub(crate) mod resample;
 pub(crate) mod room_fit;
