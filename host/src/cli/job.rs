@@ -53,8 +53,8 @@ pub fn verify(context: &Context, args: VerifyArgs) -> Result<bool, Failure> {
 /// A page to write again.
 #[derive(Debug, Clone, Args)]
 pub struct ReportArgs {
-    /// Program for the page to compute with, in WebAssembly (docs/commands.md says how it is built): the page then classifies recordings that
-    /// are dropped on it and computes the region for other links. Absent: the page only shows.
+    /// `sdp3-page` in WebAssembly, for the page to compute with: it classifies recordings that are dropped on it, and computes the region for
+    /// other links. docs/bring-your-own-recording.md says how it is built.
     #[arg(long, value_name = "FILE.wasm")]
     pub program: Option<PathBuf>,
 }
