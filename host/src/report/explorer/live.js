@@ -9,7 +9,7 @@ async function compiled() {
 }
 
 let program;
-let last = Promise.resolve();
+let last = (async () => null)();
 
 /** Asks the program, one request after the other: the text it prints; what it says on standard error is thrown. */
 function ask(request, files) {
