@@ -1,4 +1,5 @@
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any, Final, TypedDict
 
 import numpy as np
@@ -12,6 +13,13 @@ class Recordings(TypedDict, total=False):
     image: NDArray[np.int8]
     label: NDArray[np.uint8]
     raw: NDArray[np.int16]
+
+class Recording(TypedDict):
+    samples: NDArray[Any]
+    rate_hz: float
+    carrier_hz: float
+    power_db: float
+    about: dict[str, Any]
 
 def scenario(text: str = "") -> str:
     """The scenario resolved: every field with its value, as TOML. ValueError names a field that is not legal."""
@@ -60,6 +68,42 @@ def optimize(
 def dechirp(slots: NDArray[np.int16], scenario: str = "") -> NDArray[np.int32]:
     """Raw slots [slow time, samples, 2] or [slow time, samples] of the scenario's radar to its range samples [slow time, 8, 2], by the
     radar module's code."""
+
+def read(
+    file: str | PathLike[str],
+    *,
+    carrier_hz: float | None = None,
+    rate_hz: float | None = None,
+    gain_db: float | None = None,
+    dataset: str | None = None,
+    antenna: int | None = None,
+    chirp: int | None = None,
+) -> Recording:
+    """A recording of any format that ``sdp3 inspect`` reads.
+
+    ``samples``: [time] float64 or complex128 of one channel; of a radar module [slot, value] int16, LSB, I and Q in turn of a complex
+    converter. ``rate_hz`` is of the samples, or of the slots; ``about`` has format, axes, shape and sensor of the file.
+    """
+
+def classify(
+    model: str | PathLike[str],
+    recording: str | PathLike[str] | NDArray[np.int16],
+    *,
+    step: int | None = None,
+    least_confidence: float = 0.0,
+    early_exits: str | PathLike[str] | None = None,
+    threshold: float | None = None,
+    guard: bool = False,
+    carrier_hz: float | None = None,
+    rate_hz: float | None = None,
+    dataset: str | None = None,
+    antenna: int | None = None,
+    chirp: int | None = None,
+) -> dict[str, Any]:
+    """The windows of a recording, each with class, confidence and logits: the answer of ``sdp3 classify --json``.
+
+    Of an array of slots, [slot, value] or [slot, sample, 2], ``windows``, ``early_exits`` and ``supervision``.
+    """
 
 class Scheduler:
     """The radar module's scheduler. Slots are -1 for sensing, -2 for idle, else the user's number."""

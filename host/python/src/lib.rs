@@ -1,9 +1,10 @@
 //! sdp3 on numpy arrays.
 //!
-//! One file for what is simulated, one for what is optimized, one for the radar module. Every function calls what the command of its name
+//! One file for what is simulated, one for what is optimized, one for the radar module, one for recordings. Every function calls what the command of its name
 //! calls; answers that are no arrays are the commands' JSON as Python objects. Bad input is a `ValueError` with the command's words.
 
 mod radar;
+mod recordings;
 mod simulator;
 mod optimizer;
 
@@ -42,6 +43,8 @@ fn _sdp3(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(optimizer::fit, module)?)?;
     module.add_function(wrap_pyfunction!(optimizer::optimize, module)?)?;
     module.add_function(wrap_pyfunction!(radar::dechirp, module)?)?;
+    module.add_function(wrap_pyfunction!(recordings::read, module)?)?;
+    module.add_function(wrap_pyfunction!(recordings::classify, module)?)?;
     module.add_class::<radar::Scheduler>()?;
     module.add_class::<radar::Model>()
 }

@@ -1,5 +1,6 @@
 """Arrays and answers equal what the command line writes and prints, bit for bit."""
 
+import hashlib
 import json
 import os
 import subprocess
@@ -48,6 +49,50 @@ def test_recordings_are_those_of_the_dataset(folder, raw):
         assert made[name].dtype == stored[name].dtype and np.array_equal(made[name], stored[name]), name
     if raw:
         assert np.array_equal(sdp3.dechirp(made["raw"][4]), made["beat"][4])
+
+
+@pytest.fixture(scope="module")
+def described(folder):
+    """A recording of 450 slots in SigMF."""
+    out = folder / "recordings"
+    run("simulate", "-q", "--set", "frame.sensing_slots=[450]", "--per-class", 1, "--raw", "--sigmf", "--out", out, cwd=folder)
+    return out / "recording-00003.sigmf-meta"
+
+
+@pytest.mark.parametrize("options", [{}, {"step": 50, "least_confidence": 0.6, "guard": True}])
+def test_windows_are_those_of_the_command(folder, described, options):
+    file = ROOT / "tests/testkit/models/dsn-200.sdp3"
+    words = [["--guard"] if name == "guard" else ["--" + name.replace("_", "-"), value] for name, value in options.items()]
+    printed = json.loads(run("classify", file, described, "--json", *sum(words, []), cwd=folder))
+    found = sdp3.classify(file, described, **options)
+    assert found == printed and len(found["recordings"][0]["windows"]) == (6 if options else 2)
+    slots = sdp3.read(described)["samples"]
+    of_array = sdp3.classify(file, slots, **options)
+    assert of_array["windows"] == printed["recordings"][0]["windows"]
+    assert of_array["supervision"] == printed["recordings"][0].get("supervision")
+    assert sdp3.classify(file, slots.reshape(450, -1, 2), **options) == of_array
+
+
+def test_a_recording_is_read_as_the_command_reads_it(folder, described):
+    recording = sdp3.read(described)
+    found = json.loads(run("inspect", described, "--json", "--out", "inspected", cwd=folder))
+    assert recording["samples"].dtype == np.int16 and recording["samples"].shape == (450, 2000)
+    assert hashlib.sha256(recording["samples"].tobytes()).hexdigest() == found["samples_sha256"]
+    for name in ["rate_hz", "carrier_hz", "power_db"]:
+        assert recording[name] == found[name]
+    assert recording["about"].items() <= found.items()
+
+
+def test_numbers_of_one_channel_are_read(folder):
+    rate, tone = 2000.0, np.exp(2j * np.pi * 40 / 2000 * np.arange(4000))
+    for name, signal in [("complex", tone), ("real", tone.real)]:
+        np.save(folder / f"{name}.npy", signal)
+        found = sdp3.read(folder / f"{name}.npy", carrier_hz=24e9, rate_hz=rate)
+        assert np.array_equal(found["samples"], signal) and (found["rate_hz"], found["carrier_hz"]) == (rate, 24e9)
+    with pytest.raises(ValueError, match="carrier"):
+        sdp3.read(folder / "real.npy", rate_hz=rate)
+    with pytest.raises(ValueError, match="raw slots"):
+        sdp3.classify(ROOT / "tests/testkit/models/dsn-200.sdp3", folder / "real.npy", carrier_hz=24e9, rate_hz=rate)
 
 
 def test_the_model_says_what_the_command_line_says(folder):

@@ -8,7 +8,7 @@ use sdp3::network::classify::Classify;
 use sdp3::optimizer::{self, Rule};
 use sdp3::predictor::bootstrap::replicates;
 use sdp3::predictor::{best_curve, fit_all};
-use sdp3::recordings::{self, Stated};
+use sdp3::recordings::{self, Chirps, Stated};
 use sdp3::results::Optimum;
 use sdp3::scenario::{Override, Scenario};
 use sdp3::simulator::calibration::doppler::of_signal;
@@ -17,21 +17,32 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What the page asks for; fields have the names and meanings of the command's options.
+/// What the page says of a recording; fields have the names and meanings of the commands' options.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Recording {
+    file: PathBuf,
+    carrier_hz: Option<f64>,
+    rate_hz: Option<f64>,
+    antenna: Option<u32>,
+    chirp: Option<u32>,
+}
+
+impl Recording {
+    fn stated(&self) -> Stated {
+        let Recording { carrier_hz, rate_hz, antenna, chirp, .. } = *self;
+        Stated { carrier_hz, rate_hz, antenna, chirp: chirp.map(Chirps::One), ..Stated::default() }
+    }
+}
+
+/// What the page asks for.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
     /// The windows of a recording: `sdp3 classify`.
-    Classify {
-        model: PathBuf,
-        recording: PathBuf,
-        step: Option<u32>,
-        least_confidence: f64,
-        carrier_hz: Option<f64>,
-        rate_hz: Option<f64>,
-    },
+    Classify { model: PathBuf, recording: Recording, step: Option<u32>, least_confidence: f64 },
     /// Doppler over time of a recording, as `sdp3 inspect` draws it.
-    Spectrogram { recording: PathBuf, scenario: PathBuf, carrier_hz: Option<f64>, rate_hz: Option<f64> },
+    Spectrogram { recording: Recording, scenario: PathBuf },
     /// The region through the points of a file, in a scenario with fields set: `sdp3 optimize`.
     Optimize { points: PathBuf, scenario: PathBuf, set: Vec<String>, seed: u64 },
 }
@@ -55,18 +66,15 @@ fn print(found: &impl Serialize) -> Result<(), Failure> {
 
 fn execute() -> Result<(), Failure> {
     match serde_json::from_reader(std::io::stdin().lock())? {
-        Request::Classify { model, recording, step, least_confidence, carrier_hz, rate_hz } => {
-            let stated = Stated { carrier_hz, rate_hz, ..Stated::default() };
-            let (early_exits, guard) = (None, false);
-            print(
-                &Classify { model, early_exits, step, least_confidence, guard, stated }
-                    .files(&[recording])?,
-            )
+        Request::Classify { model, recording, step, least_confidence } => {
+            let (early_exits, guard, stated) = (None, false, recording.stated());
+            let request = Classify { model, early_exits, step, least_confidence, guard, stated };
+            print(&request.files(&[recording.file])?)
         }
-        Request::Spectrogram { recording, scenario, carrier_hz, rate_hz } => {
-            let stated = Stated { carrier_hz, rate_hz, first: true, ..Stated::default() };
+        Request::Spectrogram { recording, scenario } => {
+            let stated = Stated { first: true, ..recording.stated() };
             let radar = Scenario::load(&scenario)?.radar;
-            print(&of_signal("", &recordings::open(&recording, &stated)?, &radar)?)
+            print(&of_signal("", &recordings::open(&recording.file, &stated)?, &radar)?)
         }
         Request::Optimize { points, scenario, set, seed } => print(&optimum(&points, &scenario, &set, seed)?),
     }

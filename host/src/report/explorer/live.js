@@ -16,7 +16,7 @@ function ask(request, files) {
   const answered = last.then(async () => {
     program ??= await compiled();
     const { exit, output, errors } = await execute(program, new TextEncoder().encode(JSON.stringify(request)), files);
-    if (exit !== 0) throw new Error(errors.trim());
+    if (exit !== 0) throw new Error(errors.trim() || `exit code ${exit}`);
     return output;
   });
   last = answered.catch(() => null);
@@ -69,6 +69,8 @@ function spectrogramFigure({ rows, frames, first_row_hz, row_hz, frame_s, range_
   return html("figure", { class: "drawn" }, canvas, html("figcaption", {}, text));
 }
 
+/** Most bytes of a file, and most windows in the table. */
+const LARGEST = 2 ** 30;
 const ROWS = 200;
 
 function windowTable(windows) {
@@ -80,26 +82,31 @@ function windowTable(windows) {
 
 function recordingPanel() {
   const section = document.getElementById("recording");
-  const files = {};
-  let chosen = [];
+  let files = {};
   const number = (attributes) => html("input", { type: "number", onchange: () => classify(), ...attributes });
   const models = Object.keys(live.models).sort((a, b) => a - b);
   const option = (slots) => html("option", { value: slots, selected: slots === models.at(-1) }, slots);
   const model = html("select", { name: "model", onchange: () => classify() }, ...models.map(option));
   const step = number({ name: "step", min: 1, placeholder: "N_s" });
   const least = number({ name: "least-confidence", min: 0, max: 1, step: 0.05, value: 0 });
-  const changed = () => chosen.length && draw().then(classify);
+  const changed = () => named() && draw().then(classify);
   const carrier = number({ name: "carrier", placeholder: "of the file", onchange: changed });
   const rate = number({ name: "rate", placeholder: "of the file", onchange: changed });
+  const antenna = number({ name: "antenna", min: 1, placeholder: "of a module", onchange: changed });
+  const chirp = number({ name: "chirp", min: 1, placeholder: "of a frame", onchange: changed });
   const status = statusLine();
   const found = html("div", { id: "found" });
   const doppler = html("div", { id: "doppler" });
-  const named = () => chosen.find((name) => /\.sigmf-meta$/i.test(name)) ?? chosen[0];
-  const sensor = () => ({ carrier_hz: stated(carrier), rate_hz: stated(rate) });
+  /** The file that is read; what describes it is found beside it. */
+  const named = () => {
+    const names = Object.keys(files);
+    return names.find((name) => !/\.(sigmf-data|json|cfg)$/i.test(name)) ?? names[0];
+  };
+  const recording = () => ({ file: named(), carrier_hz: stated(carrier), rate_hz: stated(rate), antenna: stated(antenna), chirp: stated(chirp) });
 
   async function draw() {
     try {
-      const request = { recording: named(), scenario: "scenario.toml", ...sensor() };
+      const request = { recording: recording(), scenario: "scenario.toml" };
       const output = await ask({ spectrogram: request }, { ...files, "scenario.toml": new TextEncoder().encode(live.scenario) });
       doppler.replaceChildren(spectrogramFigure(JSON.parse(output)));
     } catch {
@@ -109,16 +116,16 @@ function recordingPanel() {
   }
 
   async function classify() {
-    if (!chosen.length) return;
-    const [recording, slots] = [named(), model.value];
-    const request = { model: `dsn-${slots}.sdp3`, recording, step: stated(step), least_confidence: stated(least) ?? 0, ...sensor() };
-    status.textContent = `${recording}: computing`;
+    const [name, slots] = [named(), model.value];
+    if (!name) return;
+    const request = { model: `dsn-${slots}.sdp3`, recording: recording(), step: stated(step), least_confidence: stated(least) ?? 0 };
+    status.textContent = `${name}: computing`;
     try {
       const output = await ask({ classify: request }, { ...files, [request.model]: bytesOf(live.models[slots]) });
       const { classes, recordings, sensing_slots } = JSON.parse(output);
       const [{ windows, format, slots: held }] = recordings;
       const seconds = (sensing_slots * run.operating_point.spacing_slots * run.operating_point.period_s) / run.operating_point.period_slots;
-      status.textContent = `${recording}: ${format}, ${held} slots, windows: ${windows.length}`;
+      status.textContent = `${name}: ${format}, ${held} slots, windows: ${windows.length}`;
       found.replaceChildren(lanes(classes, windows, seconds, sensing_slots), windowTable(windows));
       found.dataset.json = output;
     } catch (problem) {
@@ -128,7 +135,12 @@ function recordingPanel() {
     }
   }
   async function take(list) {
-    chosen = [...list].map((file) => file.name);
+    files = {};
+    const large = [...list].find((file) => file.size > LARGEST);
+    if (large) {
+      status.textContent = `${large.name}: ${large.size} bytes, must be at most ${LARGEST} in a page`;
+      return [found, doppler].forEach((element) => element.replaceChildren());
+    }
     for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
     await draw();
     await classify();
@@ -140,7 +152,7 @@ function recordingPanel() {
     take(event.dataTransfer.files);
   };
   const zone = html("label", { class: "drop", ondragover: stop, ondrop: drop }, "Drop a recording here, or choose its files: ", input);
-  const controls = [["model, N_s ", model], ["slots from window to window ", step], ["least confidence ", least], ["carrier (Hz) ", carrier], ["slots a second (Hz) ", rate]];
+  const controls = [["model, N_s ", model], ["slots from window to window ", step], ["least confidence ", least], ["carrier (Hz) ", carrier], ["slots a second (Hz) ", rate], ["antenna ", antenna], ["chirp ", chirp]];
   section.append(zone, html("div", { class: "controls" }, ...controls.map(([text, input]) => labelled(text, input))), status, doppler, found);
 }
 

@@ -113,8 +113,8 @@ async function execute(module, input, files) {
   try {
     instance.exports._start();
   } catch (end) {
-    if (!Object.hasOwn(end, "exit")) throw end;
-    exit = end.exit;
+    // a trap: standard error has said why, as where memory is too little
+    exit = end.exit ?? 134;
   }
   const joined = async (parts) => await new Blob(parts).text();
   return { exit, output: await joined(written[1]), errors: await joined(written[2]) };
