@@ -101,8 +101,9 @@ def test_the_model_says_what_the_command_line_says(folder):
     summary = json.loads(run("model", "show", file, "--json", cwd=folder))
     assert (model.revision, model.signed) == (summary["revision"], summary["signed"])
     assert (model.sensing_slots, len(model.classes)) == (200, 5)
-    # the model was made when 50 dB were the default
-    made = sdp3.simulate("[frame]\nsensing_slots = [200]\n[spectrogram]\nrange_db = 50", per_class=4, raw=True)
+    # what makes the model's spectrograms, which is not the default
+    spectrogram = "[spectrogram]\nrange_db = 50\nfirst_kept = 2"
+    made = sdp3.simulate(f"[frame]\nsensing_slots = [200]\n{spectrogram}", per_class=4, raw=True)
     logits = model.logits(made["image"])
     assert logits.shape == (20, 5)
     for n, slots in enumerate(made["raw"]):
