@@ -16,19 +16,17 @@ import tempfile
 
 from playwright.sync_api import sync_playwright
 
+import panels
+
 LARGEST = 2 << 20
 
 
-class Visit:
-    """A page, and what was compared in it."""
+class Visit(panels.Visit):
+    """A page, and what the commands say of the same files."""
 
     def __init__(self, page, given):
-        self.page, self.given, self.wrong, self.compared = page, given, [], 0
-
-    def same(self, what, found, expected):
-        self.compared += 1
-        if found != expected:
-            self.wrong.append(f"{what}: the page says {str(found)[:200]!r}, expected {str(expected)[:200]!r}")
+        super().__init__(page, None)
+        self.given = given
 
     def command(self, *arguments):
         """What the command prints, or what it says and exit code 2."""
@@ -57,6 +55,8 @@ def recording(visit, models):
     """A recording that is chosen, by some of the models: as `sdp3 classify` has it."""
     page, files = visit.page, visit.given.recording
     described = next((file for file in files if file.suffix == ".sigmf-meta"), files[0])
+    with tempfile.TemporaryDirectory() as folder:
+        rate_hz = json.loads(visit.command("inspect", described, "--json", "--out", folder))["rate_hz"]
     page.locator("#recording input[type=file]").set_input_files(files)
     visit.answer("#found")
     for model in models:
@@ -79,6 +79,9 @@ def recording(visit, models):
             shown = page.locator("#found td").all_text_contents()
             rows = [[f"{w['start_s']:.3f}", w["class"].replace("-", " "), f"{w['confidence']:.4f}"] for w in windows]
             visit.same(f"table of {model.name}", shown, sum(rows, []))
+            end = windows[-1]["start_s"] + expected["sensing_slots"] / rate_hz
+            ticks = [float(text) for text in page.locator("#found svg text").all_text_contents() if text[0].isdigit()]
+            visit.same(f"end of the time axis of {model.name}", f"{max(ticks):.2f}", f"{end:.2f}")
             visit.same(f"marks of {model.name}", page.locator("#found rect.window").count(), len(windows))
 
 

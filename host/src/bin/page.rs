@@ -1,4 +1,5 @@
-//! The program of the report page, for WebAssembly (WASI, preview 1): what `sdp3 classify` and `sdp3 optimize` find, by the same code.
+//! The program of the report page, for WebAssembly (WASI, preview 1): what `sdp3 classify`, `sdp3 inspect` and `sdp3
+//! optimize` find, by the same code.
 //!
 //! It reads one request as JSON from standard input, and prints what the command prints with `--json`. Files that a request names
 //! are those of the page. Exit code 2: standard error says why there is nothing.

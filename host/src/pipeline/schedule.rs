@@ -80,7 +80,7 @@ impl Job {
 
     /// The exits that `sdp3 early-exits` fitted to the models.
     fn fitted_exits(&self) -> Result<Vec<FittedExit>, Failure> {
-        let known = stored::fitted(&self.output)?;
+        let known = stored::fit_of(&self.output)?;
         let slots: Vec<u32> = known.exits.iter().map(|exit| exit.sensing_slots).collect();
         let own = &self.scenario.frame.sensing_slots;
         match slots == *own {

@@ -20,6 +20,8 @@ pub struct Live {
     scenario: String,
     /// What of it the controls set.
     communication: Communication,
+    /// Time from one sensing slot to the next in s.
+    interval_s: f64,
     /// Colours of the intensities 0 to 255 of a spectrogram.
     colours: Vec<[u8; 3]>,
 }
@@ -29,7 +31,7 @@ impl Live {
     ///
     /// # Errors
     ///
-    /// None that memory does not have.
+    /// What the compression of the program says.
     pub fn new(
         program: &[u8],
         models: impl Iterator<Item = (u32, Vec<u8>)>,
@@ -42,6 +44,7 @@ impl Live {
             models: models.map(|(slots, bytes)| (slots, STANDARD.encode(bytes))).collect(),
             scenario: scenario.to_toml(),
             communication: scenario.communication.clone(),
+            interval_s: scenario.interval_s(),
             colours: (0..=255).map(colour).collect(),
         })
     }

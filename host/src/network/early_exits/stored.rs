@@ -1,6 +1,6 @@
 //! The networks that classify: a model alone, or the early exits of a folder up to it.
 
-use super::{fitted as exit_of, unfitted};
+use super::{fitted, unfitted};
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::{self, QUANTIZE_FIRST};
 use crate::results::{EarlyExitResult, UsedExits};
@@ -31,7 +31,7 @@ pub struct EarlyExits {
 /// # Errors
 ///
 /// A file that is not there, or not such a result.
-pub(crate) fn fitted(folder: &Output) -> Result<EarlyExitResult, OutputError> {
+pub(crate) fn fit_of(folder: &Output) -> Result<EarlyExitResult, OutputError> {
     Ok(folder.read_result(FITTED, "`sdp3 early-exits` with the same --out makes it")?.0)
 }
 
@@ -59,7 +59,7 @@ impl StoredExits {
             return Ok(StoredExits { files: vec![file], weights: None, threshold: NEVER });
         };
         let stored = Output::reading(folder);
-        let known = if stored.path(FITTED).exists() { Some(fitted(&stored)?) } else { None };
+        let known = if stored.path(FITTED).exists() { Some(fit_of(&stored)?) } else { None };
         let threshold = threshold.or(known.as_ref().map(|known| known.operating_point.point.threshold));
         let legal = format!("stated, 0 to {NEVER}: {} is not there", stored.path(FITTED).display());
         let threshold = threshold.ok_or_else(|| Invalid::option("--threshold", "missing", legal))?;
@@ -100,7 +100,7 @@ impl StoredExits {
         let models = self.files.iter().map(|(path, bytes)| parsed(path, bytes));
         let models = models.collect::<Result<Vec<_>, Failure>>()?.into_iter();
         Ok(match &self.weights {
-            Some(weights) => models.zip(weights).map(|(model, weights)| exit_of(model, weights)).collect(),
+            Some(weights) => models.zip(weights).map(|(model, weights)| fitted(model, weights)).collect(),
             None => models.enumerate().map(|(number, model)| unfitted(model, number)).collect(),
         })
     }

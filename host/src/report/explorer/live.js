@@ -29,28 +29,28 @@ const labelled = (text, input) => html("label", { class: "control" }, text, inpu
 /** What a text field states, or nothing. */
 const stated = (input) => (input.value.trim() === "" ? null : Number(input.value));
 
-/** Classes over time: a lane for each class, a block for each window, the surer the darker. */
-function lanes(classes, windows, seconds, model) {
-  const [left, lane, width] = [175, 28, 800];
+/** Classes over time: a row for each class, a block for each window of so many slots, the surer the darker. */
+function classesOverTime(classes, windows, slots) {
+  const [left, row, width, seconds] = [175, 28, 800, slots * live.interval_s];
   const names = windows.some((w) => w.class === "unknown") ? [...classes, "unknown"] : classes;
   const end = windows.at(-1).start_s + seconds;
   const x = (s) => left + ((width - left - 12) * s) / end;
-  const height = lane * names.length;
+  const height = row * names.length;
   const picture = mark("svg", { viewBox: `0 0 ${width} ${height + 46}`, role: "img", "aria-label": "class of every window over time" });
   names.forEach((name, k) => {
-    picture.append(mark("text", { x: left - 8, y: lane * k + 20, "text-anchor": "end", "font-size": 14 }, words(name)));
-    picture.append(mark("path", { class: "lane", d: `M${left} ${lane * (k + 1)}H${width - 12}` }));
+    picture.append(mark("text", { x: left - 8, y: row * k + 20, "text-anchor": "end", "font-size": 14 }, words(name)));
+    picture.append(mark("path", { class: "axis", d: `M${left} ${row * (k + 1)}H${width - 12}` }));
   });
   for (const w of windows) {
     const k = names.indexOf(w.class);
     const text = `${w.start_s.toFixed(2)} s: ${words(w.class)}, ${percent(w.confidence)}`;
-    const at = { x: x(w.start_s), y: lane * k + 3, width: Math.max(1, x(w.start_s + seconds) - x(w.start_s) - 1), height: lane - 6 };
+    const at = { x: x(w.start_s), y: row * k + 3, width: Math.max(1, x(w.start_s + seconds) - x(w.start_s) - 1), height: row - 6 };
     picture.append(mark("rect", { ...at, class: "window", opacity: Math.max(0.15, w.confidence) }, mark("title", {}, text)));
   }
   const tick = (s, anchor) => mark("text", { x: x(s), y: height + 17, "text-anchor": anchor, "font-size": 14 }, s.toFixed(2));
   picture.append(tick(0, "start"), tick(end / 2, "middle"), tick(end, "end"));
   picture.append(mark("text", { x: x(end / 2), y: height + 38, "text-anchor": "middle", "font-size": 14 }, "time (s)"));
-  return html("figure", { class: "drawn" }, picture, html("figcaption", {}, `windows of ${model} slots; the darker, the more confident`));
+  return html("figure", { class: "drawn" }, picture, html("figcaption", {}, `windows of ${slots} slots; the darker, the more confident`));
 }
 
 /** Doppler over time, the highest frequency on top. */
@@ -124,22 +124,24 @@ function recordingPanel() {
       const output = await ask({ classify: request }, { ...files, [request.model]: bytesOf(live.models[slots]) });
       const { classes, recordings, sensing_slots } = JSON.parse(output);
       const [{ windows, format, slots: held }] = recordings;
-      const seconds = (sensing_slots * run.operating_point.spacing_slots * run.operating_point.period_s) / run.operating_point.period_slots;
       status.textContent = `${name}: ${format}, ${held} slots, windows: ${windows.length}`;
-      found.replaceChildren(lanes(classes, windows, seconds, sensing_slots), windowTable(windows));
+      found.replaceChildren(classesOverTime(classes, windows, sensing_slots), windowTable(windows));
       found.dataset.json = output;
     } catch (problem) {
-      status.textContent = problem.message;
-      found.replaceChildren();
-      delete found.dataset.json;
+      clear(problem.message);
     }
+  }
+  function clear(message) {
+    status.textContent = message;
+    found.replaceChildren();
+    delete found.dataset.json;
   }
   async function take(list) {
     files = {};
     const large = [...list].find((file) => file.size > LARGEST);
     if (large) {
-      status.textContent = `${large.name}: ${large.size} bytes, must be at most ${LARGEST} in a page`;
-      return [found, doppler].forEach((element) => element.replaceChildren());
+      doppler.replaceChildren();
+      return clear(`${large.name}: ${large.size} bytes, must be at most ${LARGEST} in a page`);
     }
     for (const file of list) files[file.name] = new Uint8Array(await file.arrayBuffer());
     await draw();
@@ -171,7 +173,7 @@ function twoRegions(own, computed) {
   return mark(
     "svg",
     { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "regions of the run's links and of those chosen" },
-    mark("path", { class: "lane", d: `M${left} ${top}V${base}H${width - right}` }),
+    mark("path", { class: "axis", d: `M${left} ${top}V${base}H${width - right}` }),
     ...lines(own, "own"),
     ...lines(computed, "compared"),
     ...[scale.x.low, (scale.x.low + scale.x.high) / 2, scale.x.high].map((v, k) => write(scale.x(v), base + 18, ["start", "middle", "end"][k], v.toFixed(2))),
@@ -201,7 +203,13 @@ function linkPanel() {
       input.setAttribute("aria-valuetext", output.textContent);
     };
     say();
-    return { input, element: html("label", { class: "control" }, text, input, output), say };
+    // the browser may have rounded it
+    const own = input.value;
+    const reset = () => {
+      input.value = own;
+      say();
+    };
+    return { input, element: html("label", { class: "control" }, text, input, output), moved: () => input.value !== own, reset };
   };
   const start = Math.round(dbm(power_w));
   const power = slider("power", "power of the base station", " dBm", { min: Math.min(-20, start), max: Math.max(50, start), value: start });
@@ -209,9 +217,9 @@ function linkPanel() {
   const users = slider("users", "receivers", "", { min: 1, max: most, value: most });
   const overrides = () => {
     const set = [];
-    if (Number(power.input.value) !== start) set.push(`communication.power_w=${watt(Number(power.input.value))}`);
-    if (Number(noise.input.value) !== noise_figure_db) set.push(`communication.noise_figure_db=${noise.input.value}`);
-    if (Number(users.input.value) !== most) {
+    if (power.moved()) set.push(`communication.power_w=${watt(Number(power.input.value))}`);
+    if (noise.moved()) set.push(`communication.noise_figure_db=${noise.input.value}`);
+    if (users.moved()) {
       set.push(`communication.cases=${JSON.stringify(cases.map((places) => places.slice(0, Number(users.input.value))))}`);
     }
     return set;
@@ -248,10 +256,7 @@ function linkPanel() {
     }
   }
   const reset = () => {
-    power.input.value = start;
-    noise.input.value = noise_figure_db;
-    users.input.value = most;
-    [power, noise, users].forEach((one) => one.say());
+    [power, noise, users].forEach((one) => one.reset());
     compute();
   };
   const fields = html("fieldset", { id: "links" }, html("legend", {}, "compute the region for other links"), power.element, noise.element, users.element, html("button", { type: "button", onclick: reset }, "the run's own links"));
