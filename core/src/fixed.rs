@@ -7,7 +7,7 @@
 use crate::simd::mulh::mla_h;
 
 /// `round(a b / 2^31)`, saturating the single overflow (`i32::MIN` squared).
-const fn doubling_high_mul(a: i32, b: i32) -> i32 {
+pub(crate) const fn doubling_high_mul(a: i32, b: i32) -> i32 {
     if a == i32::MIN && b == i32::MIN {
         return i32::MAX;
     }
@@ -17,7 +17,7 @@ const fn doubling_high_mul(a: i32, b: i32) -> i32 {
 }
 
 /// `round(x / 2^exponent)`, halves away from zero; exponent 0 to 31, a larger one counts as 31.
-const fn rounding_divide(x: i32, exponent: u32) -> i32 {
+pub(crate) const fn rounding_divide(x: i32, exponent: u32) -> i32 {
     let exponent = if exponent > 31 { 31 } else { exponent };
     let mask = ((1_i64 << exponent) - 1) as i32;
     let remainder = x & mask;

@@ -54,6 +54,8 @@ pub mod dsn;
 pub mod early_exit;
 mod error;
 pub mod fixed;
+#[cfg(feature = "graph")]
+pub mod graph;
 pub mod math;
 pub mod pipeline;
 pub mod probe;

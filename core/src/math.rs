@@ -15,6 +15,12 @@ pub fn roundf(x: f32) -> f32 {
     libm::roundf(x)
 }
 
+/// Nearest integer, halves away from zero, saturated to i32. Exact.
+#[cfg(feature = "graph")]
+pub fn round_to_i32(x: f64) -> i32 {
+    libm::round(x) as i32
+}
+
 /// e^x by micromath's approximation, relative error below 0.3 % on -16 to 0: enough for a confidence, at a tenth
 /// of the cost of `libm::expf`.
 pub fn fast_expf(x: f32) -> f32 {

@@ -93,7 +93,8 @@ fn every_field_of_the_header_has_its_range() {
         assert!(matches!(outcome(at, &[1]), Err(ModelError::Field { name: "radar", .. })), "{at}");
     }
     assert_eq!(outcome(48, &[128, 0, 8, 12, 5, 4, 6, 0]), Ok(()));
-    for at in 56..64 {
+    field("arena", 56, four, &[1, 256, i64::from(u32::MAX)], &[0]);
+    for at in 60..64 {
         assert_eq!(outcome(at, &[1]), Err(ModelError::Field { name: "reserved", value: 0 }));
     }
 }
@@ -200,6 +201,7 @@ fn the_header_is_what_the_model_says_of_itself() {
         frames: 10,
         channels: CHANNELS,
         stem_stride: 2,
+        arena: 0,
         radar: RadarConfig::PAPER,
     };
     assert_eq!((Shape::of(&file), model.shape()), (Some(shape), shape));

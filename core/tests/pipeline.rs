@@ -233,6 +233,7 @@ macro_rules! bytes {
             frames: $frames,
             channels: $channels,
             stem_stride: $stride,
+            arena: 0,
             radar: RadarConfig::$radar,
         };
         (<pipeline_memory!(SHAPE)>::BYTES, SHAPE.required_bytes())

@@ -4,8 +4,9 @@
 //! `tests/schemas` holds every command's real output to them.
 
 use crate::dataset::Written;
-use crate::formats::model_file::{ModelCheck, Summary};
+use crate::formats::model_file::{ModelCheck, Shown};
 use crate::network::interchange::Exchanged;
+use crate::network::operator_outputs::Inferred;
 use crate::results::{
     Calibration, Campaign, ChannelTable, Checked, Classified, EarlyExitResult, Files, Inspection,
     LearnedRecordings, Listed, Merged, Optimum, Prediction, Reproduction, Run, Schedule, Submitted, SweepRow,
@@ -24,7 +25,7 @@ macro_rules! published {
 }
 
 /// Every schema by its name: a command's, with hyphens between its words, or `scenario`.
-pub const PUBLISHED: [(&str, &str); 33] = published![
+pub const PUBLISHED: [(&str, &str); 34] = published![
     "calibrate",
     "channels",
     "classify",
@@ -32,6 +33,7 @@ pub const PUBLISHED: [(&str, &str); 33] = published![
     "export",
     "gallery",
     "import",
+    "infer",
     "inspect",
     "man",
     "merge",
@@ -131,12 +133,13 @@ pub fn of_types(name: &str) -> Option<Value> {
         "classify" => schema_for!(Classified),
         "channels" => schema_for!(ChannelTable),
         "export" | "import" => schema_for!(Exchanged),
+        "infer" => schema_for!(Inferred),
         "inspect" => schema_for!(Inspection),
         "gallery" | "man" | "model-keygen" | "model-sign" | "quantize" | "report" | "scenario-new" => {
             schema_for!(Files)
         }
         "merge" => schema_for!(Merged),
-        "model-show" => schema_for!(Summary),
+        "model-show" => schema_for!(Shown),
         "model-verify" => schema_for!(ModelCheck),
         "optimize" => schema_for!(Optimized),
         "predict" => schema_for!(Prediction),

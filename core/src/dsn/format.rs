@@ -1,19 +1,20 @@
 //! The layout of a model file.
 //!
 //! Layout (little-endian): 64-byte header, class names of 24 bytes, layers in the order stem, per block (affine, conv, conv, add),
-//! head, an ed25519 signature of everything before it if the header says so, and the CRC-32 (IEEE 802.3) of everything before that.
+//! head, or a [graph](crate::graph::format) in their place, an ed25519 signature of everything before it if the header says so, and the CRC-32 (IEEE 802.3) of everything before that.
 //!
 //! | header byte | field |
 //! |---|---|
 //! | 0..4, 4..6, 6..8, 8..12 | `SDP3`, version, length of the header, length of the file |
 //! | 12..16 | sensing slots N_s (u16), first and last singular component kept |
-//! | 16..24 | Kaiser window's length, hop, image rows (u16 each), FFT bins per row, stride of the stem |
+//! | 16..24 | Kaiser window's length, hop, image rows (u16 each), FFT bins per row, stride of the stem (0: a graph) |
 //! | 24..32 | dynamic range in 1/64 octave, frames (u16 each), Kaiser window's beta (f32) |
-//! | 32..36 | channels, blocks, classes, signature: 0 none, 1 ed25519 |
+//! | 32..36 | channels, blocks (both 0: a graph), classes, signature: 0 none, 1 ed25519 |
 //! | 36..44 | carrier in kHz, interval of the sensing slots in us (u32 each; for people) |
 //! | 44..48 | revision (u32), which only grows: what a rollback is known by |
 //! | 48..56 | the sensor, [`RadarConfig::to_bytes`](crate::config::RadarConfig::to_bytes): zeros for the paper's radar |
-//! | 56..64 | zeros |
+//! | 56..60 | bytes of the graph's arena (u32); 0 without a graph |
+//! | 60..64 | zeros |
 
 /// First bytes of a model file.
 pub const MAGIC: [u8; 4] = *b"SDP3";
@@ -33,3 +34,5 @@ pub const KEY_LEN: usize = 32;
 pub const SIGNATURE_AT: usize = 35;
 /// Where the header has its revision (u32, little-endian).
 pub const REVISION_AT: usize = 44;
+/// Where the header has the bytes of a graph's arena (u32, little-endian).
+pub const ARENA_AT: usize = 56;

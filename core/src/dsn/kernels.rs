@@ -89,7 +89,7 @@ const SUMMANDS: usize = 1 << 14;
 
 /// Piece `step` of `all` values in pieces of `length`, and whether it is the last.
 #[inline(always)]
-pub(super) fn piece(all: usize, length: usize, step: usize) -> (Range<usize>, bool) {
+pub(crate) fn piece(all: usize, length: usize, step: usize) -> (Range<usize>, bool) {
     let first = (step * length).min(all);
     let end = (first + length).min(all);
     (first..end, end == all)

@@ -30,7 +30,7 @@ pub use winograd::WinogradF2;
 ///
 /// A debug build panics there. Firmware has no panic: it goes on with nothing, an empty slice or zero.
 #[inline(always)]
-fn established<T: Default>(value: Option<T>) -> T {
+pub(crate) fn established<T: Default>(value: Option<T>) -> T {
     debug_assert!(value.is_some(), "a size that was checked before does not hold");
     value.unwrap_or_default()
 }

@@ -9,6 +9,8 @@ use super::kernels::{Kernels, Operator};
 use super::model::Model;
 use super::shape::Shape;
 use crate::dims::ROWS;
+#[cfg(feature = "graph")]
+use crate::graph::{Graph, Progress};
 use crate::probe::Probe;
 use heapless::Vec;
 
@@ -22,6 +24,9 @@ pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -
 impl Shape {
     /// Bytes of scratch its network needs.
     pub const fn scratch_bytes(&self) -> usize {
+        if self.arena > 0 {
+            return self.arena;
+        }
         scratch_bytes(self.frames, self.channels, self.stem_stride)
     }
 }
@@ -62,12 +67,19 @@ impl Classification {
 pub struct Network {
     operator: u32,
     step: u32,
+    #[cfg(feature = "graph")]
+    graph: Progress,
 }
 
 impl Network {
     /// At the beginning.
     pub const fn new() -> Self {
-        Network { operator: 0, step: 0 }
+        Network {
+            operator: 0,
+            step: 0,
+            #[cfg(feature = "graph")]
+            graph: Progress::new(),
+        }
     }
 
     /// Gives up an unfinished image.
@@ -87,12 +99,16 @@ impl Network {
         kernels: &mut impl Kernels,
         probe: &mut impl Probe,
     ) -> Option<Logits> {
-        let (frames, channels, stride) = (model.frames(), model.channels(), model.stem_stride());
-        if scratch.len() < scratch_bytes(frames, channels, stride) {
+        if scratch.len() < model.shape().scratch_bytes() {
             debug_assert!(false, "the scratch is smaller than the model's");
             self.reset();
             return Some(Logits::new());
         }
+        #[cfg(feature = "graph")]
+        if let Some(graph) = model.graph() {
+            return self.step_graph(graph, scratch, probe);
+        }
+        let (frames, channels, stride) = (model.frames(), model.channels(), model.stem_stride());
         let (stem_height, stem_width) = (same(ROWS, stride), same(frames, stride));
         let size = (stem_height / 2, stem_width / 2);
         let map = size.0 * size.1 * channels;
@@ -147,6 +163,32 @@ impl Network {
         let resized = logits.resize(model.classes(), 0);
         debug_assert!(resized.is_ok(), "the parser has checked the number of classes");
         model.head().forward(output, &mut logits);
+        probe.logits(&logits);
+        Some(logits)
+    }
+
+    /// The same of a graph, whose arena is the end of the scratch.
+    #[cfg(feature = "graph")]
+    fn step_graph(
+        &mut self,
+        graph: &Graph<'_>,
+        scratch: &mut [i8],
+        probe: &mut impl Probe,
+    ) -> Option<Logits> {
+        let before = scratch.len().saturating_sub(graph.arena());
+        let arena = established(scratch.get_mut(before..));
+        if let Some(step) = graph.step(&mut self.graph, arena) {
+            if step.done {
+                probe.layer(step.operator, established(arena.get(step.node.output.range())));
+            }
+            if !step.last {
+                return None;
+            }
+        }
+        self.reset();
+        let mut logits = Logits::new();
+        let stored = logits.extend_from_slice(graph.output(arena));
+        debug_assert!(stored.is_ok(), "the parser has checked the number of classes");
         probe.logits(&logits);
         Some(logits)
     }

@@ -5,12 +5,12 @@
 //!
 //! // of a model in flash: `const SHAPE: Shape = Shape::of(include_bytes!("model.sdp3")).expect("a model");`
 //! const SHAPE: Shape =
-//!     Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1, radar: RadarConfig::PAPER };
+//!     Shape { sensing_slots: 200, frames: 10, channels: 8, stem_stride: 1, arena: 0, radar: RadarConfig::PAPER };
 //! type Sized = pipeline_memory!(SHAPE);
 //! const _: () = assert!(Sized::BYTES <= 64 * 1024, "the model does not fit this board");
 //! ```
 
-use super::format::{HEADER_LEN, MAGIC};
+use super::format::{ARENA_AT, HEADER_LEN, MAGIC};
 use crate::config::RadarConfig;
 
 /// Sizes of a model. What follows from them is stated elsewhere: its network's scratch, its kernels' memory, a pipeline's.
@@ -25,6 +25,8 @@ pub struct Shape {
     pub channels: usize,
     /// Stride of the input convolution.
     pub stem_stride: usize,
+    /// Bytes of the arena of a [graph](crate::graph) in the place of the paper's network, which then has no channels; else 0.
+    pub arena: usize,
     /// The sensor.
     pub radar: RadarConfig,
 }
@@ -48,6 +50,12 @@ impl Shape {
             frames: u16::from_le_bytes([model[26], model[27]]) as usize,
             channels: model[32] as usize,
             stem_stride: model[23] as usize,
+            arena: u32::from_le_bytes([
+                model[ARENA_AT],
+                model[ARENA_AT + 1],
+                model[ARENA_AT + 2],
+                model[ARENA_AT + 3],
+            ]) as usize,
         })
     }
 }

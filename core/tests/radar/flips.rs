@@ -92,6 +92,7 @@ const EXITS_SHAPE: Shape = Shape {
     frames: 10,
     channels: support::CHANNELS,
     stem_stride: 2,
+    arena: 0,
     radar: RadarConfig::PAPER,
 };
 

@@ -22,6 +22,7 @@ const THREE: Shape = Shape {
     frames: 18,
     channels: support::CHANNELS,
     stem_stride: 2,
+    arena: 0,
     radar: RadarConfig::PAPER,
 };
 

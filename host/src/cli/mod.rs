@@ -169,11 +169,18 @@ pub enum Command {
     Export(models::ExportArgs),
     /// Read a network of another program.
     ///
-    /// The file is int8 .tflite of this topology, or float .safetensors, which is quantised.
+    /// The file is int8 .tflite of convolutions, poolings, additions, fully connected layers and softmax, or float .safetensors of the
+    /// paper's topology, which is quantised.
     #[command(after_help = "Examples:
   sdp3 import dsn.tflite --to dsn.sdp3
+  sdp3 import resnet8.tflite --to resnet8.graph
   sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000")]
     Import(models::ImportArgs),
+    /// Run an int8 network on arrays, with the bits of the radar module.
+    #[command(after_help = "Examples:
+  sdp3 infer resnet8.graph images.npy --to probabilities.npy
+  sdp3 infer dsn.sdp3 images.npy --to layers.npy --layers")]
+    Infer(models::InferArgs),
     /// Show, sign and verify model files, make keys.
     #[command(after_help = "Examples:
   sdp3 model show out/models/dsn-1000.sdp3
@@ -296,6 +303,7 @@ pub fn execute(cli: Cli) -> Result<bool, Failure> {
         Command::Merge(args) => cluster::merge(context, &args),
         Command::Export(args) => models::export(context, &args),
         Command::Import(args) => models::import(context, &args),
+        Command::Infer(args) => models::infer(context, &args),
         Command::Model(args) => models::model(context, &args),
         Command::Verify(args) => job::verify(context, args),
         Command::Predict(args) => optimizer::predict(context, &args),

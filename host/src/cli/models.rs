@@ -1,10 +1,11 @@
-//! Model files: `export`, `import`, `model show`, `sign`, `verify`, `keygen`.
+//! Model files: `export`, `import`, `infer`, `model show`, `sign`, `verify`, `keygen`.
 
 use super::context::Context;
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::signature::{new_key, read_public_key, read_secret_key, sign as signed};
-use crate::formats::model_file::{ModelCheck, Summary};
+use crate::formats::model_file::{ModelCheck, Shown, Summary};
 use crate::network::interchange::{self, Conversion};
+use crate::network::operator_outputs::infer as inferred;
 use crate::store::limited;
 use crate::store::output::Output;
 use clap::{Args, Subcommand};
@@ -27,12 +28,29 @@ pub struct ImportArgs {
     /// FILE.tflite or FILE.safetensors.
     #[arg(value_name = "FILE")]
     pub from: PathBuf,
-    /// MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them.
+    /// MODEL.sdp3; of .tflite also NETWORK.graph, a network of any input that is not the radar's; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them.
     #[arg(long, value_name = "FILE")]
     pub to: PathBuf,
     /// Sensing slots it was trained with, where the file does not say.
     #[arg(long, value_name = "N")]
     pub slots: Option<u16>,
+}
+
+/// A network, and the inputs that it runs on.
+#[derive(Debug, Clone, Args)]
+pub struct InferArgs {
+    /// NETWORK.graph or MODEL.sdp3.
+    #[arg(value_name = "NETWORK")]
+    pub network: PathBuf,
+    /// Array of int8 inputs, [count, height, width, channels]; of a model file its images, [count, 64, frames, 1].
+    #[arg(value_name = "INPUTS.npy")]
+    pub inputs: PathBuf,
+    /// Where the outputs go, an array of int8, [count, values].
+    #[arg(long, value_name = "OUTPUTS.npy")]
+    pub to: PathBuf,
+    /// Write the outputs of every operator, one behind the other, instead of the last one's.
+    #[arg(long)]
+    pub layers: bool,
 }
 
 /// What to do with model files.
@@ -70,7 +88,7 @@ pub enum ModelCommand {
 /// A model file to show.
 #[derive(Debug, Clone, Args)]
 pub struct ShowArgs {
-    /// MODEL.sdp3.
+    /// MODEL.sdp3 or NETWORK.graph.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 }
@@ -132,6 +150,12 @@ pub fn import(context: &Context, args: &ImportArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
+pub fn infer(context: &Context, args: &InferArgs) -> Result<bool, Failure> {
+    let done = inferred(&args.network, &args.inputs, &args.to, args.layers)?;
+    context.print(&done, || done.describe())?;
+    Ok(true)
+}
+
 pub fn model(context: &Context, args: &ModelArgs) -> Result<bool, Failure> {
     match &args.command {
         ModelCommand::Show(args) => show(context, args),
@@ -146,8 +170,7 @@ fn read(file: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 fn show(context: &Context, args: &ShowArgs) -> Result<bool, Failure> {
-    let found =
-        Summary::of(&read(&args.file)?).map_err(|error| format!("{}: {error}", args.file.display()))?;
+    let found = Shown::of(&read(&args.file)?).map_err(|error| format!("{}: {error}", args.file.display()))?;
     context.print(&found, || found.describe())?;
     Ok(true)
 }

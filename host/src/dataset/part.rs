@@ -6,6 +6,7 @@
 
 use super::record::TruthRecord;
 use super::{Work, sigmf};
+use crate::formats::numpy;
 use crate::formats::slots::Slots;
 use crate::network::spectrograms::images_of_beats;
 use crate::simulator::body::motion::GroundTruth;
@@ -97,14 +98,7 @@ fn array<W: Write + Seek>(
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
     archive.start_file(format!("{name}.npy"), options)?;
-    let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
-    let axes = if shape.len() == 1 { axes.trim_end() } else { axes.trim_end_matches(", ") };
-    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}), }}");
-    // magic, version 1.0 and length are 10 bytes; the data begins at a multiple of 64
-    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    archive.write_all(b"\x93NUMPY\x01\x00")?;
-    archive.write_all(&(length as u16).to_le_bytes())?;
-    archive.write_all(format!("{header:<width$}\n", width = length - 1).as_bytes())?;
+    archive.write_all(&numpy::header(descr, shape))?;
     let (mut written, expected) = (0, shape.iter().product::<usize>() * size);
     rows(&mut |bytes| {
         written += bytes.len();

@@ -1,5 +1,6 @@
 //! File formats: what other programs write and read.
 
+pub mod graph_file;
 pub mod model_file;
 pub(crate) mod numpy;
 pub mod points;

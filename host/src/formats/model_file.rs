@@ -8,6 +8,8 @@ use crate::error::Invalid;
 use crate::scenario::Scenario;
 use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
 use sdp3_core::dsn::Model;
+use sdp3_core::dsn::model::ARENA_AT;
+use sdp3_core::graph::Graph;
 use std::fmt::Write as _;
 
 mod check;
@@ -17,7 +19,7 @@ pub(crate) mod signature;
 mod summary;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
-pub use summary::{ModelCheck, Summary};
+pub use summary::{ModelCheck, Shown, Summary};
 
 /// What makes the int8 networks of a folder.
 pub(crate) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
@@ -72,6 +74,34 @@ impl Preprocessing {
             Some(rest) if self.hop > 0 => (rest / self.hop).saturating_add(1),
             _ => 0,
         }
+    }
+
+    /// Sensor and spectrogram in words, a line each.
+    fn describe(&self) -> String {
+        let (p, mut text) = (self, String::new());
+        let _ = writeln!(
+            text,
+            "takes {} sensing slots of {} {} us apart at {} GHz",
+            p.sensing_slots,
+            sweep_words(&p.radar),
+            p.slow_time_us,
+            f64::from(p.carrier_khz) / 1e6
+        );
+        let _ = writeln!(
+            text,
+            "keeps singular components {} to {}, window {} (Kaiser, beta {}), hop {}, image {} x {}, {} bin(s) a \
+             row, {:.1} dB",
+            if p.first_kept == 0 { "that are not static".to_owned() } else { p.first_kept.to_string() },
+            p.last_kept,
+            p.window_len,
+            p.kaiser_beta,
+            p.hop,
+            ROWS,
+            p.frames(),
+            p.bins_per_row,
+            f64::from(p.range) / 64.0 * 10.0 * std::f64::consts::LOG10_2
+        );
+        text
     }
 }
 
@@ -189,6 +219,67 @@ pub fn check_use(bytes: &[u8], scenario: &Scenario, sensing_slots: u32) -> Resul
     Ok(())
 }
 
+/// A model file with a graph in the place of the paper's network.
+///
+/// # Errors
+/// What the radar module's parser finds wrong.
+pub fn with_graph(
+    preprocessing: &Preprocessing,
+    classes: &[String],
+    graph: &[u8],
+) -> Result<Vec<u8>, ModelFileError> {
+    let arena = Graph::parse(graph)?.arena() as u32;
+    let mut out = header(preprocessing, [0; 3], classes.len());
+    out[ARENA_AT..ARENA_AT + 4].copy_from_slice(&arena.to_le_bytes());
+    check::names(classes)?;
+    append_names(classes, &mut out);
+    out.extend_from_slice(graph);
+    let out = closed(out);
+    Model::parse(&out)?;
+    Ok(out)
+}
+
+/// The header, its length still zero, for so many channels, blocks and such a stride of the stem.
+fn header(p: &Preprocessing, [channels, blocks, stem_stride]: [u8; 3], classes: usize) -> Vec<u8> {
+    let mut out = Vec::with_capacity(HEADER_BYTES);
+    out.extend_from_slice(b"SDP3");
+    out.extend_from_slice(&VERSION.to_le_bytes());
+    out.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
+    out.extend_from_slice(&0u32.to_le_bytes());
+    out.extend_from_slice(&p.sensing_slots.to_le_bytes());
+    out.extend_from_slice(&[p.first_kept, p.last_kept]);
+    out.extend_from_slice(&p.window_len.to_le_bytes());
+    out.extend_from_slice(&p.hop.to_le_bytes());
+    out.extend_from_slice(&ROWS.to_le_bytes());
+    out.extend_from_slice(&[p.bins_per_row, stem_stride]);
+    out.extend_from_slice(&p.range.to_le_bytes());
+    out.extend_from_slice(&p.frames().to_le_bytes());
+    out.extend_from_slice(&p.kaiser_beta.to_le_bytes());
+    out.extend_from_slice(&[channels, blocks, classes as u8, 0]);
+    out.extend_from_slice(&p.carrier_khz.to_le_bytes());
+    out.extend_from_slice(&p.slow_time_us.to_le_bytes());
+    out.resize(RADAR_AT, 0);
+    out.extend_from_slice(&p.radar.to_bytes());
+    out.resize(HEADER_BYTES, 0);
+    out
+}
+
+fn append_names(classes: &[String], out: &mut Vec<u8>) {
+    for name in classes {
+        out.extend_from_slice(name.as_bytes());
+        out.resize(out.len() + NAME_BYTES - name.len(), 0);
+    }
+}
+
+/// With the file's length in its header and the checksum behind it.
+fn closed(mut out: Vec<u8>) -> Vec<u8> {
+    let total = out.len() as u32 + 4;
+    out[8..12].copy_from_slice(&total.to_le_bytes());
+    let checksum = crc32fast::hash(&out);
+    out.extend_from_slice(&checksum.to_le_bytes());
+    out
+}
+
 impl QuantizedNetwork {
     /// Channels of every convolution.
     pub fn channels(&self) -> usize {
@@ -220,10 +311,7 @@ impl QuantizedNetwork {
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelFileError> {
         self.check()?;
         let mut out = self.header();
-        for name in &self.classes {
-            out.extend_from_slice(name.as_bytes());
-            out.resize(out.len() + NAME_BYTES - name.len(), 0);
-        }
+        append_names(&self.classes, &mut out);
         self.stem.append(KIND_CONV, &mut out);
         for block in &self.blocks {
             block.affine.append(KIND_BATCH_NORM, &mut out);
@@ -232,42 +320,19 @@ impl QuantizedNetwork {
             block.add.append(&mut out);
         }
         self.head.append(KIND_HEAD, &mut out);
-        let total = out.len() as u32 + 4;
-        out[8..12].copy_from_slice(&total.to_le_bytes());
-        let crc = crc32fast::hash(&out);
-        out.extend_from_slice(&crc.to_le_bytes());
-        Ok(out)
+        Ok(closed(out))
     }
 
     fn header(&self) -> Vec<u8> {
-        let p = &self.preprocessing;
-        let mut out = Vec::with_capacity(HEADER_BYTES);
-        out.extend_from_slice(b"SDP3");
-        out.extend_from_slice(&VERSION.to_le_bytes());
-        out.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
-        out.extend_from_slice(&0u32.to_le_bytes());
-        out.extend_from_slice(&p.sensing_slots.to_le_bytes());
-        out.extend_from_slice(&[p.first_kept, p.last_kept]);
-        out.extend_from_slice(&p.window_len.to_le_bytes());
-        out.extend_from_slice(&p.hop.to_le_bytes());
-        out.extend_from_slice(&ROWS.to_le_bytes());
-        out.extend_from_slice(&[p.bins_per_row, self.stem_stride]);
-        out.extend_from_slice(&p.range.to_le_bytes());
-        out.extend_from_slice(&p.frames().to_le_bytes());
-        out.extend_from_slice(&p.kaiser_beta.to_le_bytes());
-        let sizes = [self.channels() as u8, self.blocks.len() as u8, self.classes.len() as u8, 0];
-        out.extend_from_slice(&sizes);
-        out.extend_from_slice(&p.carrier_khz.to_le_bytes());
-        out.extend_from_slice(&p.slow_time_us.to_le_bytes());
-        out.resize(RADAR_AT, 0);
-        out.extend_from_slice(&p.radar.to_bytes());
-        out.resize(HEADER_BYTES, 0);
-        out
+        header(
+            &self.preprocessing,
+            [self.channels() as u8, self.blocks.len() as u8, self.stem_stride],
+            self.classes.len(),
+        )
     }
 
     /// The network in words: preprocessing, layers, sizes.
     pub fn describe(&self) -> String {
-        let p = &self.preprocessing;
         let mut text = String::new();
         let _ = writeln!(
             text,
@@ -276,28 +341,7 @@ impl QuantizedNetwork {
             self.classes.len(),
             self.classes.join(", ")
         );
-        let _ = writeln!(
-            text,
-            "takes {} sensing slots of {} {} us apart at {} GHz",
-            p.sensing_slots,
-            sweep_words(&p.radar),
-            p.slow_time_us,
-            f64::from(p.carrier_khz) / 1e6
-        );
-        let _ = writeln!(
-            text,
-            "keeps singular components {} to {}, window {} (Kaiser, beta {}), hop {}, image {} x {}, {} bin(s) a \
-             row, {:.1} dB",
-            if p.first_kept == 0 { "that are not static".to_owned() } else { p.first_kept.to_string() },
-            p.last_kept,
-            p.window_len,
-            p.kaiser_beta,
-            p.hop,
-            ROWS,
-            p.frames(),
-            p.bins_per_row,
-            f64::from(p.range) / 64.0 * 10.0 * std::f64::consts::LOG10_2
-        );
+        text.push_str(&self.preprocessing.describe());
         let c = self.channels();
         let _ = writeln!(
             text,

@@ -133,6 +133,17 @@ pub fn array<R: Read>(mut reader: R) -> Result<Array<R>> {
     Ok(Array { descr: descr.to_owned(), fortran_order, shape, values: reader })
 }
 
+/// What an array begins with, version 1.0: its values follow, the last index fastest.
+pub fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
+    let axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let axes = if shape.len() == 1 { axes.trim_end() } else { axes.trim_end_matches(", ") };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}), }}");
+    // magic, version and length are 10 bytes; the data begins at a multiple of 64
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    let text = format!("{header:<width$}\n", width = length - 1);
+    [b"\x93NUMPY\x01\x00", (length as u16).to_le_bytes().as_slice(), text.as_bytes()].concat()
+}
+
 /// The values of `descr`, `fortran_order` and `shape` in the text of a dictionary.
 fn fields(header: &str) -> Option<(&str, bool, Vec<u64>)> {
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);

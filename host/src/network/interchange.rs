@@ -1,10 +1,11 @@
 //! Networks in and out: the files of other programs become model files, and the other way round.
 //!
-//! The ending of a file's name says what it is: `.sdp3`, `.tflite`, `.safetensors`, `.json` (float parameters).
+//! The ending of a file's name says what it is: `.sdp3`, `.graph`, `.tflite`, `.safetensors`, `.json` (float parameters).
 
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
+use sdp3_core::dsn::Model;
 use serde::Serialize;
 
 use super::parameters::Parameters;
@@ -68,7 +69,14 @@ fn read(file: &Path) -> Result<Vec<u8>, Failure> {
 pub fn export(from: &Path, to: &Path) -> Result<Exchanged, Failure> {
     let bytes = match (ending(from).as_str(), ending(to).as_str()) {
         ("sdp3", "tflite") => {
-            let network = QuantizedNetwork::from_bytes(&read(from)?).map_err(|e| named(from)(&e))?;
+            let bytes = read(from)?;
+            let model = Model::parse(&bytes).map_err(|e| named(from)(&e))?;
+            if let Some(graph) = model.graph() {
+                let found = format!("a graph of {} operators", graph.nodes().count());
+                let legal = "the paper's; a graph came from a .tflite file";
+                return Err(Invalid::new("network", found, legal).at(from.display()).into());
+            }
+            let network = QuantizedNetwork::from_bytes(&bytes).map_err(|e| named(from)(&e))?;
             tflite::export(&network).map_err(|e| named(from)(&e))?
         }
         ("json", "safetensors") => {
@@ -84,7 +92,7 @@ pub fn export(from: &Path, to: &Path) -> Result<Exchanged, Failure> {
 }
 
 impl Conversion<'_> {
-    /// Reads another program's network: `.tflite` becomes a model file; `.safetensors` is quantised, or kept in floating
+    /// Reads another program's network: `.tflite` becomes a model file, or a graph of its own; `.safetensors` is quantised, or kept in floating
     /// point as `.json`.
     ///
     /// # Errors
@@ -97,13 +105,17 @@ impl Conversion<'_> {
                     sensing_slots: self.sensing_slots(),
                     classes: Class::ALL.iter().map(|c| c.name().to_owned()).collect(),
                 };
-                let network = tflite::import(&read(from)?, &import_defaults).map_err(|e| named(from)(&e))?;
-                let stated = usize::from(network.preprocessing.sensing_slots);
-                if let Some(n) = self.sensing_slots.filter(|n| usize::from(*n) != stated) {
+                let (model, stated) =
+                    tflite::import_model(&read(from)?, &import_defaults).map_err(|e| named(from)(&e))?;
+                if let Some(n) = self.sensing_slots.filter(|n| *n != stated) {
                     let legal = format!("{stated}, the sensing slots that it takes");
                     return Err(Invalid::new("--slots", n, legal).at(from.display()).into());
                 }
-                written(from, to, &network.to_bytes()?, None)
+                written(from, to, &model, None)
+            }
+            ("tflite", "graph") => {
+                let graph = tflite::import_graph(&read(from)?).map_err(|e| named(from)(&e))?;
+                written(from, to, &graph, None)
             }
             ("safetensors", "json") => {
                 let parameters = self.parameters(from)?;
@@ -115,7 +127,7 @@ impl Conversion<'_> {
                 written(from, to, &network.to_bytes().map_err(|e| named(from)(&e))?, Some(report))
             }
             (a, b) => {
-                let legal = "FILE.tflite to MODEL.sdp3, or FILE.safetensors to MODEL.sdp3 or NETWORK.json";
+                let legal = "FILE.tflite to MODEL.sdp3 or NETWORK.graph, or FILE.safetensors to MODEL.sdp3 or NETWORK.json";
                 Err(Invalid::option("import", format!(".{a} to .{b}"), legal).into())
             }
         }

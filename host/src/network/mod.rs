@@ -20,6 +20,7 @@ pub mod inference;
 mod integer;
 pub mod interchange;
 pub mod memory;
+pub mod operator_outputs;
 pub mod parameters;
 pub mod quantization;
 #[cfg(feature = "train")]

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use sdp3::formats::model_file::Preprocessing;
-use sdp3::formats::tflite::{ImportDefaults, import};
+use sdp3::formats::tflite::{ImportDefaults, import_graph, import_model};
 use sdp3::network::safetensors;
 
 fuzz_target!(|data: &[u8]| {
@@ -23,10 +23,12 @@ fuzz_target!(|data: &[u8]| {
             slow_time_us: 1000,
         };
         let import_defaults = ImportDefaults { preprocessing, sensing_slots: vec![200], classes: Vec::new() };
-        match import(rest, &import_defaults) {
-            Ok(network) => {
-                assert!(network.to_bytes().is_ok_and(|file| sdp3_core::dsn::Model::parse(&file).is_ok()))
-            }
+        match import_model(rest, &import_defaults) {
+            Ok((file, _)) => assert!(sdp3_core::dsn::Model::parse(&file).is_ok()),
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+        match import_graph(rest) {
+            Ok(graph) => assert!(sdp3_core::graph::Graph::parse(&graph).is_ok()),
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     } else {

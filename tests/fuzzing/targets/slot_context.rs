@@ -17,7 +17,7 @@ static MODEL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     model(Sizes { channels: 4, blocks: 1, classes: 2, stride: 1, frames: 4 }, &mut Bytes(&[7; 200]))
 });
 const SHAPE: Shape =
-    Shape { sensing_slots: 14, frames: 4, channels: 4, stem_stride: 1, radar: RadarConfig::PAPER };
+    Shape { sensing_slots: 14, frames: 4, channels: 4, stem_stride: 1, arena: 0, radar: RadarConfig::PAPER };
 const VALUES: usize = SHAPE.slot_values();
 type Memory = radar_memory!(SHAPE);
 

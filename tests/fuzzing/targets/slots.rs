@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 
 /// Memory for every model made here: at most 9 frames, 24 slots.
 const LARGEST: Shape =
-    Shape { sensing_slots: 24, frames: 9, channels: 4, stem_stride: 1, radar: RadarConfig::PAPER };
+    Shape { sensing_slots: 24, frames: 9, channels: 4, stem_stride: 1, arena: 0, radar: RadarConfig::PAPER };
 type Largest = pipeline_memory!(LARGEST);
 
 /// A slot of constant, alternating, ramped or pseudo-random samples.

@@ -3,12 +3,16 @@
 //! [`crate::dsn::format`] is the layout.
 
 use super::{HEADER_LEN, Model, ModelError, NAME_LEN};
+#[cfg(feature = "graph")]
+use crate::dims::ROWS;
 use crate::dsn::add::Add;
 use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::conv::Conv;
 use crate::dsn::established;
 use crate::dsn::head::Head;
 use crate::dsn::per_channel::PerChannelQuant;
+#[cfg(feature = "graph")]
+use crate::graph::Graph;
 
 /// One residual block.
 #[derive(Debug, Clone, Copy)]
@@ -154,7 +158,24 @@ impl<'m> Model<'m> {
 
     /// What one step of a logit is worth, in nat.
     pub fn logit_scale(&self) -> f32 {
+        #[cfg(feature = "graph")]
+        if let Some(graph) = self.graph() {
+            return graph.scales()[1];
+        }
         f32::from_le_bytes(array(self.content, self.head_at() + PREFIX + 4))
+    }
+
+    /// The graph in the layers' place: from the image, in the last bytes of its arena, to the logits.
+    #[cfg(feature = "graph")]
+    pub(super) fn check_graph(&self) -> Result<Graph<'m>, ModelError> {
+        let bytes = self.content.get(self.stem_at()..).unwrap_or(&[]);
+        let graph = Graph::parse(bytes)?;
+        let (input, output) = (graph.input(), graph.output_tensor());
+        check("graph.arena", graph.arena() as i64, graph.arena() == self.arena as usize)?;
+        check("graph.input", input.bytes() as i64, input.shape() == [ROWS, self.frames(), 1])?;
+        check("graph.input", i64::from(input.at), input.range().end == graph.arena())?;
+        check("graph.output", output.bytes() as i64, output.shape() == [1, 1, self.classes()])?;
+        Ok(graph)
     }
 
     /// Holds every layer to its legal ranges, in the file's order.
@@ -172,7 +193,7 @@ impl<'m> Model<'m> {
     }
 }
 
-pub(super) fn check(name: &'static str, value: i64, legal: bool) -> Result<(), ModelError> {
+pub(crate) fn check(name: &'static str, value: i64, legal: bool) -> Result<(), ModelError> {
     if legal { Ok(()) } else { Err(ModelError::Field { name, value }) }
 }
 
@@ -190,11 +211,11 @@ fn check_prefix(bytes: &[u8], kind: u8, scales: &[&'static str]) -> Result<(), M
     Ok(())
 }
 
-fn check_multiplier(name: &'static str, value: i32) -> Result<(), ModelError> {
+pub(crate) fn check_multiplier(name: &'static str, value: i32) -> Result<(), ModelError> {
     check(name, i64::from(value), value == 0 || value >= 1 << 30)
 }
 
-fn check_shift(name: &'static str, value: i8) -> Result<(), ModelError> {
+pub(crate) fn check_shift(name: &'static str, value: i8) -> Result<(), ModelError> {
     check(name, i64::from(value), (-31..=7).contains(&value))
 }
 

@@ -9,18 +9,23 @@ mod signature;
 
 use super::conv::MAX_CHANNELS;
 pub use super::format::{
-    HEADER_LEN, KEY_LEN, MAGIC, MAX_BLOCKS, NAME_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN, VERSION,
+    ARENA_AT, HEADER_LEN, KEY_LEN, MAGIC, MAX_BLOCKS, NAME_LEN, REVISION_AT, SIGNATURE_AT, SIGNATURE_LEN,
+    VERSION,
 };
 use super::head::MAX_CLASSES;
 use super::shape::Shape;
 use crate::config::RadarConfig;
 pub use crate::crc32::crc32;
 use crate::dims::ROWS;
+#[cfg(feature = "graph")]
+use crate::graph::Graph;
 use crate::signal::clutter::SvdRange;
 use crate::signal::front_end::Preprocessing;
 pub use error::ModelError;
 pub use layers::Block;
-use layers::check;
+pub(crate) use layers::check;
+#[cfg(feature = "graph")]
+pub(crate) use layers::{check_multiplier, check_shift};
 
 /// A checked model: the byte string it was parsed from and the numbers of its header. Layers are views, made on demand.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +43,9 @@ pub struct Model<'m> {
     interval_us: u32,
     revision: u32,
     signed: bool,
+    arena: u32,
+    #[cfg(feature = "graph")]
+    graph: Option<Graph<'m>>,
 }
 
 /// A byte string with a valid envelope: magic, version, length, checksum.
@@ -116,7 +124,8 @@ impl<'m> Model<'m> {
         let radar = [48, 49, 50, 51, 52, 53, 54, 55].map(byte);
         let radar = RadarConfig::from_bytes(radar)
             .ok_or(ModelError::Field { name: "radar", value: i64::from_le_bytes(radar) })?;
-        let model = Model {
+        #[cfg_attr(not(feature = "graph"), allow(unused_mut))]
+        let mut model = Model {
             content,
             sensing_slots: two(12),
             frames: two(26),
@@ -130,18 +139,28 @@ impl<'m> Model<'m> {
             interval_us: u32::from_le_bytes(four(40)),
             revision: u32::from_le_bytes(four(REVISION_AT)),
             signed: envelope.signature.is_some(),
+            arena: u32::from_le_bytes(four(ARENA_AT)),
+            #[cfg(feature = "graph")]
+            graph: None,
         };
         model.check_header(two(20))?;
-        check("reserved", 0, header[56..].iter().all(|&zero| zero == 0))?;
-        let (need, have) = (model.content_len(), content.len());
-        if need != have {
-            return Err(ModelError::Layers { need, have });
+        check("reserved", 0, header[ARENA_AT + 4..].iter().all(|&zero| zero == 0))?;
+        if model.channels == 0 {
+            #[cfg(feature = "graph")]
+            {
+                model.graph = Some(model.check_graph()?);
+            }
+        } else {
+            let (need, have) = (model.content_len(), content.len());
+            if need != have {
+                return Err(ModelError::Layers { need, have });
+            }
+            model.check_layers()?;
         }
         for class in 0..model.classes() {
             let name = model.class_name(class);
             check("class_name", 0, !name.is_empty() && !name.contains('\0'))?;
         }
-        model.check_layers()?;
         Ok(model)
     }
 
@@ -150,14 +169,18 @@ impl<'m> Model<'m> {
             return Err(ModelError::Field { name, value });
         }
         check("rows", i64::from(rows), usize::from(rows) == ROWS)?;
-        check("stem_stride", i64::from(self.stem_stride), matches!(self.stem_stride, 1 | 2))?;
-        let channels = self.channels();
-        let legal = (4..=MAX_CHANNELS).contains(&channels) && channels.is_multiple_of(4);
-        check("channels", i64::from(self.channels), legal)?;
-        check("blocks", i64::from(self.blocks), (1..=MAX_BLOCKS).contains(&self.blocks()))?;
         check("classes", i64::from(self.classes), (2..=MAX_CLASSES).contains(&self.classes()))?;
         let expected = self.preprocessing.frames(self.sensing_slots());
         check("frames", i64::from(self.frames), self.frames() == expected)?;
+        let channels = self.channels();
+        if cfg!(feature = "graph") && channels == 0 {
+            return check("channels", 0, self.stem_stride == 0 && self.blocks == 0);
+        }
+        check("stem_stride", i64::from(self.stem_stride), matches!(self.stem_stride, 1 | 2))?;
+        check("arena", i64::from(self.arena), self.arena == 0)?;
+        let legal = (4..=MAX_CHANNELS).contains(&channels) && channels.is_multiple_of(4);
+        check("channels", i64::from(self.channels), legal)?;
+        check("blocks", i64::from(self.blocks), (1..=MAX_BLOCKS).contains(&self.blocks()))?;
         // the stem and its pooling must leave at least one column
         let columns = self.frames().div_ceil(self.stem_stride()) / 2;
         check("sensing_slots", i64::from(self.sensing_slots), columns > 0)
@@ -170,8 +193,15 @@ impl<'m> Model<'m> {
             frames: self.frames(),
             channels: self.channels(),
             stem_stride: self.stem_stride(),
+            arena: self.arena as usize,
             radar: self.radar,
         }
+    }
+
+    /// Its operators, if it holds a graph instead of the paper's network.
+    #[cfg(feature = "graph")]
+    pub fn graph(&self) -> Option<&Graph<'m>> {
+        self.graph.as_ref()
     }
 
     /// The sensor it was trained for.
@@ -209,12 +239,12 @@ impl<'m> Model<'m> {
         self.preprocessing
     }
 
-    /// Channels of every convolution.
+    /// Channels of every convolution; 0 of a graph.
     pub fn channels(&self) -> usize {
         usize::from(self.channels)
     }
 
-    /// Residual blocks.
+    /// Residual blocks; 0 of a graph.
     pub fn blocks(&self) -> usize {
         usize::from(self.blocks)
     }
@@ -224,7 +254,7 @@ impl<'m> Model<'m> {
         usize::from(self.classes)
     }
 
-    /// Stride of the input convolution.
+    /// Stride of the input convolution; 0 of a graph.
     pub fn stem_stride(&self) -> usize {
         usize::from(self.stem_stride)
     }

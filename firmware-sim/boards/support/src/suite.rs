@@ -6,7 +6,7 @@ use sdp3_core::pipeline::PipelineMemory;
 
 /// The largest recording and network.
 const LARGEST: Shape =
-    Shape { sensing_slots: 200, frames: 10, channels: 16, stem_stride: 1, radar: RadarConfig::PAPER };
+    Shape { sensing_slots: 200, frames: 10, channels: 16, stem_stride: 1, arena: 0, radar: RadarConfig::PAPER };
 /// Values of a slot of 1000 complex samples.
 pub const SLOT_VALUES: usize = LARGEST.radar.values_per_slot();
 /// The longest model file.

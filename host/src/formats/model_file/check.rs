@@ -28,6 +28,15 @@ pub enum ModelFileError {
     },
 }
 
+/// Holds class names to what the format has room for.
+pub(super) fn names(classes: &[String]) -> Result<(), ModelFileError> {
+    for (i, name) in classes.iter().enumerate() {
+        let fits = (1..=NAME_BYTES).contains(&name.len()) && !name.contains('\0');
+        legal(&format!("class name {i}"), format!("{name:?}"), fits, "1 to 24 bytes without a zero")?;
+    }
+    Ok(())
+}
+
 impl QuantizedNetwork {
     /// Holds every field to the format's range.
     pub(super) fn check(&self) -> Result<(), ModelFileError> {
@@ -55,10 +64,7 @@ impl QuantizedNetwork {
         legal("channels", c, c.is_multiple_of(4), "a multiple of 4")?;
         within("blocks", self.blocks.len(), 1, 8)?;
         within("classes", self.classes.len(), 2, 16)?;
-        for (i, name) in self.classes.iter().enumerate() {
-            let fits = (1..=NAME_BYTES).contains(&name.len()) && !name.contains('\0');
-            legal(&format!("class name {i}"), format!("{name:?}"), fits, "1 to 24 bytes without a zero")?;
-        }
+        names(&self.classes)?;
         for (name, kind, inputs, layer) in self.weighted() {
             let outputs = if kind == KIND_HEAD { self.classes.len() } else { c };
             layer.check(&name, outputs, inputs)?;

@@ -92,7 +92,7 @@ pub(in crate::formats) struct Header {
 }
 
 /// The header's fields as they stand there; `None` if it is short, of another format or version.
-fn header(bytes: &[u8]) -> Option<Header> {
+pub(super) fn header(bytes: &[u8]) -> Option<Header> {
     let mut r = Reader(bytes.get(..HEADER_BYTES)?);
     if &r.take() != b"SDP3" || r.u16() != super::VERSION {
         return None;
@@ -135,13 +135,16 @@ pub(in crate::formats) fn header_and_names(bytes: &[u8]) -> Option<(Header, Vec<
 }
 
 impl QuantizedNetwork {
-    /// Reads a model file.
+    /// Reads a model file with the paper's network.
     ///
     /// # Errors
-    /// What the radar module's parser finds wrong.
+    /// What the radar module's parser finds wrong; no channels, if a graph is in the network's place.
     pub fn from_bytes(bytes: &[u8]) -> Result<QuantizedNetwork, ModelError> {
         let model = Model::parse(bytes)?;
         let (c, classes) = (model.channels(), model.classes());
+        if c == 0 {
+            return Err(ModelError::Field { name: "channels", value: 0 });
+        }
         let Header { preprocessing, stem_stride, .. } = header(bytes).ok_or(ModelError::Magic)?;
         let mut r = Reader(bytes);
         r.bytes(HEADER_BYTES + classes * NAME_BYTES);

@@ -1,8 +1,12 @@
 //! A model file in words and as JSON: its envelope, the memory it needs, and what its network does.
 
 use super::QuantizedNetwork;
+use super::read::header;
+use crate::formats::graph_file::GraphSummary;
 use schemars::JsonSchema;
 use sdp3_core::dsn::{Model, ModelError};
+use sdp3_core::graph::Graph;
+use sdp3_core::graph::format::MAGIC;
 use serde::Serialize;
 
 /// What a model file says of itself.
@@ -24,6 +28,40 @@ pub struct Summary {
     pub required_bytes: usize,
     /// The network in words.
     pub network: String,
+    /// Its operators, if it is a graph and not the paper's network.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub graph: Option<GraphSummary>,
+}
+
+/// What `model show` shows: of a model file or of a graph of its own.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Shown {
+    /// A model file.
+    Model(Summary),
+    /// A graph.
+    Graph(GraphSummary),
+}
+
+impl Shown {
+    /// Of a file's bytes.
+    ///
+    /// # Errors
+    /// What the radar module's parser finds wrong.
+    pub fn of(bytes: &[u8]) -> Result<Self, ModelError> {
+        match bytes.starts_with(&MAGIC) {
+            true => Graph::parse(bytes).map(|graph| Shown::Graph(GraphSummary::of(&graph))),
+            false => Summary::of(bytes).map(Shown::Model),
+        }
+    }
+
+    /// In words.
+    pub fn describe(&self) -> String {
+        match self {
+            Shown::Model(summary) => summary.describe(),
+            Shown::Graph(graph) => format!("graph: {}", graph.describe().trim_end()),
+        }
+    }
 }
 
 impl Summary {
@@ -33,7 +71,10 @@ impl Summary {
     /// What the radar module's parser finds wrong.
     pub fn of(bytes: &[u8]) -> Result<Self, ModelError> {
         let model = Model::parse(bytes)?;
-        let network = QuantizedNetwork::from_bytes(bytes)?.describe();
+        let network = match model.graph() {
+            None => QuantizedNetwork::from_bytes(bytes)?.describe(),
+            Some(_) => graph_words(bytes, &model)?,
+        };
         let shape = model.shape();
         let checksum = bytes.last_chunk::<4>().map_or(0, |last| u32::from_le_bytes(*last));
         Ok(Summary {
@@ -45,14 +86,16 @@ impl Summary {
             scratch_bytes: shape.scratch_bytes(),
             required_bytes: shape.required_bytes(),
             network,
+            graph: model.graph().map(GraphSummary::of),
         })
     }
 
     /// In words.
     pub fn describe(&self) -> String {
+        let graph = self.graph.as_ref().map(GraphSummary::describe).unwrap_or_default();
         let signature = if self.signed { "signed" } else { "not signed" };
         format!(
-            "model file, version {}, revision {}, {} bytes, checksum {} holds, {signature}\n{}memory: {} bytes, {} of them scratch of the network",
+            "model file, version {}, revision {}, {} bytes, checksum {} holds, {signature}\n{}{graph}memory: {} bytes, {} of them scratch of the network",
             self.version,
             self.revision,
             self.bytes,
@@ -62,6 +105,13 @@ impl Summary {
             self.scratch_bytes
         )
     }
+}
+
+/// A model with a graph in words, but for its operators.
+fn graph_words(bytes: &[u8], model: &Model<'_>) -> Result<String, ModelError> {
+    let classes: Vec<&str> = (0..model.classes()).map(|class| model.class_name(class)).collect();
+    let preprocessing = header(bytes).ok_or(ModelError::Magic)?.preprocessing.describe();
+    Ok(format!("graph, {} classes: {}\n{preprocessing}", classes.len(), classes.join(", ")))
 }
 
 /// What firmware built with a public key answers to a model file.

@@ -36,7 +36,7 @@ pub struct Tensor<'a> {
 }
 
 /// Options of an operator; those it does not have keep their neutral value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     pub padding: u8,
     /// Strides along width and height.
@@ -47,6 +47,8 @@ pub struct Options {
     /// Dilation along width and height.
     pub dilation: [i32; 2],
     pub depth_multiplier: i32,
+    /// Factor of a softmax's logits.
+    pub beta: f32,
 }
 
 impl Options {
@@ -58,6 +60,7 @@ impl Options {
         activation: 0,
         dilation: [1; 2],
         depth_multiplier: 1,
+        beta: 1.0,
     };
 }
 
@@ -236,6 +239,7 @@ impl Options {
             activation: byte(Some(slots.activation), "activation")?,
             dilation: pair(slots.dilation, 1, "dilation")?,
             depth_multiplier: slots.depth_multiplier.map_or(Ok(1), multiplier)?,
+            ..Options::NEUTRAL
         })
     }
 }
@@ -309,6 +313,9 @@ fn operator(index: usize, table: &Table<'_>, codes: &[i32]) -> Result<Operator, 
         let stated = table.table(slot::OPERATOR_OPTIONS, &field("options"))?;
         let stated = stated.ok_or_else(|| TfliteError::value(field("options"), "missing", "there"))?;
         options = Options::parse(&stated, &slots, &field)?;
+    }
+    if let (Kind::Softmax, Some(stated)) = (kind, table.table(slot::OPERATOR_OPTIONS, &field("options"))?) {
+        options.beta = f32::from_bits(stated.i32(slot::SOFTMAX_BETA, 0, &field("beta"))? as u32);
     }
     Ok(Operator {
         kind,

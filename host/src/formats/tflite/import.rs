@@ -5,10 +5,12 @@
 
 use super::export::METADATA;
 use super::graph::Graph;
+use super::operators::operators;
 use super::schema::Kind;
 use super::traversal::{Traversal, grid};
 use super::{TfliteError, require};
 use crate::formats::model_file::{self, Block, Preprocessing, QuantizedNetwork, ROWS};
+use sdp3_core::graph::Kind as CoreKind;
 
 /// What a foreign file does not say.
 #[derive(Debug, Clone)]
@@ -87,6 +89,50 @@ pub fn import(file: &[u8], import_defaults: &ImportDefaults) -> Result<Quantized
     let network = QuantizedNetwork { preprocessing, classes, stem_stride: stride as u8, stem, blocks, head };
     network.to_bytes()?;
     Ok(network)
+}
+
+/// Reads any int8 network as a model file: of the radar module's topology, or a graph from its image to the logits, without a softmax
+/// behind them. Also its sensing slots.
+///
+/// # Errors
+/// The first operator or field that the radar module does not have, with its value and what it must be.
+pub fn import_model(file: &[u8], import_defaults: &ImportDefaults) -> Result<(Vec<u8>, u16), TfliteError> {
+    if let Ok(network) = import(file, import_defaults) {
+        return Ok((network.to_bytes()?, network.preprocessing.sensing_slots));
+    }
+    let graph = Graph::parse(file)?;
+    let mut network = operators(&graph)?;
+    if network.operators.len() > 1 {
+        network.operators.pop_if(|last| last.kind == CoreKind::Softmax);
+    }
+    let ends = [network.input, network.output()].map(|activation| network.activations[activation]);
+    let ([rows, frames, 1], [1, 1, classes]) = (ends[0], ends[1]) else {
+        return Err(not_an_image(ends));
+    };
+    let fits = rows == usize::from(ROWS)
+        && (2..=usize::from(u16::MAX)).contains(&frames)
+        && (2..=16).contains(&classes);
+    if !fits {
+        return Err(not_an_image(ends));
+    }
+    let stated = stated(&graph, frames as u16, [0, 0, classes])?;
+    let (preprocessing, classes) =
+        stated.map_or_else(|| assumed(import_defaults, frames as u16, classes), Ok)?;
+    let graph = network.to_bytes()?;
+    Ok((model_file::with_graph(&preprocessing, &classes, &graph)?, preprocessing.sensing_slots))
+}
+
+fn not_an_image(ends: [[usize; 3]; 2]) -> TfliteError {
+    let legal = "[64, frames, 1] and [1, 1, 2 to 16]; a network of other sizes is imported as FILE.graph";
+    TfliteError::value("input and output of a radar model", format!("{:?} and {:?}", ends[0], ends[1]), legal)
+}
+
+/// Reads any int8 network as the bytes of a graph of its own.
+///
+/// # Errors
+/// The first operator or field that the radar module does not have, with its value and what it must be.
+pub fn import_graph(file: &[u8]) -> Result<Vec<u8>, TfliteError> {
+    Ok(operators(&Graph::parse(file)?)?.to_bytes()?)
 }
 
 /// Preprocessing and class names from the file's own metadata.

@@ -9,18 +9,21 @@
 //! -> AVERAGE_POOL_2D over the image -> CONV_2D 1x1 -> logits [1, 1, 1, classes]
 //! ```
 //!
+//! Any other network of the operators that the radar module has becomes a graph ([`import_graph`]).
+//!
 //! A RESHAPE or SOFTMAX behind the logits is passed over when read. Weights are int8, per output channel, zero point 0; biases int32; activations int8 with one grid per tensor.
 
 mod export;
 mod graph;
 mod import;
+mod operators;
 mod reader;
 mod schema;
 mod traversal;
 mod writer;
 
 pub use export::export;
-pub use import::{ImportDefaults, import};
+pub use import::{ImportDefaults, import, import_graph, import_model};
 
 use super::model_file::ModelFileError;
 use crate::error::Invalid;

@@ -59,6 +59,8 @@ pub mod slot {
     pub const OPERATOR_OUTPUTS: usize = 2;
     pub const OPERATOR_OPTIONS_TYPE: usize = 3;
     pub const OPERATOR_OPTIONS: usize = 4;
+    /// Factor of a softmax's logits (f32).
+    pub const SOFTMAX_BETA: usize = 0;
     pub const BUFFER_DATA: usize = 0;
     /// `Buffer`; data outside of the flatbuffer.
     pub const BUFFER_OFFSET: usize = 1;
@@ -74,10 +76,12 @@ pub enum Kind {
     Conv,
     /// Convolution of each channel by itself.
     DepthwiseConv,
+    /// Every value of the input times a weight; not in the paper's network.
+    FullyConnected,
     MaxPool,
-    /// Other axes; passed over behind the logits.
+    /// Other axes of the same values.
     Reshape,
-    /// Probabilities; passed over behind the logits.
+    /// Probabilities.
     Softmax,
 }
 
@@ -95,11 +99,12 @@ pub struct OptionSlots {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 7] = [
+    pub const ALL: [Kind; 8] = [
         Kind::Add,
         Kind::AveragePool,
         Kind::Conv,
         Kind::DepthwiseConv,
+        Kind::FullyConnected,
         Kind::MaxPool,
         Kind::Reshape,
         Kind::Softmax,
@@ -111,6 +116,7 @@ impl Kind {
             Kind::AveragePool => 1,
             Kind::Conv => 3,
             Kind::DepthwiseConv => 4,
+            Kind::FullyConnected => 9,
             Kind::MaxPool => 17,
             Kind::Reshape => 22,
             Kind::Softmax => 25,
@@ -124,6 +130,7 @@ impl Kind {
             Kind::AveragePool => "AVERAGE_POOL_2D",
             Kind::Conv => "CONV_2D",
             Kind::DepthwiseConv => "DEPTHWISE_CONV_2D",
+            Kind::FullyConnected => "FULLY_CONNECTED",
             Kind::MaxPool => "MAX_POOL_2D",
             Kind::Reshape => "RESHAPE",
             Kind::Softmax => "SOFTMAX",
@@ -134,8 +141,19 @@ impl Kind {
     pub fn version(self) -> i32 {
         match self {
             Kind::Conv | Kind::DepthwiseConv => 3,
+            Kind::FullyConnected => 4,
             Kind::Add | Kind::AveragePool | Kind::MaxPool | Kind::Softmax => 2,
             Kind::Reshape => 1,
+        }
+    }
+
+    /// How many inputs it may have.
+    pub fn legal_inputs(self) -> std::ops::RangeInclusive<usize> {
+        match self {
+            Kind::AveragePool | Kind::MaxPool | Kind::Softmax => 1..=1,
+            Kind::Reshape => 1..=2,
+            Kind::Add => 2..=2,
+            Kind::Conv | Kind::DepthwiseConv | Kind::FullyConnected => 2..=3,
         }
     }
 
@@ -144,6 +162,7 @@ impl Kind {
             Kind::Conv => 1,
             Kind::DepthwiseConv => 2,
             Kind::AveragePool | Kind::MaxPool => 5,
+            Kind::FullyConnected => 8,
             Kind::Add => 11,
             Kind::Reshape => 17,
             Kind::Softmax => 9,
@@ -156,7 +175,7 @@ impl Kind {
             OptionSlots { activation: 0, stride: None, filter: None, depth_multiplier: None, dilation: None };
         let strided = OptionSlots { stride: Some([1, 2]), ..none };
         Some(match self {
-            Kind::Add => none,
+            Kind::Add | Kind::FullyConnected => none,
             Kind::AveragePool | Kind::MaxPool => {
                 OptionSlots { activation: 5, filter: Some([3, 4]), ..strided }
             }
@@ -174,7 +193,6 @@ pub fn operator_name(code: i32) -> String {
     let others = [
         (2, "CONCATENATION"),
         (6, "DEQUANTIZE"),
-        (9, "FULLY_CONNECTED"),
         (14, "LOGISTIC"),
         (18, "MUL"),
         (19, "RELU"),

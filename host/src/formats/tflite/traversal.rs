@@ -182,7 +182,7 @@ impl<'g, 'a> Traversal<'g, 'a> {
     }
 
     /// Biases in steps of the accumulator; zeros where there are none.
-    fn biases(
+    pub fn biases(
         &self,
         index: i32,
         name: &str,
@@ -305,7 +305,7 @@ fn per_channel<'t>(
     Ok(scales)
 }
 
-fn range(name: &str, activation: u8, scale: f32, zero: i8) -> Result<(i8, i8), TfliteError> {
+pub fn range(name: &str, activation: u8, scale: f32, zero: i8) -> Result<(i8, i8), TfliteError> {
     activation_range(activation, scale, zero).ok_or_else(|| {
         let found = ACTIVATIONS.get(usize::from(activation)).copied().unwrap_or("unknown");
         TfliteError::value(format!("{name}: activation"), found, "NONE, RELU, RELU_N1_TO_1 or RELU6")

@@ -46,7 +46,8 @@ impl VectorKernels {
     pub fn new(model: &Model<'_>, isa: Isa) -> Option<Self> {
         let backend = Backend::new(isa);
         let mut operators = Vec::new();
-        if let Some(backend) = backend {
+        // a graph runs by the core's own steps
+        if let Some(backend) = backend.filter(|_| model.graph().is_none()) {
             let conv = |conv: &Conv<'_>| packing::convolution(conv, backend.word_inputs()).map(Packed::Conv);
             operators.push(conv(&model.stem()));
             for block in (0..model.blocks()).map_while(|index| model.block(index)) {
