@@ -22,7 +22,7 @@ fn every_operator_has_litert_s_bits() {
     let (mut compared, golden) = (0, golden());
     for case in list(&golden["cases"]) {
         let graph = import_graph(&bytes(&case["file"])).unwrap_or_else(|e| panic!("{}: {e}", case["name"]));
-        let network = Network::parse(&graph).expect("a graph");
+        let network = Network::parse(&graph).unwrap_or_else(|e| panic!("{}: {e}", case["name"]));
         let found = network.run(&signed(&case["inputs"]), true).expect("inputs");
         let expected = signed(&case["layers"]);
         assert_eq!(found.len(), expected.len(), "{}", case["name"]);
@@ -87,7 +87,8 @@ fn a_model_with_a_graph_is_classified_like_the_papers_network() {
         assert_eq!(model.shape().scratch_bytes(), model.graph().expect("a graph").arena());
         assert_eq!(model.logit_scale(), plain.logit_scale());
         let made = images(10, 16, 2, 5);
-        let classify = |model, image: &[i8]| sdp3::network::inference::Classifier::new(model).classify(image, &mut ());
+        let classify =
+            |model, image: &[i8]| sdp3::network::inference::Classifier::new(model).classify(image, &mut ());
         for k in 0..made.len() {
             assert_eq!(classify(model, made.image(k)), classify(plain, made.image(k)), "image {k}");
         }
@@ -113,29 +114,35 @@ fn a_network_of_another_topology_becomes_a_radar_model_or_says_why_not() {
 fn commands_import_show_and_run_a_graph() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).display().to_string();
+    let run = |arguments: &[&str]| outcome(&call(&program(), arguments));
     let golden = golden();
     let case = &list(&golden["cases"])[0];
     std::fs::write(at("n.tflite"), bytes(&case["file"])).expect("a file");
-    call(&["import", &at("n.tflite"), "--to", &at("n.graph")]);
-    let shown: Value = serde_json::from_str(&call(&["model", "show", &at("n.graph"), "--json"])).expect("JSON");
-    let shape = shown["operators"][0]["input"].as_array().expect("a shape");
-    let shape: Vec<String> = shape.iter().map(ToString::to_string).collect();
-    let (inputs, count) = (bytes(&case["inputs"]), case["count"].as_u64().expect("a number"));
-    let header = format!("{{'descr': '|i1', 'fortran_order': False, 'shape': ({count}, {}), }}", shape.join(", "));
-    let header = format!("{header:<117}\n");
-    let array = |header: &str| [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), &inputs].concat();
-    std::fs::write(at("in.npy"), array(&header)).expect("a file");
-    call(&["infer", &at("n.graph"), &at("in.npy"), "--to", &at("out.npy"), "--layers"]);
+    assert_eq!(run(&["import", &at("n.tflite"), "--to", &at("n.graph")]).0, 0);
+    let (code, shown, _) = run(&["model", "show", &at("n.graph"), "--json"]);
+    let shown: Value = serde_json::from_str(&shown).expect("JSON");
+    let shape = list(&shown["operators"][0]["input"]).iter().map(ToString::to_string).collect::<Vec<_>>();
+    let (inputs, count) = (bytes(&case["inputs"]), &case["count"]);
+    assert_eq!((code, shape.len()), (0, 3));
+    let header = |descr: &str, rows: &str| {
+        let axes = [&count.to_string(), rows, &shape[1], &shape[2]].map(str::to_owned).join(", ");
+        format!("{:<117}\n", format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}), }}"))
+    };
+    let write = |name: &str, header: String| {
+        let content = [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), &inputs].concat();
+        std::fs::write(at(name), content).expect("a file");
+    };
+    write("in.npy", header("|i1", &shape[0]));
+    assert_eq!(run(&["infer", &at("n.graph"), &at("in.npy"), "--to", &at("out.npy"), "--layers"]).0, 0);
     let found = std::fs::read(at("out.npy")).expect("a file");
     assert!(found.ends_with(&bytes(&case["layers"])) && found.starts_with(b"\x93NUMPY"));
     // inputs of another shape or type, and a file that is no network
-    for (file, words) in [(header.replacen(&shape[0], "1000", 1), "shape"), (header.replace("|i1", "<f4"), "type")] {
-        std::fs::write(at("bad.npy"), array(&file)).expect("a file");
-        let arguments = ["infer", &at("n.graph"), &at("bad.npy"), "--to", &at("none.npy")];
-        let (code, error) = outcome(program().args(arguments));
+    for (descr, rows, words) in [("|i1", "1000", "shape"), ("<f4", &shape[0], "type")] {
+        write("bad.npy", header(descr, rows));
+        let (code, _, error) = run(&["infer", &at("n.graph"), &at("bad.npy"), "--to", &at("none.npy")]);
         assert!(code == 2 && error.contains(words) && error.contains("bad.npy"), "{code} {error}");
     }
-    let arguments = ["infer", &at("in.npy"), &at("in.npy"), "--to", &at("none.npy")];
-    let (code, error) = outcome(program().args(arguments));
-    assert!(code == 2 && error.contains("in.npy") && !std::path::Path::new(&at("none.npy")).exists(), "{error}");
+    let (code, _, error) = run(&["infer", &at("in.npy"), &at("in.npy"), "--to", &at("none.npy")]);
+    assert!(code == 2 && error.contains("in.npy"), "{code} {error}");
+    assert!(!std::path::Path::new(&at("none.npy")).exists());
 }

@@ -22,6 +22,8 @@ pub struct Operator {
     pub kind: Kind,
     /// Activation it reads.
     pub input: usize,
+    /// Height, width and channels as which it reads it.
+    pub input_shape: [usize; 3],
     /// Second one, of an addition.
     pub second: Option<usize>,
     /// Activation it writes.
@@ -134,7 +136,7 @@ impl GraphNetwork {
         out.extend_from_slice(&(count as u16).to_le_bytes());
         out.extend_from_slice(&[0; 4]);
         out.extend_from_slice(&(arena as u32).to_le_bytes());
-        self.append_shape(self.input, &mut out)?;
+        append_shape(self.activations[self.input], &mut out)?;
         let ends = [self.input, self.output()].map(|activation| self.grids[activation]);
         out.extend(ends.map(|(_, zero)| zero as u8));
         out.extend(ends.map(|(scale, _)| scale.to_le_bytes()).as_flattened());
@@ -145,8 +147,8 @@ impl GraphNetwork {
             let [input, output, second] = o.zero_points;
             out.extend([input, output, o.activation[0], o.activation[1], second].map(|value| value as u8));
             out.extend([o.window.size, o.window.stride, o.window.padding].as_flattened());
-            self.append_shape(o.input, &mut out)?;
-            self.append_shape(o.output, &mut out)?;
+            append_shape(o.input_shape, &mut out)?;
+            append_shape(self.activations[o.output], &mut out)?;
             let second = o.second.map_or(0, |second| places[second]);
             for word in [places[o.input], places[o.output], second, o.parameters.len()] {
                 out.extend_from_slice(&(word as u32).to_le_bytes());
@@ -159,20 +161,17 @@ impl GraphNetwork {
         out.extend_from_slice(&checksum.to_le_bytes());
         Ok(out)
     }
+}
 
-    fn append_shape(&self, activation: usize, out: &mut Vec<u8>) -> Result<(), Invalid> {
-        for length in self.activations[activation] {
-            let length = u16::try_from(length).ok().filter(|&length| length > 0).ok_or_else(|| {
-                Invalid::new(
-                    "height, width or channels of an activation",
-                    length,
-                    format!("1 to {}", u16::MAX),
-                )
-            })?;
-            out.extend_from_slice(&length.to_le_bytes());
-        }
-        Ok(())
+/// Adds the lengths of axes.
+fn append_shape(shape: [usize; 3], out: &mut Vec<u8>) -> Result<(), Invalid> {
+    for length in shape {
+        let length = u16::try_from(length).ok().filter(|&length| length > 0).ok_or_else(|| {
+            Invalid::new("height, width or channels of an activation", length, format!("1 to {}", u16::MAX))
+        })?;
+        out.extend_from_slice(&length.to_le_bytes());
     }
+    Ok(())
 }
 
 /// A graph's operators and what they take, in words and as JSON.
@@ -261,6 +260,7 @@ mod tests {
         Operator {
             kind: Kind::MaxPool,
             input,
+            input_shape: [3, 5, 2],
             second: None,
             output,
             window: Window { size: [1, 1], stride: [1, 1], padding: [0, 0] },

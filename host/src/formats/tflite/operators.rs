@@ -136,6 +136,7 @@ impl Reader<'_, '_> {
         let mut made = graph_file::Operator {
             kind: CoreKind::Softmax,
             input: activation.number,
+            input_shape: activation.shape(),
             second: None,
             output: 0,
             window: NO_WINDOW,
