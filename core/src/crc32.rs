@@ -21,9 +21,11 @@ const TABLE: [u32; 256] = {
 /// A checksum that is computed piece by piece: `Crc32::new().update(bytes).finish()`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct Crc32(u32);
+pub struct Crc32(u32);
 
 impl Crc32 {
+    /// Of no bytes.
+    #[allow(clippy::new_without_default)] // one name is enough
     pub const fn new() -> Self {
         Crc32(u32::MAX)
     }
@@ -34,6 +36,7 @@ impl Crc32 {
         Crc32(bytes.iter().fold(self.0, |crc, &byte| TABLE[usize::from(crc as u8 ^ byte)] ^ crc >> 8))
     }
 
+    /// The checksum.
     pub const fn finish(self) -> u32 {
         !self.0
     }

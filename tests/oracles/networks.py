@@ -3,6 +3,7 @@
     pip install ai-edge-litert==2.3.0 numpy==2.4.6
     python networks.py inputs FILE.tflite COUNT SEED INPUTS.npy
     python networks.py check FILE.tflite INPUTS.npy LAYERS.npy
+    python networks.py first OPERATORS.json INPUTS.npy LAYERS.npy FOLDER
 
 `inputs` writes COUNT inputs, int8 [COUNT, ...]: of four, two are noise over the whole range, one is smooth and near
 the zero point, and one is at the limits (all -128, all 127, then mixtures of both).
@@ -10,10 +11,13 @@ the zero point, and one is at the limits (all -128, all 127, then mixtures of bo
 `check` runs the file on each of them with the BUILTIN_REF resolver (the portable reference kernels, no delegate) and
 keeps all tensors. LAYERS.npy holds what the core computed (`sdp3 infer --layers`): for each input the outputs of all operators
 but RESHAPE, in the order of the file, one int8 after the other. Order, kinds and outputs of the operators are read from the file
-itself. Prints one line; exit code 0: no mismatch, 1: a mismatch, a wrong length or no input, 2: usage.
+itself. `first` writes the first input (FOLDER/input.bin) and the CRC-32 of every operator's output of it, a line each
+(FOLDER/checksums), of the operators that `sdp3 model show --json` lists. `check` prints one line; exit code 0: no mismatch, 1: a mismatch, a wrong length or no input, 2: usage.
 """
 
+import json
 import sys
+import zlib
 from importlib.metadata import version
 from pathlib import Path
 
@@ -88,12 +92,22 @@ def check(path, inputs, layers):
     return 1 if wrong else 0
 
 
+def write_first(operators, inputs, layers, folder):
+    inputs[0].tofile(folder / "input.bin")
+    sizes = [int(np.prod(operator["output"])) for operator in json.loads(operators.read_text())["operators"]]
+    outputs = np.split(layers[0], np.cumsum(sizes))
+    assert outputs.pop().size == 0
+    (folder / "checksums").write_text("".join(f"{zlib.crc32(values.tobytes()):08x}\n" for values in outputs))
+
+
 def main(arguments):
     match arguments:
         case ["inputs", path, count, seed, out]:
             np.save(out, make_inputs(Path(path), int(count), int(seed)))
         case ["check", path, inputs, layers]:
             return check(Path(path), np.load(inputs).ravel(), np.load(layers).ravel())
+        case ["first", operators, inputs, layers, folder]:
+            write_first(Path(operators), np.load(inputs), np.load(layers), Path(folder))
         case _:
             print(__doc__, file=sys.stderr)
             return 2

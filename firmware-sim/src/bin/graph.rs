@@ -1,0 +1,75 @@
+//! Runs a graph on one input and prints the checksum and the instructions of every operator: `work <operator> <crc32> <instructions>`.
+//!
+//! Both are files of the machine that runs the emulator: `network.graph` and `input.bin` in its folder.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is firmware: build it with firmware-sim/build");
+}
+
+#[cfg(target_os = "none")]
+mod firmware {
+    use sdp3_core::crc32::Crc32;
+    use sdp3_core::graph::{Graph, Kind, Progress};
+    use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
+    use sdp3_firmware_sim::semihosting::{File, exit, println};
+
+    static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
+    static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
+    static ARENA: Single<[i8; 1 << 17]> = Single::new([0; 1 << 17]);
+
+    fn fail(what: &str) -> ! {
+        println(format_args!("error: {what}"));
+        exit(2)
+    }
+
+    /// The content of a file, if the memory holds it.
+    fn content<'a>(path: &str, memory: &'a mut [u8]) -> Option<&'a [u8]> {
+        let mut file = File::open(path)?;
+        let content = memory.get_mut(..file.length()?)?;
+        file.read(content).then_some(&*content)
+    }
+
+    #[allow(unsafe_code)] // the symbol that start-up calls
+    #[unsafe(no_mangle)]
+    extern "C" fn firmware_main() -> ! {
+        start_counter();
+        let (Some(network), Some(input), Some(arena)) = (NETWORK.take(), INPUT.take(), ARENA.take()) else {
+            fail("memory is taken")
+        };
+        let Some(network) = content("network.graph", network) else {
+            fail("no network.graph of at most 256 KiB")
+        };
+        let Some(input) = content("input.bin", input) else { fail("no input.bin of at most 64 KiB") };
+        let Ok(graph) = Graph::parse(network) else { fail("network.graph is refused") };
+        if graph.arena() > arena.len() || graph.input().bytes() != input.len() {
+            fail("the arena is too small, or the input is another network's")
+        }
+        for (to, from) in graph.input_mut(arena).iter_mut().zip(input) {
+            *to = *from as i8;
+        }
+        let (mut progress, mut all, mut largest) = (Progress::new(), 0, 0);
+        let mut operator = 0;
+        loop {
+            let before = instructions();
+            let step = graph.step(&mut progress, arena);
+            let count = instructions() - before;
+            let Some(step) = step else { fail("a step is missing") };
+            (operator, largest) = (operator + count, largest.max(count));
+            if step.done {
+                let values = arena.get(step.node.output.range()).unwrap_or(&[]);
+                let checksum =
+                    values.iter().fold(Crc32::new(), |sum, &value| sum.update(&[value as u8])).finish();
+                let kind = step.node.kind.map_or("", Kind::name);
+                println(format_args!("work {}-{kind} {checksum:08x} {operator}", step.operator));
+                (all, operator) = (all + operator, 0);
+            }
+            if step.last {
+                break;
+            }
+        }
+        println(format_args!("all {all} largest-step {largest} arena {}", graph.arena()));
+        exit(0)
+    }
+}
