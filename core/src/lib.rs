@@ -27,6 +27,8 @@
 //! in a task that is polled, one bounded step a call. Early exits, supervision and recovery after a reset are inside.
 //! [`pipeline`] is the signal chain alone, [`scheduler`] the schedule alone. [`config`] describes the sensor.
 //!
+//! With the feature `graph` the module `graph` runs any other int8 network, also in the place of the paper's.
+//!
 //! # Numbers
 //!
 //! Range samples, Gram matrix, projection, log magnitudes, the network and the schedule are integers. The eigenvectors and one of the two

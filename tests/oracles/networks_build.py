@@ -3,11 +3,12 @@
     pip install tensorflow-cpu==2.21.0
     python networks_build.py FOLDER [SEED]
 
-Writes resnet8.tflite (image classification, 32x32x3, 10 classes), ds-cnn.tflite (keyword spotting, 49x10x1, 12 classes)
-and small.tflite. The first two have the published topology; nothing is trained: weights are drawn (SEED, 1 if missing),
+Writes resnet8.tflite (image classification, 32x32x3, 10 classes), ds-cnn.tflite (keyword spotting, 49x10x1, 12 classes),
+small.tflite and radar.tflite. The first two have the published topology; nothing is trained: weights are drawn (SEED, 1 if missing),
 and the statistics of the batch normalisation are those of drawn images, so that every layer has a sane range. The third
 has what the two lack: no padding, kernels and strides that are not square, a depthwise layer with a stride and two
-channels out of each, poolings with padding, ReLU6, a wide dense layer, and no softmax.
+channels out of each, poolings with padding, ReLU6, a wide dense layer, and no softmax. The fourth takes the radar's image of 200
+sensing slots, 64x10x1, 5 classes, in another topology than the paper's.
 """
 
 import os
@@ -78,10 +79,19 @@ def small(x):
     return layers.Dense(7)(x)
 
 
+def radar(x):
+    for filters in (8, 12):
+        x = layers.MaxPooling2D((2, 1))(normalised(conv(x, filters, (5, 3)), "relu"))
+        x = normalised(depthwise(x), "relu")
+    x = layers.Flatten()(layers.AveragePooling2D((16, 10))(x))
+    return layers.Dense(5)(x)
+
+
 NETWORKS = {
     "resnet8": (resnet8, (32, 32, 3), 255),
     "ds-cnn": (ds_cnn, (49, 10, 1), 1),
     "small": (small, (33, 21, 2), 1),
+    "radar": (radar, (64, 10, 1), 255),
 }
 
 

@@ -5,7 +5,7 @@
 
 use crate::dsn::ModelError;
 use crate::dsn::established;
-use crate::dsn::model::check;
+use crate::dsn::model::error::check;
 use crate::fixed::clamp_i8;
 use crate::math::round_to_i32;
 use core::ops::Range;

@@ -22,6 +22,7 @@ mod node;
 mod pooling;
 mod softmax;
 mod steps;
+mod window;
 
 pub use dense::Dense;
 pub use node::{Kind, Node, Tensor, Window};
@@ -30,7 +31,7 @@ pub use steps::{Progress, Step};
 use crate::crc32::crc32;
 use crate::dsn::ModelError;
 use crate::dsn::established;
-use crate::dsn::model::check;
+use crate::dsn::model::error::check;
 use core::ops::Range;
 use format::{HEADER_LEN, MAGIC, MAX_ARENA, MAX_OPERATORS, OPERATOR_LEN, VERSION};
 

@@ -6,7 +6,7 @@ use super::softmax::Softmax;
 use crate::dsn::ModelError;
 use crate::dsn::add::Add;
 use crate::dsn::established;
-use crate::dsn::model::{check, check_multiplier, check_shift};
+use crate::dsn::model::error::{check, check_multiplier, check_shift};
 use crate::dsn::per_channel::PerChannelQuant;
 use core::ops::Range;
 

@@ -2,8 +2,8 @@
 //!
 //! Only pixels of the input count; an average rounds halves away from zero.
 
-use super::convolution::{pixels, place};
 use super::node::Node;
+use super::window::{place, rows};
 use crate::dsn::established;
 use crate::fixed::clamp_i8;
 use core::ops::Range;
@@ -34,8 +34,9 @@ fn pool(
     let [low, high] = node.activation;
     for (index, out) in range.zip(output) {
         let (y, x, c) = place(index, columns, channels);
-        let mut values = pixels(node, (y, x))
-            .map(|(_, pixel)| i32::from(established::<i8>(input.get(pixel * channels + c).copied())));
+        let mut values = rows(node, (y, x))
+            .flat_map(|(_, pixel, count)| pixel..pixel + count)
+            .map(|pixel| i32::from(established::<i8>(input.get(pixel * channels + c).copied())));
         *out = clamp_i8(of(&mut values), low, high);
     }
 }

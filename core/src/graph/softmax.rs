@@ -4,7 +4,7 @@
 //! bit above; the reciprocal takes three steps of Newton and Raphson. Output: scale 1/256, zero point -128.
 
 use crate::dsn::ModelError;
-use crate::dsn::model::check;
+use crate::dsn::model::error::check;
 use crate::fixed::{doubling_high_mul, rounding_divide};
 
 /// Integer bits of a difference of inputs.

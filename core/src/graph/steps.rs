@@ -1,6 +1,6 @@
 //! A graph in bounded steps.
 
-use super::convolution::{convolve, convolve_depthwise};
+use super::convolution::{BLOCK, convolve, convolve_depthwise};
 use super::node::{Kind, Node};
 use super::pooling::{pool_average, pool_max};
 use super::{Graph, Views};
@@ -68,13 +68,27 @@ impl<'m> Graph<'m> {
     }
 }
 
+/// So many values or a few fewer, whole blocks if it is one; at least one.
+const fn whole_blocks(values: usize) -> usize {
+    let blocks = values / BLOCK * BLOCK;
+    if blocks > 0 {
+        blocks
+    } else if values > 0 {
+        values
+    } else {
+        1
+    }
+}
+
 /// Does step `step` of an operator; true after its last.
 fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
     let views = Views::new(arena, node.output.range());
     let input = views.input(node.input.range());
     let values = match node.kind {
         Some(Kind::Softmax) => usize::from(node.output.channels),
-        _ => (PRODUCTS / (node.taps() + 16)).max(1),
+        // a value under a pooling's window takes as long as some products
+        Some(Kind::MaxPool | Kind::AveragePool) => whole_blocks(PRODUCTS / (4 * node.taps() + 16)),
+        _ => whole_blocks(PRODUCTS / (node.taps() + 16)),
     };
     let (range, last) = piece(views.output.len(), values, step);
     let second = if node.kind == Some(Kind::Add) { views.input(node.second_range()) } else { &[] };

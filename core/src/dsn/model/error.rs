@@ -71,3 +71,18 @@ pub enum ModelError {
         have: usize,
     },
 }
+
+/// Refuses a field unless it is legal.
+pub(crate) fn check(name: &'static str, value: i64, legal: bool) -> Result<(), ModelError> {
+    if legal { Ok(()) } else { Err(ModelError::Field { name, value }) }
+}
+
+/// Refuses a multiplier that is neither 0 nor Q0.31 in 2^30..2^31.
+pub(crate) fn check_multiplier(name: &'static str, value: i32) -> Result<(), ModelError> {
+    check(name, i64::from(value), value == 0 || value >= 1 << 30)
+}
+
+/// Refuses a shift outside -31 to 7.
+pub(crate) fn check_shift(name: &'static str, value: i8) -> Result<(), ModelError> {
+    check(name, i64::from(value), (-31..=7).contains(&value))
+}

@@ -2,6 +2,7 @@
 //!
 //! [`crate::dsn::format`] is the layout.
 
+use super::error::{check, check_multiplier, check_shift};
 use super::{HEADER_LEN, Model, ModelError, NAME_LEN};
 #[cfg(feature = "graph")]
 use crate::dims::ROWS;
@@ -193,10 +194,6 @@ impl<'m> Model<'m> {
     }
 }
 
-pub(crate) fn check(name: &'static str, value: i64, legal: bool) -> Result<(), ModelError> {
-    if legal { Ok(()) } else { Err(ModelError::Field { name, value }) }
-}
-
 /// Kind, range and zeros; then the scales.
 fn check_prefix(bytes: &[u8], kind: u8, scales: &[&'static str]) -> Result<(), ModelError> {
     let [found, _, _, low, high, _, reserved @ ..] = array::<PREFIX>(bytes, 0);
@@ -209,14 +206,6 @@ fn check_prefix(bytes: &[u8], kind: u8, scales: &[&'static str]) -> Result<(), M
         check(name, i64::from(scale.to_bits()), scale.is_finite() && scale > 0.0)?;
     }
     Ok(())
-}
-
-pub(crate) fn check_multiplier(name: &'static str, value: i32) -> Result<(), ModelError> {
-    check(name, i64::from(value), value == 0 || value >= 1 << 30)
-}
-
-pub(crate) fn check_shift(name: &'static str, value: i8) -> Result<(), ModelError> {
-    check(name, i64::from(value), (-31..=7).contains(&value))
 }
 
 /// Takes the next bytes.

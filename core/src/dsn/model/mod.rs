@@ -2,7 +2,7 @@
 //!
 //! [`super::format`] says where everything lies.
 
-mod error;
+pub(crate) mod error;
 mod layers;
 #[cfg(feature = "signature")]
 mod signature;
@@ -22,10 +22,8 @@ use crate::graph::Graph;
 use crate::signal::clutter::SvdRange;
 use crate::signal::front_end::Preprocessing;
 pub use error::ModelError;
+use error::check;
 pub use layers::Block;
-pub(crate) use layers::check;
-#[cfg(feature = "graph")]
-pub(crate) use layers::{check_multiplier, check_shift};
 
 /// A checked model: the byte string it was parsed from and the numbers of its header. Layers are views, made on demand.
 #[derive(Debug, Clone, Copy)]

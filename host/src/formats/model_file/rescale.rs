@@ -32,6 +32,19 @@ pub fn add_ratios(a: f32, b: f32, sum: f32) -> [f64; 3] {
     [f64::from(a) / twice, f64::from(b) / twice, twice / (f64::from(1u32 << 20) * f64::from(sum))]
 }
 
+/// Multiplier, shift to the left and least difference of a softmax of logits of so many nat a step, for differences in Q5.26; `None` where a
+/// step is at most 2^-26. TensorFlow Lite's `PreprocessSoftmaxScaling` and `CalculateInputRadius`.
+pub fn softmax_words(step: f64) -> Option<[i32; 3]> {
+    let scaled = (step * f64::from(1 << 26)).min(f64::from(i32::MAX));
+    let (fraction, mut shift) = libm::frexp(Some(scaled).filter(|scaled| *scaled > 1.0)?);
+    let mut q31 = (fraction * f64::from(1_u32 << 31)).round() as i64;
+    if q31 == 1 << 31 {
+        (q31, shift) = (1 << 30, shift + 1);
+    }
+    let least = -(31.0 * f64::from(1 << 26) / libm::exp2(f64::from(shift))).floor();
+    Some([q31 as i32, shift, least as i32])
+}
+
 /// The f32 weight scale of which the ratio gives exactly `pair`; `None` if no f32 does.
 ///
 /// A multiplier has 31 bits and a scale 24, so only pairs that came from f32 scales have one.
@@ -63,6 +76,19 @@ mod tests {
         assert_eq!(multiplier(f64::NAN), None);
         assert_eq!(multiplier(libm::exp2(-32.0)), Some((1 << 30, -31)));
         assert_eq!(multiplier(libm::exp2(-33.0)), Some((0, 0)));
+    }
+
+    #[test]
+    fn softmax_words_are_tflites() {
+        // a step of 1/8 nat is 2^23 = 0.5 2^24 in Q5.26; 124 differences of 2^24 stay below 31
+        assert_eq!(softmax_words(0.125), Some([1 << 30, 24, -124]));
+        assert_eq!(softmax_words(0.1).map(|words| words[1]), Some(23));
+        // a step so large that only the largest logit counts
+        assert_eq!(softmax_words(1e6), Some([i32::MAX, 31, 0]));
+        assert_eq!(
+            (softmax_words(libm::exp2(-26.0)), softmax_words(0.0), softmax_words(f64::NAN)),
+            (None, None, None)
+        );
     }
 
     #[test]

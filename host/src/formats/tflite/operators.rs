@@ -8,7 +8,7 @@ use super::schema::{self, INT8, Kind, SAME};
 use super::traversal::{Traversal, grid, range};
 use super::{TfliteError, require};
 use crate::formats::graph_file::{self, GraphNetwork};
-use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio};
+use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio, softmax_words};
 use sdp3_core::graph::{Kind as CoreKind, Window};
 
 /// Most values of a softmax's row: of more, LiteRT's sum of exponentials overflows.
@@ -385,20 +385,10 @@ fn softmax(
     let fits = (256.0 * out_scale - 1.0).abs() <= 1e-3 && out_zero == -128;
     let found = format!("{:?}", (out_scale, out_zero));
     require(fits, &format!("{field}: scale and zero point of the output"), found, "(0.00390625, -128)")?;
-    let real = (f64::from(operator.options.beta) * f64::from(in_scale) * f64::from(1 << 26))
-        .min(f64::from(i32::MAX));
-    require(
-        real > 1.0,
-        &format!("{field}: beta times the input's scale"),
-        real / f64::from(1 << 26),
-        "above 2^-26",
-    )?;
-    let (fraction, mut shift) = libm::frexp(real);
-    let mut q31 = (fraction * f64::from(1_u32 << 31)).round() as i64;
-    if q31 == 1 << 31 {
-        (q31, shift) = (1 << 30, shift + 1);
-    }
-    let least = -(31.0 * f64::from(1 << 26) / libm::exp2(f64::from(shift))).floor();
-    made.parameters.extend([q31 as i32, shift, least as i32].map(i32::to_le_bytes).as_flattened());
+    let product = f64::from(operator.options.beta) * f64::from(in_scale);
+    let words = softmax_words(product).ok_or_else(|| {
+        TfliteError::value(format!("{field}: beta times the input's scale"), product, "above 2^-26")
+    })?;
+    made.parameters.extend(words.map(i32::to_le_bytes).as_flattened());
     Ok(())
 }

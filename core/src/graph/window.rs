@@ -1,0 +1,39 @@
+//! Which pixels of the input lie under a window.
+
+use super::node::Node;
+use core::ops::Range;
+
+/// The pixels of an axis that lie under a window: how many of the window's own come before, and the pixels.
+fn under(
+    window: usize,
+    stride: usize,
+    padding: usize,
+    length: usize,
+    output: usize,
+) -> (usize, Range<usize>) {
+    let first = output * stride;
+    let (skipped, start) = (padding.saturating_sub(first), first.saturating_sub(padding));
+    let end = (first + window).saturating_sub(padding).min(length);
+    (skipped, start..end.max(start))
+}
+
+/// For every row of the window of output pixel `(y, x)` that lies over the input: number of its first pixel in the window and in the input,
+/// and how many pixels lie side by side.
+pub(super) fn rows(
+    node: &Node<'_>,
+    (y, x): (usize, usize),
+) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+    let [height, width, _] = node.input.shape();
+    let ([h, w], [sh, sw], [top, left]) =
+        (node.window_size(), node.window.stride.map(usize::from), node.window.padding.map(usize::from));
+    let (skipped_rows, rows) = under(h, sh, top, height, y);
+    let (skipped, columns) = under(w, sw, left, width, x);
+    let (first, count) = (columns.start, columns.len());
+    rows.enumerate().map(move |(row, y)| ((skipped_rows + row) * w + skipped, y * width + first, count))
+}
+
+/// The place of value `index` of a tensor of so many columns and channels: row, column, channel.
+pub(super) fn place(index: usize, columns: usize, channels: usize) -> (usize, usize, usize) {
+    let (pixel, channel) = (index / channels.max(1), index % channels.max(1));
+    (pixel / columns.max(1), pixel % columns.max(1), channel)
+}
