@@ -146,8 +146,8 @@ def main(folder, seed):
         with redirect_stdout(sys.stderr):
             content = build(topology, shape, scale, seed)
         kinds = operators(content)
-        if strangers := set(kinds) - OPERATORS:
-            sys.exit(f"{name}: the converter made {', '.join(sorted(strangers))}")
+        if others := set(kinds) - OPERATORS:
+            sys.exit(f"{name}: the converter made {', '.join(sorted(others))}")
         (folder / f"{name}.tflite").write_bytes(content)
         print(f"{name}.tflite: {len(content)} bytes, {len(kinds)} operators")
 

@@ -64,7 +64,7 @@ class Graph(network.Graph):
         return self
 
     def weighted(self, shape, outputs, taps, grid, ratios, most, per_channel, bias, axis=0):
-        """Inputs of an operator with weights up to `most`, whose sums fill the output, or are scaled by `ratios`.
+        """Inputs of an operator with weights up to `most`; their sums fill the output, or are scaled by `ratios`.
 
         `bias`: True, "ties" for sums next to a tie, False for two inputs, or None for the index -1."""
         s_in, z_in = self.params(self.x)
@@ -151,7 +151,7 @@ class Graph(network.Graph):
         return self
 
     def tall(self):
-        """Inputs whose sums leave 16 bits, with peaks in the last rows."""
+        """Inputs with sums beyond 16 bits, with peaks in the last rows."""
         shape = self.tensors[0].shape
         low, high = self.rng.integers(-128, -100, shape), self.rng.integers(105, 125, shape)
         low[0, -1], high[0, -44] = np.array([[-20, 9], [125, 127]]).reshape(2, *shape[2:])

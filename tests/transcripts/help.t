@@ -22,6 +22,7 @@ Help: the tool and every command, with examples.
     quantize     Convert trained networks into int8 model files
     export       Write a network for other programs (.tflite, .safetensors)
     import       Read a network of another program
+    infer        Run an int8 network on arrays, with the bits of the radar module
     model        Show, sign and verify model files, make keys
     verify       Compare the core with its reference and its firmware, bit for bit
     predict      Fit the seven learning curves to accuracies
@@ -1056,7 +1057,7 @@ Help: the tool and every command, with examples.
   $ sdp3 import --help
   Read a network of another program.
   
-  The file is int8 .tflite of this topology, or float .safetensors, which is quantised.
+  The file is int8 .tflite of convolutions, poolings, additions, fully connected layers and softmax, or float .safetensors of the paper's topology, which is quantised.
   
   Usage: sdp3 import [OPTIONS] --to <FILE> <FILE>
   
@@ -1066,7 +1067,7 @@ Help: the tool and every command, with examples.
   
   Options:
         --to <FILE>
-            MODEL.sdp3; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them
+            MODEL.sdp3; of .tflite also NETWORK.graph, a network of any input that is not the radar's; of .safetensors also NETWORK.json, float parameters as `sdp3 quantize` reads them
   
         --slots <N>
             Sensing slots it was trained with, where the file does not say
@@ -1114,6 +1115,7 @@ Help: the tool and every command, with examples.
   
   Examples:
     sdp3 import dsn.tflite --to dsn.sdp3
+    sdp3 import resnet8.tflite --to resnet8.graph
     sdp3 import dsn.safetensors --to dsn.sdp3 --slots 1000
 
   $ sdp3 model --help
@@ -1153,7 +1155,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 model show [OPTIONS] <FILE>
   
   Arguments:
-    <FILE>  MODEL.sdp3
+    <FILE>  MODEL.sdp3 or NETWORK.graph
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
@@ -1626,7 +1628,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 schema [OPTIONS] [COMMAND]
   
   Arguments:
-    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
+    [COMMAND]  A command, with hyphens between its words, or `scenario`; absent: the names there are [possible values: calibrate, channels, classify, early-exits, export, gallery, import, infer, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
   
   Options:
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room

@@ -8,6 +8,7 @@ Schemas, completions and man pages.
   export
   gallery
   import
+  infer
   inspect
   man
   merge
@@ -62,7 +63,7 @@ Schemas, completions and man pages.
 
   $ sdp3 schema nothing
   error: invalid value 'nothing' for '[COMMAND]'
-    [possible values: calibrate, channels, classify, early-exits, export, gallery, import, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
+    [possible values: calibrate, channels, classify, early-exits, export, gallery, import, infer, inspect, man, merge, model-keygen, model-show, model-sign, model-verify, optimize, predict, quantize, report, reproduce, run, scenario, scenario-check, scenario-list, scenario-new, scenario-show, schedule, schema, simulate, study, sweep, targets, train, verify]
   
   For more information, try '--help'.
   [2]
@@ -94,6 +95,7 @@ Schemas, completions and man pages.
   pages/sdp3-quantize.1
   pages/sdp3-export.1
   pages/sdp3-import.1
+  pages/sdp3-infer.1
   pages/sdp3-model.1
   pages/sdp3-model-show.1
   pages/sdp3-model-keygen.1

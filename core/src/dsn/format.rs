@@ -1,7 +1,7 @@
 //! The layout of a model file.
 //!
 //! Layout (little-endian): 64-byte header, class names of 24 bytes, layers in the order stem, per block (affine, conv, conv, add),
-//! head, or a [graph](crate::graph::format) in their place, an ed25519 signature of everything before it if the header says so, and the CRC-32 (IEEE 802.3) of everything before that.
+//! head, or a graph (module `graph`) in their place, an ed25519 signature of everything before it if the header says so, and the CRC-32 (IEEE 802.3) of everything before that.
 //!
 //! | header byte | field |
 //! |---|---|

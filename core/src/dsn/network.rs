@@ -167,7 +167,7 @@ impl Network {
         Some(logits)
     }
 
-    /// The same of a graph, whose arena is the end of the scratch.
+    /// The same of a graph; its arena is the end of the scratch.
     #[cfg(feature = "graph")]
     fn step_graph(
         &mut self,

@@ -25,7 +25,7 @@ pub struct Shape {
     pub channels: usize,
     /// Stride of the input convolution.
     pub stem_stride: usize,
-    /// Bytes of the arena of a [graph](crate::graph) in the place of the paper's network, which then has no channels; else 0.
+    /// Bytes of the arena of a graph (module `graph`) in the place of the paper's network, which then has no channels; else 0.
     pub arena: usize,
     /// The sensor.
     pub radar: RadarConfig,

@@ -129,7 +129,7 @@ impl GraphNetwork {
         let count = self.operators.len();
         let most = format!("1 to {MAX_OPERATORS}");
         Invalid::unless((1..=MAX_OPERATORS).contains(&count), "number of operators", count, &most)?;
-        Invalid::unless(arena <= MAX_ARENA, "bytes of activations", arena, &format!("at most {MAX_ARENA}"))?;
+        Invalid::unless(arena <= MAX_ARENA, "bytes of activations", arena, format!("at most {MAX_ARENA}"))?;
         let mut out = Vec::with_capacity(HEADER_LEN);
         out.extend_from_slice(&MAGIC);
         out.extend_from_slice(&VERSION.to_le_bytes());
