@@ -2,12 +2,19 @@
 //!
 //! The vectors and the Python program that made them are `tests/oracles/operators.{json,py}`; `tests/networks` compares whole networks.
 
+use rand_core::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use sdp3::formats::graph_file::{GraphNetwork, Operator};
 use sdp3::formats::model_file::{QuantizedNetwork, with_graph};
 use sdp3::formats::tflite::{ImportDefaults, export, import_graph, import_model};
 use sdp3::network::interchange::header;
 use sdp3::network::operator_outputs::Network;
 use sdp3::network::parameters::Architecture;
-use sdp3_core::dsn::Model;
+use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+use sdp3_core::dsn::{Model, Portable};
+use sdp3_core::graph::{Kind, Window};
+use sdp3_core::selftest;
+use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_tests::networks::{images, layers, quantized};
 use sdp3_tests::vectors::{bytes, list, signed};
 use sdp3_tests::{call, outcome, program};
@@ -93,6 +100,48 @@ fn a_model_with_a_graph_is_classified_like_the_papers_network() {
             assert_eq!(classify(model, made.image(k)), classify(plain, made.image(k)), "image {k}");
         }
     }
+}
+
+#[test]
+fn the_self_test_of_a_graph_passes_with_the_kernels_of_firmware() {
+    let (network, file) = exported().remove(1);
+    let graph = import_graph(&file).expect("a graph");
+    let bytes = with_graph(&network.preprocessing, &network.classes, &graph).expect("a model file");
+    let model = Model::parse(&bytes).expect("a model");
+    let sizes = model.shape().winograd_sizes();
+    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
+    let mut kernels = WinogradF2::new(&model, memory).expect("memory of its sizes");
+    // a longer scratch than its own: the image lies at the end
+    let mut scratch = vec![0; model.shape().scratch_bytes() + 100];
+    let found =
+        selftest::network(&model, &mut scratch, &mut kernels, &mut Xoshiro256PlusPlus::seed_from_u64(1));
+    assert_eq!(found, None);
+    // one operator alone
+    let operators = GraphNetwork {
+        activations: vec![[64, 10, 1], [1, 1, 5]],
+        operators: vec![Operator {
+            kind: Kind::FullyConnected,
+            input: 0,
+            input_shape: [64, 10, 1],
+            second: None,
+            output: 1,
+            window: Window { size: [0; 2], stride: [1; 2], padding: [0; 2] },
+            zero_points: [0; 3],
+            activation: [-128, 127],
+            parameters: [[0.01_f64.to_le_bytes(); 5].concat(), vec![0; 20], vec![1; 640 * 5]].concat(),
+        }],
+        input: 0,
+        grids: vec![(1.0, 0); 2],
+    };
+    let graph = operators.to_bytes().expect("a graph");
+    let bytes = with_graph(&network.preprocessing, &network.classes, &graph).expect("a model file");
+    let model = Model::parse(&bytes).expect("a model");
+    let mut scratch = vec![0; model.shape().scratch_bytes()];
+    assert_eq!(
+        selftest::network(&model, &mut scratch, &mut Portable, &mut Xoshiro256PlusPlus::seed_from_u64(1)),
+        None
+    );
 }
 
 #[test]

@@ -247,6 +247,15 @@ impl<'m> Model<'m> {
         usize::from(self.blocks)
     }
 
+    /// Operators with an output that a probe sees: of a graph its own, else stem, four a block and average.
+    pub(crate) fn operators(&self) -> usize {
+        #[cfg(feature = "graph")]
+        if let Some(graph) = self.graph() {
+            return graph.nodes().count();
+        }
+        4 * self.blocks() + 2
+    }
+
     /// Number of classes.
     pub fn classes(&self) -> usize {
         usize::from(self.classes)
