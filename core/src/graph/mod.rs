@@ -182,10 +182,20 @@ impl<'a> Views<'a> {
         let (output, behind) = established(rest.split_at_mut_checked(output.len()));
         Views { before, output, behind }
     }
+}
 
+/// The activations that are not written.
+struct Inputs<'a> {
+    before: &'a [i8],
+    behind: &'a [i8],
+    /// Bytes between them.
+    output: usize,
+}
+
+impl<'a> Inputs<'a> {
     /// A tensor that does not overlap the output.
-    fn input(&self, range: Range<usize>) -> &'a [i8] {
-        let first = self.before.len() + self.output.len();
+    fn get(&self, range: Range<usize>) -> &'a [i8] {
+        let first = self.before.len() + self.output;
         if range.end <= self.before.len() {
             established(self.before.get(range))
         } else {

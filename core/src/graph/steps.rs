@@ -3,9 +3,13 @@
 use super::convolution::{BLOCK, convolve, convolve_depthwise};
 use super::node::{Kind, Node};
 use super::pooling::{pool_average, pool_max};
-use super::{Graph, Views};
+use super::{Graph, Inputs, Views, Window};
+use crate::dsn::batch_norm::BatchNormRelu;
+use crate::dsn::conv::{Conv, MAX_CHANNELS};
 use crate::dsn::established;
 use crate::dsn::kernels::piece;
+use crate::dsn::winograd::WinogradSizes;
+use crate::dsn::{Kernels, Operator};
 
 /// Multiply-accumulates of a step, at least those of one output value; every output value counts another sixteen.
 const PRODUCTS: usize = 7680;
@@ -47,13 +51,39 @@ impl<'m> Graph<'m> {
     /// Nobody else writes to the arena, at least [`Graph::arena`] long, from the first step to the last. `None` if it is shorter,
     /// or if `progress` is another graph's.
     pub fn step(&self, progress: &mut Progress, arena: &mut [i8]) -> Option<Step<'m>> {
+        self.advance(progress, arena, |node, arena, at| run(node, arena, at.step as usize))
+    }
+
+    /// [`Graph::step`] by the kernels of the paper's network where they are made for an operator ([`Node::is_covered`]), else by the plain
+    /// loops; the same bits. `row` has [`Graph::row_bytes`]; of fewer the plain loops compute everything.
+    pub fn step_by(
+        &self,
+        progress: &mut Progress,
+        arena: &mut [i8],
+        kernels: &mut impl Kernels,
+        row: &mut [i8],
+    ) -> Option<Step<'m>> {
+        let enough = row.len() >= self.row_bytes();
+        self.advance(progress, arena, |node, arena, at| match enough && node.is_covered() {
+            true => run_by(node, arena, at, kernels, row),
+            false => run(node, arena, at.step as usize),
+        })
+    }
+
+    /// Does a step by `run`, which returns true after an operator's last.
+    fn advance(
+        &self,
+        progress: &mut Progress,
+        arena: &mut [i8],
+        run: impl FnOnce(&Node<'m>, &mut [i8], Progress) -> bool,
+    ) -> Option<Step<'m>> {
         if arena.len() < self.arena() || progress.operator >= u32::from(self.count) {
             debug_assert!(arena.len() >= self.arena(), "the arena is smaller than the graph's");
             *progress = Progress::new();
             return None;
         }
         let node = self.node_at(progress.at);
-        let done = run(&node, arena, progress.step as usize);
+        let done = run(&node, arena, *progress);
         let operator = progress.operator as usize;
         progress.step += 1;
         if done {
@@ -65,6 +95,87 @@ impl<'m> Graph<'m> {
             *progress = Progress::new();
         }
         Some(Step { operator, node, done, last })
+    }
+}
+
+impl Graph<'_> {
+    /// Bytes of a row of the widest convolution that kernels are made for.
+    pub fn row_bytes(&self) -> usize {
+        let row = |node: Node<'_>| usize::from(node.input.width) * usize::from(node.input.channels);
+        self.nodes()
+            .filter(|node| node.kind == Some(Kind::Convolution) && node.is_covered())
+            .map(row)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Memory of the kernels of [`WinogradF2::shared`](crate::dsn::WinogradF2::shared) for all operators that they are made for.
+    pub fn winograd_sizes(&self) -> WinogradSizes {
+        let sizes = |node: Node<'_>| match node.kind {
+            Some(Kind::Convolution) => {
+                WinogradSizes::new(2 * usize::from(node.input.width), usize::from(node.input.channels), 1, 1)
+            }
+            _ => WinogradSizes::new(0, 0, 1, 0),
+        };
+        self.nodes()
+            .filter(Node::is_covered)
+            .map(sizes)
+            .fold(WinogradSizes { vectors: 0, words: 0 }, WinogradSizes::max)
+    }
+}
+
+impl Node<'_> {
+    /// Whether the kernels of the paper's network compute it: convolutions 3x3 of stride 1 with padding that keep an even height and 8, 16
+    /// or 32 channels, scales of as many channels, and additions.
+    pub fn is_covered(&self) -> bool {
+        let channels = usize::from(self.output.channels);
+        let keeps = self.input.shape() == self.output.shape();
+        let window = |size: u8, padding: u8| {
+            self.window == Window { size: [size; 2], stride: [1; 2], padding: [padding; 2] }
+        };
+        match self.kind {
+            Some(Kind::Add) => true,
+            Some(Kind::DepthwiseConvolution) => keeps && window(1, 0) && channels <= MAX_CHANNELS,
+            Some(Kind::Convolution) => {
+                keeps
+                    && window(3, 1)
+                    && matches!(channels, 8 | 16 | 32)
+                    && self.output.height.is_multiple_of(2)
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Does a step of an operator that `kernels` are made for; true after its last.
+fn run_by(
+    node: &Node<'_>,
+    arena: &mut [i8],
+    at: Progress,
+    kernels: &mut impl Kernels,
+    row: &mut [i8],
+) -> bool {
+    let Views { before, output, behind } = Views::new(arena, node.output.range());
+    let inputs = Inputs { before, behind, output: output.len() };
+    let (input, [height, width, channels]) = (inputs.get(node.input.range()), node.input.shape());
+    let (index, step) = (at.operator as usize, at.step as usize);
+    match node.kind {
+        Some(Kind::Add) => {
+            if step == 0 {
+                output.iter_mut().zip(input).for_each(|(to, from)| *to = *from);
+            }
+            let branch = inputs.get(node.second_range());
+            kernels.run(index, Operator::Add { layer: &node.addition(), x: output, branch }, step)
+        }
+        Some(Kind::DepthwiseConvolution) => {
+            let layer = &BatchNormRelu { quant: node.quantization() };
+            kernels.run(index, Operator::BatchNormRelu { layer, input, output }, step)
+        }
+        _ => {
+            let layer = &Conv { quant: node.quantization(), inputs: channels, stride: 1 };
+            let row = established(row.get_mut(..width * channels));
+            kernels.run(index, Operator::Conv { layer, input, size: (height, width), row, output }, step)
+        }
     }
 }
 
@@ -82,17 +193,18 @@ const fn whole_blocks(values: usize) -> usize {
 
 /// Does step `step` of an operator; true after its last.
 fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
-    let views = Views::new(arena, node.output.range());
-    let input = views.input(node.input.range());
+    let Views { before, output, behind } = Views::new(arena, node.output.range());
+    let inputs = Inputs { before, behind, output: output.len() };
+    let input = inputs.get(node.input.range());
     let values = match node.kind {
         Some(Kind::Softmax) => usize::from(node.output.channels),
         // a value under a pooling's window takes as long as some products
         Some(Kind::MaxPool | Kind::AveragePool) => whole_blocks(PRODUCTS / (4 * node.taps() + 16)),
         _ => whole_blocks(PRODUCTS / (node.taps() + 16)),
     };
-    let (range, last) = piece(views.output.len(), values, step);
-    let second = if node.kind == Some(Kind::Add) { views.input(node.second_range()) } else { &[] };
-    let output = established(views.output.get_mut(range.clone()));
+    let (range, last) = piece(output.len(), values, step);
+    let second = if node.kind == Some(Kind::Add) { inputs.get(node.second_range()) } else { &[] };
+    let output = established(output.get_mut(range.clone()));
     match node.kind {
         Some(Kind::Convolution) => convolve(node, &node.quantization(), input, range, output),
         Some(Kind::DepthwiseConvolution) => {

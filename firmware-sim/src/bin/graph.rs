@@ -11,13 +11,18 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use sdp3_core::crc32::Crc32;
+    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
     use sdp3_core::graph::{Graph, Kind, Progress};
+    use sdp3_core::simd::dual_mac::I16x8;
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
     use sdp3_firmware_sim::semihosting::{File, exit, println};
 
     static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
     static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
     static ARENA: Single<[i8; 1 << 17]> = Single::new([0; 1 << 17]);
+    static ROW: Single<[i8; 1 << 12]> = Single::new([0; 1 << 12]);
+    static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([I16x8::ZERO; 1 << 12]);
+    static WORDS: Single<[i32; 1 << 13]> = Single::new([0; 1 << 13]);
 
     fn fail(what: &str) -> ! {
         println(format_args!("error: {what}"));
@@ -49,11 +54,19 @@ mod firmware {
         for (to, from) in graph.input_mut(arena).iter_mut().zip(input) {
             *to = *from as i8;
         }
+        let sizes = graph.winograd_sizes();
+        let (Some(row), Some(vectors), Some(words)) = (ROW.take(), VECTORS.take(), WORDS.take()) else {
+            fail("memory is taken")
+        };
+        if graph.row_bytes() > row.len() || sizes.vectors > vectors.len() || sizes.words > words.len() {
+            fail("the memory of the kernels is too small")
+        }
+        let mut kernels = WinogradF2::shared(WinogradMemory { vectors, words });
         let (mut progress, mut all, mut largest) = (Progress::new(), 0, 0);
         let mut operator = 0;
         loop {
             let before = instructions();
-            let step = graph.step(&mut progress, arena);
+            let step = graph.step_by(&mut progress, arena, &mut kernels, row);
             let count = instructions() - before;
             let Some(step) = step else { fail("a step is missing") };
             (operator, largest) = (operator + count, largest.max(count));
@@ -69,7 +82,8 @@ mod firmware {
                 break;
             }
         }
-        println(format_args!("all {all} largest-step {largest} arena {}", graph.arena()));
+        let memory = graph.arena() + graph.row_bytes() + sizes.total();
+        println(format_args!("all {all} largest-step {largest} memory {memory}"));
         exit(0)
     }
 }
