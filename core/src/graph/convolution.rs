@@ -7,6 +7,8 @@ use super::node::Node;
 use super::window::{place, rows};
 use crate::dsn::established;
 use crate::dsn::per_channel::PerChannelQuant;
+use crate::fixed::Requantizer;
+use crate::simd::native_row_products;
 use core::ops::Range;
 
 /// Output channels at a time.
@@ -30,6 +32,32 @@ fn pixels<'o>(
     })
 }
 
+/// Values of a window that are gathered, so that all output channels take them from one place.
+const PATCH: usize = 1152;
+
+/// Gathers the values under the window of output pixel `at`; outside of the input they are the zero point, which contributes nothing. `None`
+/// if the window has more than [`PATCH`].
+fn gather<'p>(
+    node: &Node<'_>,
+    input: &[i8],
+    at: (usize, usize),
+    patch: &'p mut [i8; PATCH],
+) -> Option<&'p [i8]> {
+    let channels = usize::from(node.input.channels).max(1);
+    let patch = patch.get_mut(..node.taps())?;
+    let mut covered = 0;
+    for (tap, pixel, count) in rows(node, at) {
+        let values = established(input.get(pixel * channels..(pixel + count) * channels));
+        let outside = established(patch.get_mut(covered..tap * channels));
+        outside.fill(node.zero_points[0]);
+        let to = established(patch.get_mut(tap * channels..(tap + count) * channels));
+        to.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
+        covered = (tap + count) * channels;
+    }
+    established(patch.get_mut(covered..)).fill(node.zero_points[0]);
+    Some(patch)
+}
+
 /// Output values `range` of a convolution. Cost: [`Node::taps`] multiply-accumulates a value.
 pub(super) fn convolve(
     node: &Node<'_>,
@@ -40,48 +68,45 @@ pub(super) fn convolve(
 ) {
     let (channels, taps) = (usize::from(node.input.channels).max(1), node.taps());
     let weights = |o: usize| established(quant.weights.get(o * taps..(o + 1) * taps));
+    let mut patch = [0; PATCH];
     for (at, first, values) in pixels(node, range, output) {
+        let gathered = gather(node, input, at, &mut patch);
+        let add = |weights: [&[u8]; BLOCK], sums: &mut [i32; BLOCK]| match gathered {
+            Some(values) => native_row_products(values, weights, quant.in_zp, sums),
+            // a window too large to be gathered, row by row
+            None => rows(node, at).for_each(|(tap, pixel, count)| {
+                let values = established(input.get(pixel * channels..(pixel + count) * channels));
+                let row = weights.map(|all| established(all.get(tap * channels..(tap + count) * channels)));
+                native_row_products(values, row, quant.in_zp, sums);
+            }),
+        };
         let (blocks, rest) = values.as_chunks_mut::<BLOCK>();
         for (k, block) in blocks.iter_mut().enumerate() {
             let channel = [0, 1, 2, 3].map(|part| first + BLOCK * k + part);
             let mut sums = channel.map(|o| quant.bias(o));
-            let weights = channel.map(weights);
-            for (tap, pixel, count) in rows(node, at) {
-                let (first, length) = (tap * channels, count * channels);
-                let values = established(input.get(pixel * channels..pixel * channels + length));
-                let row = weights.map(|all| established(all.get(first..first + length)));
-                block_of_products(values, row, quant.in_zp, &mut sums);
-            }
-            *block = [0, 1, 2, 3].map(|part| quant.output(channel[part], sums[part]));
+            add(channel.map(weights), &mut sums);
+            *block = [0, 1, 2, 3].map(|part| scaled(quant, channel[part], sums[part]));
         }
+        // channels that fill no block, each four times
         let first = first + BLOCK * blocks.len();
         for (o, out) in (first..).zip(rest) {
-            let (mut sum, weights) = (quant.bias(o), weights(o));
-            for (tap, pixel, count) in rows(node, at) {
-                let (first, length) = (tap * channels, count * channels);
-                let values = established(input.get(pixel * channels..pixel * channels + length));
-                let row = established(weights.get(first..first + length));
-                for (&x, &w) in values.iter().zip(row) {
-                    sum = sum.wrapping_add((i32::from(x) - i32::from(quant.in_zp)) * i32::from(w as i8));
-                }
-            }
-            *out = quant.output(o, sum);
+            let mut sums = [quant.bias(o); BLOCK];
+            add([weights(o); BLOCK], &mut sums);
+            *out = scaled(quant, o, sums[0]);
         }
     }
 }
 
-/// Adds the products of values with four rows of weights.
-#[inline(never)]
-fn block_of_products(values: &[i8], [a, b, c, d]: [&[u8]; BLOCK], zero: i8, sums: &mut [i32; BLOCK]) {
-    let [mut s0, mut s1, mut s2, mut s3] = *sums;
-    for ((((&x, &a), &b), &c), &d) in values.iter().zip(a).zip(b).zip(c).zip(d) {
-        let x = i32::from(x) - i32::from(zero);
-        s0 = s0.wrapping_add(x * i32::from(a as i8));
-        s1 = s1.wrapping_add(x * i32::from(b as i8));
-        s2 = s2.wrapping_add(x * i32::from(c as i8));
-        s3 = s3.wrapping_add(x * i32::from(d as i8));
+/// [`PerChannelQuant::output`], the same bits, by one high product and one shift where they are enough.
+#[inline(always)]
+fn scaled(quant: &PerChannelQuant<'_>, o: usize, sum: i32) -> i8 {
+    let (multiplier, shift) = quant.scale(o);
+    match Requantizer::new(multiplier, shift, quant.out_zp) {
+        Some(requantizer) if i64::from(sum.unsigned_abs()) < Requantizer::MAX_ACCUMULATOR => {
+            requantizer.apply(sum << 2).max(quant.act_min).min(quant.act_max)
+        }
+        _ => quant.output(o, sum),
     }
-    *sums = [s0, s1, s2, s3];
 }
 
 /// Output values `range` of a depthwise convolution; output channel `o` reads channel `o / multiplier`.
@@ -112,7 +137,7 @@ pub(super) fn convolve_depthwise(
                     }
                 }
             }
-            *block = [0, 1, 2, 3].map(|part| quant.output(o + part, sums[part]));
+            *block = [0, 1, 2, 3].map(|part| scaled(quant, o + part, sums[part]));
         }
         let singles = blocks.iter_mut().skip(whole).flatten().chain(rest);
         for (o, out) in (first + BLOCK * whole..).zip(singles) {
@@ -124,7 +149,7 @@ pub(super) fn convolve_depthwise(
                     sum = sum.wrapping_add((i32::from(x) - zero) * i32::from(w as i8));
                 }
             }
-            *out = quant.output(o, sum);
+            *out = scaled(quant, o, sum);
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::dsn::winograd::WinogradSizes;
 use crate::dsn::{Kernels, Operator};
 
 /// Multiply-accumulates of a step, at least those of one output value; every output value counts another sixteen.
-const PRODUCTS: usize = 7680;
+const PRODUCTS: usize = 16_384;
 
 /// How far a graph has come with its input: the operator, and which of its steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -63,10 +63,11 @@ impl<'m> Graph<'m> {
         kernels: &mut impl Kernels,
         row: &mut [i8],
     ) -> Option<Step<'m>> {
-        let enough = row.len() >= self.row_bytes();
-        self.advance(progress, arena, |node, arena, at| match enough && node.is_covered() {
-            true => run_by(node, arena, at, kernels, row),
-            false => run(node, arena, at.step as usize),
+        self.advance(progress, arena, |node, arena, at| {
+            match node.is_covered() && row.len() >= node.row_bytes() {
+                true => run_by(node, arena, at, kernels, row),
+                false => run(node, arena, at.step as usize),
+            }
         })
     }
 
@@ -101,12 +102,7 @@ impl<'m> Graph<'m> {
 impl Graph<'_> {
     /// Bytes of a row of the widest convolution that kernels are made for.
     pub fn row_bytes(&self) -> usize {
-        let row = |node: Node<'_>| usize::from(node.input.width) * usize::from(node.input.channels);
-        self.nodes()
-            .filter(|node| node.kind == Some(Kind::Convolution) && node.is_covered())
-            .map(row)
-            .max()
-            .unwrap_or(0)
+        self.nodes().filter(Node::is_covered).map(|node| node.row_bytes()).max().unwrap_or(0)
     }
 
     /// Memory of the kernels of [`WinogradF2::shared`](crate::dsn::WinogradF2::shared) for all operators that they are made for.
@@ -125,6 +121,12 @@ impl Graph<'_> {
 }
 
 impl Node<'_> {
+    /// Bytes of a row that the kernels of a convolution take.
+    fn row_bytes(&self) -> usize {
+        let row = usize::from(self.input.width) * usize::from(self.input.channels);
+        if self.kind == Some(Kind::Convolution) { row } else { 0 }
+    }
+
     /// Whether the kernels of the paper's network compute it: convolutions 3x3 of stride 1 with padding that keep an even height and 8, 16
     /// or 32 channels, scales of as many channels, and additions.
     pub fn is_covered(&self) -> bool {

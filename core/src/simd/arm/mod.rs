@@ -5,6 +5,10 @@
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
+#[cfg(all(feature = "graph", not(arm_mve)))]
+mod row_products;
+#[cfg(all(feature = "graph", not(arm_mve)))]
+pub use row_products::row_products;
 
 use crate::simd::conj_mac::{ComplexI16, portable};
 use crate::simd::dual_mac::{DualMac, Sums, Tile};
