@@ -132,6 +132,41 @@ fn operators_are_their_definitions() {
 }
 
 #[test]
+fn a_window_that_is_too_large_to_be_gathered_is_computed_row_by_row() {
+    // 40 x 40 of 41 x 40 values with a row of padding before: two outputs of five channels, four of them together
+    let weight = |k: usize| (k * 53 + 7) as u8;
+    let mut parameters =
+        [[1_500_000_000_i32; 5].map(i32::to_le_bytes), [90_000; 5].map(i32::to_le_bytes)].concat().concat();
+    parameters.extend([0xf4; 5]); // -12
+    parameters.resize(parameters.len().next_multiple_of(4), 0);
+    parameters.extend((0..5 * 1600).map(weight));
+    let operators = operator(1, [40, 40], [1, 1], [1, 0], [41, 40, 1], [2, 1, 5], [12, 0], &parameters);
+    let mut file = b"SDPG\x01\0\x01\0\0\0\0\0".to_vec();
+    file.extend((12 + 1640_u32).to_le_bytes());
+    file.extend([41_u16, 40, 1].map(u16::to_le_bytes).as_flattened());
+    file.extend([3, 4]);
+    file.extend([0.5_f32, 0.25].map(f32::to_le_bytes).as_flattened());
+    file.extend(12_u32.to_le_bytes());
+    file.extend([0; 4]);
+    file.extend(operators);
+    let file = closed(file);
+    let graph = Graph::parse(&file).expect("a graph");
+    let image: Vec<i8> = (0..1640).map(|k| (k * k + 3 * k) as i8).collect();
+    let (found, steps) = run(&graph, &image);
+    let expected = (0..10).map(|k| {
+        let (y, o) = (k / 5, k % 5);
+        let products = (0..1600_usize).filter_map(|tap| {
+            let at = (y * 40 + tap).checked_sub(40)?;
+            Some((i32::from(image[at]) - 3) * i32::from(weight(1600 * o + tap) as i8))
+        });
+        let sum = 90_000 + products.sum::<i32>();
+        (sdp3_core::fixed::requantize(sum, 1_500_000_000, -12) + 4).clamp(-128, 127) as i8
+    });
+    assert_eq!(found, expected.collect::<Vec<_>>());
+    assert!(found.iter().any(|&value| value.unsigned_abs() < 127) && steps > 1, "{found:?} {steps}");
+}
+
+#[test]
 fn every_field_has_its_range() {
     assert_eq!(outcome(0, b"SDPG"), Ok(()));
     let field = |at: usize, bytes: &[u8], name: &'static str| match outcome(at, bytes) {

@@ -35,8 +35,8 @@ pub fn add_ratios(a: f32, b: f32, sum: f32) -> [f64; 3] {
 /// Multiplier, shift to the left and least difference of a softmax of logits of so many nat a step, for differences in Q5.26; `None` where a
 /// step is at most 2^-26. TensorFlow Lite's `PreprocessSoftmaxScaling` and `CalculateInputRadius`.
 pub fn softmax_words(step: f64) -> Option<[i32; 3]> {
-    let scaled = (step * f64::from(1 << 26)).min(f64::from(i32::MAX));
-    let (fraction, mut shift) = libm::frexp(Some(scaled).filter(|scaled| *scaled > 1.0)?);
+    let scaled = Some(step * f64::from(1 << 26)).filter(|scaled| *scaled > 1.0)?;
+    let (fraction, mut shift) = libm::frexp(scaled.min(f64::from(i32::MAX)));
     let mut q31 = (fraction * f64::from(1_u32 << 31)).round() as i64;
     if q31 == 1 << 31 {
         (q31, shift) = (1 << 30, shift + 1);
