@@ -203,6 +203,7 @@ fn no_panic(folder: &Path, wanted: &[&str]) -> Result<bool> {
             "scheduler",
             "soak",
             "faults",
+            "graph",
         ]) {
             let (count, bad) = functions(&std::fs::read(folder.join(machine).join(program))?)?;
             // a stripped program would show nothing, good or bad

@@ -85,7 +85,7 @@ pub(super) fn convolve(
             let channel = [0, 1, 2, 3].map(|part| first + BLOCK * k + part);
             let mut sums = channel.map(|o| quant.bias(o));
             add(channel.map(weights), &mut sums);
-            *block = [0, 1, 2, 3].map(|part| scaled(quant, channel[part], sums[part]));
+            *block = scaled_block(quant, first + BLOCK * k, sums);
         }
         // channels that fill no block, each four times
         let first = first + BLOCK * blocks.len();
@@ -107,6 +107,12 @@ fn scaled(quant: &PerChannelQuant<'_>, o: usize, sum: i32) -> i8 {
         }
         _ => quant.output(o, sum),
     }
+}
+
+/// [`scaled`] of four channels, from `o` on.
+#[inline(always)]
+fn scaled_block(quant: &PerChannelQuant<'_>, o: usize, [a, b, c, d]: [i32; BLOCK]) -> [i8; BLOCK] {
+    [scaled(quant, o, a), scaled(quant, o + 1, b), scaled(quant, o + 2, c), scaled(quant, o + 3, d)]
 }
 
 /// Output values `range` of a depthwise convolution; output channel `o` reads channel `o / multiplier`.
@@ -137,7 +143,7 @@ pub(super) fn convolve_depthwise(
                     }
                 }
             }
-            *block = [0, 1, 2, 3].map(|part| scaled(quant, o + part, sums[part]));
+            *block = scaled_block(quant, o, sums);
         }
         let singles = blocks.iter_mut().skip(whole).flatten().chain(rest);
         for (o, out) in (first + BLOCK * whole..).zip(singles) {

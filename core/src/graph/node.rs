@@ -354,13 +354,15 @@ impl<'m> Node<'m> {
             let none = Window { size: [1; 2], stride: [1; 2], padding: [0; 2] };
             return check("operator.window", 0, self.window == none);
         }
-        let size = self.window_size();
-        for (axis, (length, out)) in [(height, rows), (width, columns)].into_iter().enumerate() {
-            let [stride, padding] =
-                [self.window.stride, self.window.padding].map(|pair| usize::from(pair[axis]));
+        let [h, w] = self.window_size();
+        let Window { stride: [down, right], padding: [top, left], .. } = self.window;
+        for (length, out, size, stride, padding) in
+            [(height, rows, h, down, top), (width, columns, w, right, left)]
+        {
+            let (stride, padding) = (usize::from(stride), usize::from(padding));
             check("operator.stride", stride as i64, stride > 0)?;
-            check("operator.padding", padding as i64, padding < size[axis])?;
-            check("operator.output", out as i64, (out.saturating_sub(1)) * stride < length + padding)?;
+            check("operator.padding", padding as i64, padding < size)?;
+            check("operator.output", out as i64, out.saturating_sub(1) * stride < length + padding)?;
         }
         Ok(())
     }

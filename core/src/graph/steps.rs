@@ -181,8 +181,9 @@ fn run_by(
     }
 }
 
-/// So many values or a few fewer, whole blocks if it is one; at least one.
-const fn whole_blocks(values: usize) -> usize {
+/// The values of a step if each takes so many products: whole blocks if there is one, at least one value.
+fn whole_blocks(products: usize) -> usize {
+    let values = PRODUCTS.checked_div(products.saturating_add(16)).unwrap_or(0);
     let blocks = values / BLOCK * BLOCK;
     if blocks > 0 {
         blocks
@@ -201,8 +202,8 @@ fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
     let values = match node.kind {
         Some(Kind::Softmax) => usize::from(node.output.channels),
         // a value under a pooling's window takes as long as some products
-        Some(Kind::MaxPool | Kind::AveragePool) => whole_blocks(PRODUCTS / (4 * node.taps() + 16)),
-        _ => whole_blocks(PRODUCTS / (node.taps() + 16)),
+        Some(Kind::MaxPool | Kind::AveragePool) => whole_blocks(4 * node.taps()),
+        _ => whole_blocks(node.taps()),
     };
     let (range, last) = piece(output.len(), values, step);
     let second = if node.kind == Some(Kind::Add) { inputs.get(node.second_range()) } else { &[] };
