@@ -128,7 +128,7 @@ pub(super) fn convolve_depthwise(
     let multiplier = (outputs / channels).max(1);
     for (at, first, values) in pixels(node, range, output) {
         let (blocks, rest) = values.as_chunks_mut::<BLOCK>();
-        // a block reads four channels that lie together, or one channel that is computed four times too often
+        // a block reads four channels that lie together; with a depth multiplier they do not
         let whole = if multiplier == 1 { blocks.len() } else { 0 };
         for (k, block) in blocks.iter_mut().enumerate().take(whole) {
             let o = first + BLOCK * k;

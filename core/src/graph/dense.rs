@@ -1,7 +1,7 @@
 //! Fully connected layers as LiteRT's reference kernel computes them: integers up to the accumulator, then f64.
 //!
 //! y = clamp(round(acc ratio) + z_y) with ratio = s_x s_w / s_y in f64, halves away from zero. tflite-micro and CMSIS-NN requantise this
-//! layer in fixed point, as all other layers are here too: about one output in a thousand differs by one step.
+//! layer in fixed point, as all other layers are here too; near a tie an output differs by one step.
 
 use crate::dsn::ModelError;
 use crate::dsn::established;

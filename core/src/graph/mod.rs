@@ -169,30 +169,22 @@ impl<'m> Graph<'m> {
     }
 }
 
-/// The arena as an operator sees it: its output, and what lies before and behind.
-struct Views<'a> {
-    before: &'a [i8],
-    output: &'a mut [i8],
-    behind: &'a [i8],
-}
-
-impl<'a> Views<'a> {
-    fn new(arena: &'a mut [i8], output: Range<usize>) -> Self {
-        let (before, rest) = established(arena.split_at_mut_checked(output.start));
-        let (output, behind) = established(rest.split_at_mut_checked(output.len()));
-        Views { before, output, behind }
-    }
-}
-
-/// The activations that are not written.
+/// The activations that an operator does not write.
 struct Inputs<'a> {
     before: &'a [i8],
     behind: &'a [i8],
-    /// Bytes between them.
+    /// Bytes of the output between them.
     output: usize,
 }
 
 impl<'a> Inputs<'a> {
+    /// The arena as an operator sees it: what it reads from, and its output.
+    fn new(arena: &'a mut [i8], output: Range<usize>) -> (Self, &'a mut [i8]) {
+        let (before, rest) = established(arena.split_at_mut_checked(output.start));
+        let (output, behind) = established(rest.split_at_mut_checked(output.len()));
+        (Inputs { before, behind, output: output.len() }, output)
+    }
+
     /// A tensor that does not overlap the output.
     fn get(&self, range: Range<usize>) -> &'a [i8] {
         let first = self.before.len() + self.output;

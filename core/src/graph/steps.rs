@@ -3,12 +3,12 @@
 use super::convolution::{BLOCK, convolve, convolve_depthwise};
 use super::node::{Kind, Node};
 use super::pooling::{pool_average, pool_max};
-use super::{Graph, Inputs, Views, Window};
+use super::{Graph, Inputs, Window};
 use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::conv::{Conv, MAX_CHANNELS};
 use crate::dsn::established;
 use crate::dsn::kernels::piece;
-use crate::dsn::winograd::WinogradSizes;
+use crate::dsn::winograd::{WinogradSizes, covered};
 use crate::dsn::{Kernels, Operator};
 
 /// Multiply-accumulates of a step, at least those of one output value; every output value counts another sixteen.
@@ -127,8 +127,8 @@ impl Node<'_> {
         if self.kind == Some(Kind::Convolution) { row } else { 0 }
     }
 
-    /// Whether the kernels of the paper's network compute it: convolutions 3x3 of stride 1 with padding that keep an even height and 8, 16
-    /// or 32 channels, scales of as many channels, and additions.
+    /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep their input's shape, of an even height and
+    /// 8, 16 or 32 channels; depthwise 1x1 convolutions of at most 32 channels; additions.
     pub fn is_covered(&self) -> bool {
         let channels = usize::from(self.output.channels);
         let keeps = self.input.shape() == self.output.shape();
@@ -139,10 +139,7 @@ impl Node<'_> {
             Some(Kind::Add) => true,
             Some(Kind::DepthwiseConvolution) => keeps && window(1, 0) && channels <= MAX_CHANNELS,
             Some(Kind::Convolution) => {
-                keeps
-                    && window(3, 1)
-                    && matches!(channels, 8 | 16 | 32)
-                    && self.output.height.is_multiple_of(2)
+                keeps && window(3, 1) && covered(channels) && self.output.height.is_multiple_of(2)
             }
             _ => false,
         }
@@ -157,8 +154,7 @@ fn run_by(
     kernels: &mut impl Kernels,
     row: &mut [i8],
 ) -> bool {
-    let Views { before, output, behind } = Views::new(arena, node.output.range());
-    let inputs = Inputs { before, behind, output: output.len() };
+    let (inputs, output) = Inputs::new(arena, node.output.range());
     let (input, [height, width, channels]) = (inputs.get(node.input.range()), node.input.shape());
     let (index, step) = (at.operator as usize, at.step as usize);
     match node.kind {
@@ -185,19 +181,12 @@ fn run_by(
 fn whole_blocks(products: usize) -> usize {
     let values = PRODUCTS.checked_div(products.saturating_add(16)).unwrap_or(0);
     let blocks = values / BLOCK * BLOCK;
-    if blocks > 0 {
-        blocks
-    } else if values > 0 {
-        values
-    } else {
-        1
-    }
+    if blocks > 0 { blocks } else { values.max(1) }
 }
 
 /// Does step `step` of an operator; true after its last.
 fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
-    let Views { before, output, behind } = Views::new(arena, node.output.range());
-    let inputs = Inputs { before, behind, output: output.len() };
+    let (inputs, output) = Inputs::new(arena, node.output.range());
     let input = inputs.get(node.input.range());
     let values = match node.kind {
         Some(Kind::Softmax) => usize::from(node.output.channels),

@@ -6,20 +6,23 @@
 
 use crate::error::Invalid;
 use crate::scenario::Scenario;
-use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
+use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::Model;
-use sdp3_core::dsn::model::ARENA_AT;
-use sdp3_core::graph::Graph;
-use std::fmt::Write as _;
 
 mod check;
 mod read;
 pub(crate) mod rescale;
 pub(crate) mod signature;
 mod summary;
+mod words;
+mod write;
 pub use check::ModelFileError;
 pub(in crate::formats) use read::header_and_names;
 pub use summary::{ModelCheck, Shown, Summary};
+use words::sweep_words;
+pub(in crate::formats) use write::closed;
+pub use write::with_graph;
+use write::{KIND_BATCH_NORM, KIND_CONV, KIND_HEAD};
 
 /// What makes the int8 networks of a folder.
 pub(crate) const QUANTIZE_FIRST: &str = "`sdp3 run` or `sdp3 quantize` with the same --out makes it";
@@ -74,34 +77,6 @@ impl Preprocessing {
             Some(rest) if self.hop > 0 => (rest / self.hop).saturating_add(1),
             _ => 0,
         }
-    }
-
-    /// Sensor and spectrogram in words, a line each.
-    fn describe(&self) -> String {
-        let (p, mut text) = (self, String::new());
-        let _ = writeln!(
-            text,
-            "takes {} sensing slots of {} {} us apart at {} GHz",
-            p.sensing_slots,
-            sweep_words(&p.radar),
-            p.slow_time_us,
-            f64::from(p.carrier_khz) / 1e6
-        );
-        let _ = writeln!(
-            text,
-            "keeps singular components {} to {}, window {} (Kaiser, beta {}), hop {}, image {} x {}, {} bin(s) a \
-             row, {:.1} dB",
-            if p.first_kept == 0 { "that are not static".to_owned() } else { p.first_kept.to_string() },
-            p.last_kept,
-            p.window_len,
-            p.kaiser_beta,
-            p.hop,
-            ROWS,
-            p.frames(),
-            p.bins_per_row,
-            f64::from(p.range) / 64.0 * 10.0 * std::f64::consts::LOG10_2
-        );
-        text
     }
 }
 
@@ -187,11 +162,6 @@ pub struct QuantizedNetwork {
     pub head: QuantizedLayer,
 }
 
-const KIND_CONV: u8 = 1;
-const KIND_BATCH_NORM: u8 = 2;
-const KIND_ADD: u8 = 3;
-const KIND_HEAD: u8 = 4;
-
 /// Refuses a model for another radar than the scenario's, or for another N_s.
 ///
 /// # Errors
@@ -219,67 +189,6 @@ pub fn check_use(bytes: &[u8], scenario: &Scenario, sensing_slots: u32) -> Resul
     Ok(())
 }
 
-/// A model file with a graph in the place of the paper's network.
-///
-/// # Errors
-/// What the radar module's parser finds wrong.
-pub fn with_graph(
-    preprocessing: &Preprocessing,
-    classes: &[String],
-    graph: &[u8],
-) -> Result<Vec<u8>, ModelFileError> {
-    let arena = Graph::parse(graph)?.arena() as u32;
-    let mut out = header(preprocessing, [0; 3], classes.len());
-    out[ARENA_AT..ARENA_AT + 4].copy_from_slice(&arena.to_le_bytes());
-    check::names(classes)?;
-    append_names(classes, &mut out);
-    out.extend_from_slice(graph);
-    let out = closed(out);
-    Model::parse(&out)?;
-    Ok(out)
-}
-
-/// The header, its length still zero, for so many channels, blocks and such a stride of the stem.
-fn header(p: &Preprocessing, [channels, blocks, stem_stride]: [u8; 3], classes: usize) -> Vec<u8> {
-    let mut out = Vec::with_capacity(HEADER_BYTES);
-    out.extend_from_slice(b"SDP3");
-    out.extend_from_slice(&VERSION.to_le_bytes());
-    out.extend_from_slice(&(HEADER_BYTES as u16).to_le_bytes());
-    out.extend_from_slice(&0u32.to_le_bytes());
-    out.extend_from_slice(&p.sensing_slots.to_le_bytes());
-    out.extend_from_slice(&[p.first_kept, p.last_kept]);
-    out.extend_from_slice(&p.window_len.to_le_bytes());
-    out.extend_from_slice(&p.hop.to_le_bytes());
-    out.extend_from_slice(&ROWS.to_le_bytes());
-    out.extend_from_slice(&[p.bins_per_row, stem_stride]);
-    out.extend_from_slice(&p.range.to_le_bytes());
-    out.extend_from_slice(&p.frames().to_le_bytes());
-    out.extend_from_slice(&p.kaiser_beta.to_le_bytes());
-    out.extend_from_slice(&[channels, blocks, classes as u8, 0]);
-    out.extend_from_slice(&p.carrier_khz.to_le_bytes());
-    out.extend_from_slice(&p.slow_time_us.to_le_bytes());
-    out.resize(RADAR_AT, 0);
-    out.extend_from_slice(&p.radar.to_bytes());
-    out.resize(HEADER_BYTES, 0);
-    out
-}
-
-fn append_names(classes: &[String], out: &mut Vec<u8>) {
-    for name in classes {
-        out.extend_from_slice(name.as_bytes());
-        out.resize(out.len() + NAME_BYTES - name.len(), 0);
-    }
-}
-
-/// With the file's length in its header and the checksum behind it.
-fn closed(mut out: Vec<u8>) -> Vec<u8> {
-    let total = out.len() as u32 + 4;
-    out[8..12].copy_from_slice(&total.to_le_bytes());
-    let checksum = crc32fast::hash(&out);
-    out.extend_from_slice(&checksum.to_le_bytes());
-    out
-}
-
 impl QuantizedNetwork {
     /// Channels of every convolution.
     pub fn channels(&self) -> usize {
@@ -303,122 +212,6 @@ impl QuantizedNetwork {
         all.push(("head".to_string(), KIND_HEAD, c, &self.head));
         all
     }
-
-    /// The file's bytes.
-    ///
-    /// # Errors
-    /// Names the first field the format cannot hold, with its value and legal range.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelFileError> {
-        self.check()?;
-        let mut out = self.header();
-        append_names(&self.classes, &mut out);
-        self.stem.append(KIND_CONV, &mut out);
-        for block in &self.blocks {
-            block.affine.append(KIND_BATCH_NORM, &mut out);
-            block.conv1.append(KIND_CONV, &mut out);
-            block.conv2.append(KIND_CONV, &mut out);
-            block.add.append(&mut out);
-        }
-        self.head.append(KIND_HEAD, &mut out);
-        Ok(closed(out))
-    }
-
-    fn header(&self) -> Vec<u8> {
-        header(
-            &self.preprocessing,
-            [self.channels() as u8, self.blocks.len() as u8, self.stem_stride],
-            self.classes.len(),
-        )
-    }
-
-    /// The network in words: preprocessing, layers, sizes.
-    pub fn describe(&self) -> String {
-        let mut text = String::new();
-        let _ = writeln!(
-            text,
-            "deep spectrogram network, int8, {} parameters, {} classes: {}",
-            self.parameters(),
-            self.classes.len(),
-            self.classes.join(", ")
-        );
-        text.push_str(&self.preprocessing.describe());
-        let c = self.channels();
-        let _ = writeln!(
-            text,
-            "stem: convolution 3x3, 1 -> {c}, stride {}, max pool 2x2; {} residual blocks of two convolutions 3x3, \
-             {c} -> {c}; mean over the image; {c} -> {} logits",
-            self.stem_stride,
-            self.blocks.len(),
-            self.classes.len()
-        );
-        for (name, _, _, layer) in self.weighted() {
-            let _ = writeln!(
-                text,
-                "  {name}: {} weights, output step {:.6}, zero at {}",
-                layer.weights.len(),
-                layer.out_scale,
-                layer.out_zero
-            );
-        }
-        text
-    }
-}
-
-/// A slot's samples and what becomes of them, in words.
-fn sweep_words(radar: &RadarConfig) -> String {
-    let format = match radar.format {
-        SampleFormat::Complex => "complex",
-        SampleFormat::Real => "real",
-    };
-    let dechirp = match (radar.dechirp, radar.gate) {
-        (Dechirp::Digital, _) => format!("dechirped into {} blocks", radar.range_samples),
-        (Dechirp::Analog, None) => format!("of a beat summed in {} blocks", radar.range_samples),
-        (Dechirp::Analog, Some(gate)) => format!(
-            "of a beat gated to {} x {} range bins from bin {} on",
-            radar.range_samples, gate.bins_per_sample, gate.first_bin
-        ),
-    };
-    let justified = if radar.left_justified { ", left-justified," } else { "" };
-    format!("{} {format} samples of {} bits{justified} {dechirp}", radar.samples, radar.converter_bits)
-}
-
-impl QuantizedLayer {
-    fn append(&self, kind: u8, out: &mut Vec<u8>) {
-        prefix(kind, [self.in_zero, self.out_zero, self.act_min, self.act_max, 0], out);
-        out.extend_from_slice(&self.in_scale.to_le_bytes());
-        out.extend_from_slice(&self.out_scale.to_le_bytes());
-        for value in self.multipliers.iter().chain(&self.biases) {
-            out.extend_from_slice(&value.to_le_bytes());
-        }
-        padded(&self.shifts, out);
-        padded(&self.weights, out);
-    }
-}
-
-impl Add {
-    fn append(&self, out: &mut Vec<u8>) {
-        prefix(KIND_ADD, [self.in1_zero, self.out_zero, self.act_min, self.act_max, self.in2_zero], out);
-        for scale in [self.in1_scale, self.in2_scale, self.out_scale] {
-            out.extend_from_slice(&scale.to_le_bytes());
-        }
-        for multiplier in self.multipliers {
-            out.extend_from_slice(&multiplier.to_le_bytes());
-        }
-        padded(&self.shifts, out);
-    }
-}
-
-/// The eight bytes every layer begins with.
-fn prefix(kind: u8, [in_zero, out_zero, act_min, act_max, in2_zero]: [i8; 5], out: &mut Vec<u8>) {
-    out.push(kind);
-    out.extend([in_zero, out_zero, act_min, act_max, in2_zero].map(|v| v as u8));
-    out.extend([0, 0]);
-}
-
-/// Bytes, then zeros up to a multiple of 4.
-fn padded(values: &[i8], out: &mut Vec<u8>) {
-    out.extend(values.iter().map(|&v| v as u8));
-    out.resize(out.len().next_multiple_of(4), 0);
 }
 
 #[cfg(test)]

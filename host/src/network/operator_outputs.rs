@@ -64,14 +64,6 @@ impl<'m> Network<'m> {
         }
     }
 
-    /// Values of its answer.
-    pub fn outputs(&self) -> usize {
-        match self {
-            Network::Graph(graph) => graph.output_tensor().bytes(),
-            Network::Model(model) => model.classes(),
-        }
-    }
-
     /// Runs inputs, `[count, height, width, channels]`: the answers, `[count, values]`, or with `every` the outputs of all operators one
     /// behind the other. In parallel; the same bytes for any number of threads.
     ///
@@ -82,21 +74,38 @@ impl<'m> Network<'m> {
         let legal = format!("a multiple of {size}, {:?}", self.input());
         let whole = !inputs.is_empty() && inputs.len().is_multiple_of(size);
         Invalid::unless(whole, "number of values", inputs.len(), legal)?;
-        let outputs = inputs.par_chunks_exact(size).map(|input| {
-            let found = self.one(input);
-            if every { found.all } else { found.last }
-        });
+        let outputs = inputs.par_chunks_exact(size).map_init(
+            || Runner::new(*self),
+            |runner, input| {
+                let found = runner.run(input);
+                if every { found.all } else { found.last }
+            },
+        );
         Ok(outputs.collect::<Vec<_>>().concat())
     }
+}
 
-    fn one(&self, input: &[i8]) -> Outputs {
+/// A network with the memory that it needs, for one input after the other.
+enum Runner<'m> {
+    Graph(Graph<'m>, Vec<i8>),
+    Model(Box<Classifier<'m>>),
+}
+
+impl<'m> Runner<'m> {
+    fn new(network: Network<'m>) -> Self {
+        match network {
+            Network::Graph(graph) => Runner::Graph(graph, vec![0; graph.arena()]),
+            Network::Model(model) => Runner::Model(Box::new(Classifier::new(model))),
+        }
+    }
+
+    fn run(&mut self, input: &[i8]) -> Outputs {
         let mut found = Outputs::default();
         match self {
-            Network::Graph(graph) => {
-                let mut arena = vec![0; graph.arena()];
-                graph.input_mut(&mut arena).copy_from_slice(input);
+            Runner::Graph(graph, arena) => {
+                graph.input_mut(arena).copy_from_slice(input);
                 let mut progress = Progress::new();
-                while let Some(step) = graph.step(&mut progress, &mut arena) {
+                while let Some(step) = graph.step(&mut progress, arena) {
                     if step.done {
                         found.all.extend_from_slice(&arena[step.node.output.range()]);
                     }
@@ -104,10 +113,10 @@ impl<'m> Network<'m> {
                         break;
                     }
                 }
-                found.last = graph.output(&arena).to_vec();
+                found.last = graph.output(arena).to_vec();
             }
-            Network::Model(model) => {
-                Classifier::new(*model).classify(input, &mut found);
+            Runner::Model(classifier) => {
+                classifier.classify(input, &mut found);
             }
         }
         found

@@ -25,6 +25,8 @@ use crate::dims::ROWS;
 use crate::simd::NativeDualMac;
 use crate::simd::dual_mac::{DualMac, I16x8, POINTS};
 use convolution::Convolution;
+#[cfg(feature = "graph")]
+pub(crate) use packing::covered;
 use packing::{conv_vectors, conv_words, tile_vectors};
 use stem::Stem;
 

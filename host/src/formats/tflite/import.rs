@@ -34,7 +34,7 @@ pub fn import(file: &[u8], import_defaults: &ImportDefaults) -> Result<Quantized
         return Err(TfliteError::value("number of inputs", graph.inputs.len(), "1"));
     };
     let mut walk = Traversal { graph: &graph, next: 0, x: input, shape: [0; 3] };
-    let image = walk.tensor(input, "image")?;
+    let image = graph.tensor(input, "image")?;
     grid(image)?;
     let frames = match image.shape[..] {
         [1, rows, frames, 1] if rows == i32::from(ROWS) && (2..=u16::MAX.into()).contains(&frames) => {

@@ -5,7 +5,7 @@
 
 use super::graph::{Graph, Operator, Tensor};
 use super::schema::{self, INT8, Kind, SAME};
-use super::traversal::{Traversal, grid, range};
+use super::traversal::{grid, range};
 use super::{TfliteError, require};
 use crate::formats::graph_file::{self, GraphNetwork};
 use crate::formats::model_file::rescale::{add_ratios, multiplier, ratio, softmax_words};
@@ -46,17 +46,17 @@ pub fn operators(graph: &Graph<'_>) -> Result<GraphNetwork, TfliteError> {
         return Err(TfliteError::value("number of inputs and outputs", found, "1 and 1"));
     };
     let mut reader = Reader {
-        walk: Traversal { graph, next: 0, x: *input, shape: [0; 3] },
+        graph,
         known: vec![None; graph.tensors.len()],
         network: GraphNetwork { activations: Vec::new(), operators: Vec::new(), input: 0, grids: Vec::new() },
     };
-    let tensor = reader.walk.tensor(*input, "input")?;
+    let tensor = graph.tensor(*input, "input")?;
     let (axes, grid) = (axes(tensor, "input")?, grid(tensor)?);
     reader.define(*input, axes, grid);
     for (number, operator) in graph.operators.iter().enumerate() {
         reader.operator(operator, &format!("operator {number} ({})", operator.kind.name()))?;
     }
-    reader.walk.tensor(*output, "output")?;
+    graph.tensor(*output, "output")?;
     let found = reader.known[*output as usize].as_ref().map(|a| a.number);
     let last = found == Some(reader.network.output());
     require(last, "output: tensor", output, "what the last operator writes")?;
@@ -79,7 +79,7 @@ fn axes(tensor: &Tensor<'_>, field: &str) -> Result<Vec<usize>, TfliteError> {
 }
 
 struct Reader<'g, 'a> {
-    walk: Traversal<'g, 'a>,
+    graph: &'g Graph<'a>,
     /// By the file's tensors.
     known: Vec<Option<Activation>>,
     network: GraphNetwork,
@@ -98,7 +98,7 @@ impl Reader<'_, '_> {
 
     /// The activation that an operator reads, with scale and zero point.
     fn activation(&self, tensor: i32, field: &str) -> Result<(Activation, f32, i8), TfliteError> {
-        let found = self.walk.tensor(tensor, field)?;
+        let found = self.graph.tensor(tensor, field)?;
         let known = self.known.get(tensor as usize).cloned().flatten();
         let known = known.ok_or_else(|| {
             let legal = "one that an operator before has written";
@@ -115,13 +115,13 @@ impl Reader<'_, '_> {
         };
         let input = operator.inputs.first().copied().unwrap_or(-1);
         let (activation, in_scale, in_zero) = self.activation(input, field)?;
-        let (out_scale, out_zero) = grid(self.walk.tensor(output, field)?)?;
+        let (out_scale, out_zero) = grid(self.graph.tensor(output, field)?)?;
         let scales = [in_scale, out_scale];
         let legal = operator.kind.legal_inputs();
         let found = operator.inputs.len();
         require(legal.contains(&found), &format!("{field}: number of inputs"), found, &format!("{legal:?}"))?;
         if operator.kind == Kind::Reshape {
-            let axes = axes(self.walk.tensor(output, field)?, field)?;
+            let axes = axes(self.graph.tensor(output, field)?, field)?;
             let same = axes.iter().product::<usize>() == activation.values();
             require(
                 same,
@@ -231,7 +231,7 @@ impl Reader<'_, '_> {
         field: &str,
         made: &mut graph_file::Operator,
     ) -> Result<Vec<usize>, TfliteError> {
-        let weights = self.walk.tensor(operator.inputs[1], field)?;
+        let weights = self.graph.tensor(operator.inputs[1], field)?;
         let inputs = activation.axes.last().copied().unwrap_or(0);
         let depthwise = operator.kind == Kind::DepthwiseConv;
         let (h, w, outputs, axis) = match weights.shape[..] {
@@ -242,8 +242,7 @@ impl Reader<'_, '_> {
                     true => format!("[1, height, width, a multiple of {inputs}]"),
                     false => format!("[outputs, height, width, {inputs}]"),
                 };
-                let found = format!("{:?}", weights.shape);
-                return Err(TfliteError::value(format!("{field}: shape of the weights"), found, legal));
+                return Err(wrong_shape(weights, field, &legal));
             }
         };
         made.kind = if depthwise { CoreKind::DepthwiseConvolution } else { CoreKind::Convolution };
@@ -259,13 +258,9 @@ impl Reader<'_, '_> {
             made.parameters.extend(q31.to_le_bytes());
             shifts.push(shift as u8);
         }
-        let bias = operator.inputs.get(2).copied().unwrap_or(-1);
-        let biases = self.walk.biases(bias, field, outputs as usize, scales[0], &weight_scales)?;
-        made.parameters.extend(biases.iter().flat_map(|bias| bias.to_le_bytes()));
-        for bytes in [&shifts[..], values] {
-            made.parameters.extend(bytes);
-            made.parameters.resize(made.parameters.len().next_multiple_of(4), 0);
-        }
+        self.append_biases(operator, field, scales[0], &weight_scales, made)?;
+        append_padded(&shifts, made);
+        append_padded(values, made);
         Ok(axes)
     }
 
@@ -277,15 +272,11 @@ impl Reader<'_, '_> {
         field: &str,
         made: &mut graph_file::Operator,
     ) -> Result<Vec<usize>, TfliteError> {
-        let weights = self.walk.tensor(operator.inputs[1], field)?;
+        let weights = self.graph.tensor(operator.inputs[1], field)?;
         let inputs = activation.values();
         let outputs = match weights.shape[..] {
             [outputs, i] if i as usize == inputs => outputs,
-            _ => {
-                let legal = format!("[outputs, {inputs}]");
-                let found = format!("{:?}", weights.shape);
-                return Err(TfliteError::value(format!("{field}: shape of the weights"), found, legal));
-            }
+            _ => return Err(wrong_shape(weights, field, &format!("[outputs, {inputs}]"))),
         };
         made.kind = CoreKind::FullyConnected;
         made.window.size = [0; 2];
@@ -296,12 +287,24 @@ impl Reader<'_, '_> {
             require(ratio <= 128.0, &field, ratio, "at most 128")?;
             made.parameters.extend(ratio.to_le_bytes());
         }
-        let bias = operator.inputs.get(2).copied().unwrap_or(-1);
-        let biases = self.walk.biases(bias, field, outputs as usize, scales[0], &weight_scales)?;
-        made.parameters.extend(biases.iter().flat_map(|bias| bias.to_le_bytes()));
-        made.parameters.extend(values);
-        made.parameters.resize(made.parameters.len().next_multiple_of(4), 0);
+        self.append_biases(operator, field, scales[0], &weight_scales, made)?;
+        append_padded(values, made);
         Ok(vec![outputs as usize])
+    }
+
+    /// Adds the biases that an operator has, or zeros, to the parameters.
+    fn append_biases(
+        &self,
+        operator: &Operator,
+        field: &str,
+        in_scale: f32,
+        weight_scales: &[f32],
+        made: &mut graph_file::Operator,
+    ) -> Result<(), TfliteError> {
+        let tensor = operator.inputs.get(2).copied().unwrap_or(-1);
+        let biases = self.graph.biases(tensor, field, weight_scales.len(), in_scale, weight_scales)?;
+        made.parameters.extend(biases.iter().flat_map(|bias| bias.to_le_bytes()));
+        Ok(())
     }
 
     /// Scales of int8 weights, one for each of `outputs`, and the weights.
@@ -369,6 +372,16 @@ impl Reader<'_, '_> {
         made.parameters.push(0);
         Ok(activation.axes.clone())
     }
+}
+
+fn wrong_shape(weights: &Tensor<'_>, field: &str, legal: &str) -> TfliteError {
+    TfliteError::value(format!("{field}: shape of the weights"), format!("{:?}", weights.shape), legal)
+}
+
+/// Adds bytes and zeros up to a multiple of four to the parameters.
+fn append_padded(bytes: &[u8], made: &mut graph_file::Operator) {
+    made.parameters.extend(bytes);
+    made.parameters.resize(made.parameters.len().next_multiple_of(4), 0);
 }
 
 fn softmax(

@@ -35,150 +35,14 @@ pub fn grid(tensor: &Tensor<'_>) -> Result<(f32, i8), TfliteError> {
     Ok((*scale, zero))
 }
 
-/// Where the traversal of the graph is.
-pub struct Traversal<'g, 'a> {
-    pub graph: &'g Graph<'a>,
-    pub next: usize,
-    /// The activation the next operator must read.
-    pub x: i32,
-    /// Its height, width and channels.
-    pub shape: [usize; 3],
-}
-
-impl<'g, 'a> Traversal<'g, 'a> {
+impl<'a> Graph<'a> {
     /// A tensor by its index.
-    pub fn tensor(&self, index: i32, field: &str) -> Result<&'g Tensor<'a>, TfliteError> {
-        let tensors = &self.graph.tensors;
+    pub fn tensor(&self, index: i32, field: &str) -> Result<&Tensor<'a>, TfliteError> {
+        let tensors = &self.tensors;
         let found = usize::try_from(index).ok().and_then(|i| tensors.get(i));
         found.ok_or_else(|| {
             TfliteError::value(format!("{field}: tensor"), index, format!("0..{}", tensors.len()))
         })
-    }
-
-    /// What the next operator is.
-    pub fn upcoming(&self) -> Option<Kind> {
-        self.graph.operators.get(self.next).map(|o| o.kind)
-    }
-
-    /// The next operator, which must be of this kind; its output becomes the activation.
-    fn take(&mut self, name: &str, kind: Kind) -> Result<(&'g Operator, (f32, i8)), TfliteError> {
-        let field = format!("operator {} ({name})", self.next);
-        let Some(operator) = self.graph.operators.get(self.next) else {
-            return Err(TfliteError::value(field, "missing", kind.name()));
-        };
-        require(operator.kind == kind, &field, operator.kind.name(), kind.name())?;
-        let [output] = operator.outputs[..] else {
-            return Err(TfliteError::value(
-                format!("{field}: number of outputs"),
-                operator.outputs.len(),
-                "1",
-            ));
-        };
-        let grid = grid(self.tensor(output, &field)?)?;
-        (self.next, self.x) = (self.next + 1, output);
-        Ok((operator, grid))
-    }
-
-    /// An operator that changes no answer.
-    pub fn pass(&mut self, name: &str) -> Result<(), TfliteError> {
-        let operator = &self.graph.operators[self.next];
-        let field = format!("operator {} ({name})", self.next);
-        let first = operator.inputs.first().copied().unwrap_or(-1);
-        let legal = format!("{}, the tensor before", self.x);
-        require(first == self.x, &format!("{field}: input"), first, &legal)?;
-        let [output] = operator.outputs[..] else {
-            return Err(TfliteError::value(
-                format!("{field}: number of outputs"),
-                operator.outputs.len(),
-                "1",
-            ));
-        };
-        (self.next, self.x) = (self.next + 1, output);
-        Ok(())
-    }
-
-    /// A layer with weights `[O][k][k][I]`, or `[1][1][1][O]` of a depthwise one; also its stride.
-    pub fn conv(&mut self, name: &str, kind: Kind, k: usize) -> Result<(QuantizedLayer, usize), TfliteError> {
-        let (in_scale, in_zero) = grid(self.tensor(self.x, name)?)?;
-        let (input, inputs) = (self.x, self.shape[2]);
-        let (operator, (out_scale, out_zero)) = self.take(name, kind)?;
-        let field = |what: &str| format!("{name}: {what}");
-        let (&[first, weights], bias) = match operator.inputs.split_first_chunk::<2>() {
-            Some((both, rest)) => (both, rest.first().copied().unwrap_or(-1)),
-            None => {
-                return Err(TfliteError::value(field("number of inputs"), operator.inputs.len(), "2 or 3"));
-            }
-        };
-        require(first == input, &field("input"), first, &format!("{input}, the tensor before"))?;
-        let o = operator.options;
-        let stem = name == "stem";
-        let fits = o.stride[0] == o.stride[1] && (o.stride[0] == 1 || (stem && o.stride[0] == 2));
-        require(
-            fits,
-            &field("stride"),
-            format!("{:?}", o.stride),
-            if stem { "[1, 1] or [2, 2]" } else { "[1, 1]" },
-        )?;
-        require(k == 1 || o.padding == SAME, &field("padding"), o.padding, "0, SAME")?;
-        require(o.dilation == [1; 2], &field("dilation"), format!("{:?}", o.dilation), "[1, 1]")?;
-        require(o.depth_multiplier == 1, &field("depth multiplier"), o.depth_multiplier, "1")?;
-        let stride = o.stride[0] as usize;
-
-        let weights = self.tensor(weights, name)?;
-        let shape: Vec<usize> = weights.shape.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect();
-        let (outputs, expected, axis) = match (kind, &shape[..]) {
-            (Kind::DepthwiseConv, _) => (inputs, vec![1, 1, 1, inputs], 3),
-            (_, &[outputs, ..]) if (1..=MOST_CHANNELS).contains(&outputs) => {
-                (outputs, vec![outputs, k, k, inputs], 0)
-            }
-            _ => (0, vec![0, k, k, inputs], 0),
-        };
-        let legal = match outputs {
-            0 => format!("[1 to {MOST_CHANNELS}, {k}, {k}, {inputs}]"),
-            _ => format!("{expected:?}"),
-        };
-        require(
-            outputs > 0 && shape == expected,
-            &field("shape of the weights"),
-            format!("{:?}", weights.shape),
-            &legal,
-        )?;
-        let scales = per_channel(weights, &field("weights"), outputs, axis)?;
-        let count = expected.iter().product::<usize>();
-        let bytes = weights.data.len();
-        require(bytes == count, &field("bytes of the weights"), bytes, &count.to_string())?;
-        let biases = self.biases(bias, name, outputs, in_scale, scales)?;
-
-        let mut layer = QuantizedLayer {
-            in_scale,
-            out_scale,
-            in_zero,
-            out_zero,
-            act_min: 0,
-            act_max: 0,
-            multipliers: Vec::with_capacity(outputs),
-            shifts: Vec::with_capacity(outputs),
-            biases,
-            weights: weights.data.iter().map(|&w| w as i8).collect(),
-        };
-        (layer.act_min, layer.act_max) = range(name, o.activation, out_scale, out_zero)?;
-        for (channel, (&scale, kernel)) in
-            scales.iter().zip(layer.weights.chunks_exact(count / outputs)).enumerate()
-        {
-            let at = |what: &str| format!("{name}: channel {channel}: {what}");
-            let ratio = ratio(in_scale, scale, out_scale);
-            let pair = multiplier(ratio);
-            let (m, shift) =
-                pair.ok_or_else(|| TfliteError::value(at("ratio of scales"), ratio, "below 128"))?;
-            let sum: i64 = kernel.iter().map(|&w| i64::from(w).abs()).sum();
-            let largest = 255 * sum + i64::from(layer.biases[channel]).abs();
-            let limit = 1_i64 << (31 - shift.max(0));
-            require(largest < limit, &at("largest accumulator"), largest, &format!("below {limit}"))?;
-            layer.multipliers.push(m);
-            layer.shifts.push(shift);
-        }
-        self.shape = [self.shape[0].div_ceil(stride), self.shape[1].div_ceil(stride), outputs];
-        Ok((layer, stride))
     }
 
     /// Biases in steps of the accumulator; zeros where there are none.
@@ -213,11 +77,149 @@ impl<'g, 'a> Traversal<'g, 'a> {
         let (words, _) = bias.data.as_chunks::<4>();
         Ok(words.iter().map(|w| i32::from_le_bytes(*w)).collect())
     }
+}
+
+/// Where the traversal of the graph is.
+pub struct Traversal<'g, 'a> {
+    pub graph: &'g Graph<'a>,
+    pub next: usize,
+    /// The activation the next operator must read.
+    pub x: i32,
+    /// Its height, width and channels.
+    pub shape: [usize; 3],
+}
+
+impl<'g, 'a> Traversal<'g, 'a> {
+    /// What the next operator is.
+    pub fn upcoming(&self) -> Option<Kind> {
+        self.graph.operators.get(self.next).map(|o| o.kind)
+    }
+
+    /// The next operator, which must be of this kind; its output becomes the activation.
+    fn take(&mut self, name: &str, kind: Kind) -> Result<(&'g Operator, (f32, i8)), TfliteError> {
+        let field = format!("operator {} ({name})", self.next);
+        let Some(operator) = self.graph.operators.get(self.next) else {
+            return Err(TfliteError::value(field, "missing", kind.name()));
+        };
+        require(operator.kind == kind, &field, operator.kind.name(), kind.name())?;
+        let [output] = operator.outputs[..] else {
+            return Err(TfliteError::value(
+                format!("{field}: number of outputs"),
+                operator.outputs.len(),
+                "1",
+            ));
+        };
+        let grid = grid(self.graph.tensor(output, &field)?)?;
+        (self.next, self.x) = (self.next + 1, output);
+        Ok((operator, grid))
+    }
+
+    /// An operator that changes no answer.
+    pub fn pass(&mut self, name: &str) -> Result<(), TfliteError> {
+        let operator = &self.graph.operators[self.next];
+        let field = format!("operator {} ({name})", self.next);
+        let first = operator.inputs.first().copied().unwrap_or(-1);
+        let legal = format!("{}, the tensor before", self.x);
+        require(first == self.x, &format!("{field}: input"), first, &legal)?;
+        let [output] = operator.outputs[..] else {
+            return Err(TfliteError::value(
+                format!("{field}: number of outputs"),
+                operator.outputs.len(),
+                "1",
+            ));
+        };
+        (self.next, self.x) = (self.next + 1, output);
+        Ok(())
+    }
+
+    /// A layer with weights `[O][k][k][I]`, or `[1][1][1][O]` of a depthwise one; also its stride.
+    pub fn conv(&mut self, name: &str, kind: Kind, k: usize) -> Result<(QuantizedLayer, usize), TfliteError> {
+        let (in_scale, in_zero) = grid(self.graph.tensor(self.x, name)?)?;
+        let (input, inputs) = (self.x, self.shape[2]);
+        let (operator, (out_scale, out_zero)) = self.take(name, kind)?;
+        let field = |what: &str| format!("{name}: {what}");
+        let (&[first, weights], bias) = match operator.inputs.split_first_chunk::<2>() {
+            Some((both, rest)) => (both, rest.first().copied().unwrap_or(-1)),
+            None => {
+                return Err(TfliteError::value(field("number of inputs"), operator.inputs.len(), "2 or 3"));
+            }
+        };
+        require(first == input, &field("input"), first, &format!("{input}, the tensor before"))?;
+        let o = operator.options;
+        let stem = name == "stem";
+        let fits = o.stride[0] == o.stride[1] && (o.stride[0] == 1 || (stem && o.stride[0] == 2));
+        require(
+            fits,
+            &field("stride"),
+            format!("{:?}", o.stride),
+            if stem { "[1, 1] or [2, 2]" } else { "[1, 1]" },
+        )?;
+        require(k == 1 || o.padding == SAME, &field("padding"), o.padding, "0, SAME")?;
+        require(o.dilation == [1; 2], &field("dilation"), format!("{:?}", o.dilation), "[1, 1]")?;
+        require(o.depth_multiplier == 1, &field("depth multiplier"), o.depth_multiplier, "1")?;
+        let stride = o.stride[0] as usize;
+
+        let weights = self.graph.tensor(weights, name)?;
+        let shape: Vec<usize> = weights.shape.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect();
+        let (outputs, expected, axis) = match (kind, &shape[..]) {
+            (Kind::DepthwiseConv, _) => (inputs, vec![1, 1, 1, inputs], 3),
+            (_, &[outputs, ..]) if (1..=MOST_CHANNELS).contains(&outputs) => {
+                (outputs, vec![outputs, k, k, inputs], 0)
+            }
+            _ => (0, vec![0, k, k, inputs], 0),
+        };
+        let legal = match outputs {
+            0 => format!("[1 to {MOST_CHANNELS}, {k}, {k}, {inputs}]"),
+            _ => format!("{expected:?}"),
+        };
+        require(
+            outputs > 0 && shape == expected,
+            &field("shape of the weights"),
+            format!("{:?}", weights.shape),
+            &legal,
+        )?;
+        let scales = per_channel(weights, &field("weights"), outputs, axis)?;
+        let count = expected.iter().product::<usize>();
+        let bytes = weights.data.len();
+        require(bytes == count, &field("bytes of the weights"), bytes, &count.to_string())?;
+        let biases = self.graph.biases(bias, name, outputs, in_scale, scales)?;
+
+        let mut layer = QuantizedLayer {
+            in_scale,
+            out_scale,
+            in_zero,
+            out_zero,
+            act_min: 0,
+            act_max: 0,
+            multipliers: Vec::with_capacity(outputs),
+            shifts: Vec::with_capacity(outputs),
+            biases,
+            weights: weights.data.iter().map(|&w| w as i8).collect(),
+        };
+        (layer.act_min, layer.act_max) = range(name, o.activation, out_scale, out_zero)?;
+        for (channel, (&scale, kernel)) in
+            scales.iter().zip(layer.weights.chunks_exact(count / outputs)).enumerate()
+        {
+            let at = |what: &str| format!("{name}: channel {channel}: {what}");
+            let ratio = ratio(in_scale, scale, out_scale);
+            let pair = multiplier(ratio);
+            let (m, shift) =
+                pair.ok_or_else(|| TfliteError::value(at("ratio of scales"), ratio, "below 128"))?;
+            let sum: i64 = kernel.iter().map(|&w| i64::from(w).abs()).sum();
+            let largest = 255 * sum + i64::from(layer.biases[channel]).abs();
+            let limit = 1_i64 << (31 - shift.max(0));
+            require(largest < limit, &at("largest accumulator"), largest, &format!("below {limit}"))?;
+            layer.multipliers.push(m);
+            layer.shifts.push(shift);
+        }
+        self.shape = [self.shape[0].div_ceil(stride), self.shape[1].div_ceil(stride), outputs];
+        Ok((layer, stride))
+    }
 
     /// A pooling, of 2x2 pixels or over the whole image.
     pub fn pool(&mut self, name: &str, kind: Kind) -> Result<(), TfliteError> {
         let (input, [h, w, c]) = (self.x, self.shape);
-        let before = grid(self.tensor(input, name)?)?;
+        let before = grid(self.graph.tensor(input, name)?)?;
         let (operator, after) = self.take(name, kind)?;
         let field = |what: &str| format!("{name}: {what}");
         require(
@@ -254,7 +256,7 @@ impl<'g, 'a> Traversal<'g, 'a> {
     pub fn add(&mut self, name: &str, skip: i32) -> Result<Add, TfliteError> {
         let branch = self.x;
         let ((in1_scale, in1_zero), (in2_scale, in2_zero)) =
-            (grid(self.tensor(skip, name)?)?, grid(self.tensor(branch, name)?)?);
+            (grid(self.graph.tensor(skip, name)?)?, grid(self.graph.tensor(branch, name)?)?);
         let (operator, (out_scale, out_zero)) = self.take(name, Kind::Add)?;
         let inputs = &operator.inputs[..];
         let both = inputs == [skip, branch] || inputs == [branch, skip];
