@@ -40,6 +40,12 @@ pub struct Operator {
 }
 
 impl Operator {
+    /// Adds bytes and zeros up to a multiple of four to the parameters.
+    pub fn append_padded(&mut self, bytes: &[u8]) {
+        self.parameters.extend(bytes);
+        self.parameters.resize(self.parameters.len().next_multiple_of(4), 0);
+    }
+
     fn reads(&self, activation: usize) -> bool {
         self.input == activation || self.second == Some(activation)
     }

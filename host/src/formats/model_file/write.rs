@@ -1,17 +1,12 @@
 //! A network as the bytes of a model file.
 
 use super::{
-    Add, HEADER_BYTES, ModelFileError, NAME_BYTES, Preprocessing, QuantizedLayer, QuantizedNetwork, RADAR_AT,
-    ROWS, VERSION, check,
+    Add, HEADER_BYTES, KIND_ADD, KIND_BATCH_NORM, KIND_CONV, KIND_HEAD, ModelFileError, NAME_BYTES,
+    Preprocessing, QuantizedLayer, QuantizedNetwork, RADAR_AT, ROWS, VERSION, check,
 };
 use sdp3_core::dsn::Model;
 use sdp3_core::dsn::model::ARENA_AT;
 use sdp3_core::graph::Graph;
-
-pub(super) const KIND_CONV: u8 = 1;
-pub(super) const KIND_BATCH_NORM: u8 = 2;
-const KIND_ADD: u8 = 3;
-pub(super) const KIND_HEAD: u8 = 4;
 
 /// A model file with a graph in the place of the paper's network.
 ///

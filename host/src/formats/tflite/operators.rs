@@ -57,8 +57,7 @@ pub fn operators(graph: &Graph<'_>) -> Result<GraphNetwork, TfliteError> {
         reader.operator(operator, &format!("operator {number} ({})", operator.kind.name()))?;
     }
     graph.tensor(*output, "output")?;
-    let found = reader.known[*output as usize].as_ref().map(|a| a.number);
-    let last = found == Some(reader.network.output());
+    let last = reader.known[*output as usize].as_ref().is_some_and(|a| a.number == reader.network.output());
     require(last, "output: tensor", output, "what the last operator writes")?;
     Ok(reader.network)
 }
@@ -259,8 +258,8 @@ impl Reader<'_, '_> {
             shifts.push(shift as u8);
         }
         self.append_biases(operator, field, scales[0], &weight_scales, made)?;
-        append_padded(&shifts, made);
-        append_padded(values, made);
+        made.append_padded(&shifts);
+        made.append_padded(values);
         Ok(axes)
     }
 
@@ -288,7 +287,7 @@ impl Reader<'_, '_> {
             made.parameters.extend(ratio.to_le_bytes());
         }
         self.append_biases(operator, field, scales[0], &weight_scales, made)?;
-        append_padded(values, made);
+        made.append_padded(values);
         Ok(vec![outputs as usize])
     }
 
@@ -376,12 +375,6 @@ impl Reader<'_, '_> {
 
 fn wrong_shape(weights: &Tensor<'_>, field: &str, legal: &str) -> TfliteError {
     TfliteError::value(format!("{field}: shape of the weights"), format!("{:?}", weights.shape), legal)
-}
-
-/// Adds bytes and zeros up to a multiple of four to the parameters.
-fn append_padded(bytes: &[u8], made: &mut graph_file::Operator) {
-    made.parameters.extend(bytes);
-    made.parameters.resize(made.parameters.len().next_multiple_of(4), 0);
 }
 
 fn softmax(
