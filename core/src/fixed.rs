@@ -74,6 +74,15 @@ impl Requantizer {
         Some(Requantizer { multiplier, offset, shift })
     }
 
+    /// Whether all accumulators are in its range.
+    #[cfg(feature = "graph")]
+    #[inline(always)]
+    pub fn takes(&self, accumulators: &[i32]) -> bool {
+        let bits =
+            accumulators.iter().fold(0, |bits, accumulator| bits | (accumulator ^ (accumulator >> 31)));
+        i64::from(bits) < Self::MAX_ACCUMULATOR
+    }
+
     /// As words.
     pub const fn to_words(self) -> [i32; Self::WORDS] {
         [self.multiplier, self.offset, self.shift as i32]

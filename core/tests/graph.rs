@@ -1,8 +1,10 @@
 //! Graphs: what the parser refuses, and that steps, memory plan and interruptions change no bit.
 
 use sdp3_core::dsn::ModelError;
+use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
 use sdp3_core::graph::format::{HEADER_LEN, OPERATOR_LEN};
 use sdp3_core::graph::{Graph, Kind, Progress};
+use sdp3_core::simd::dual_mac::{DualMac, I16x8, Plain};
 
 const INPUT: usize = 6 * 5 * 2;
 
@@ -132,8 +134,8 @@ fn operators_are_their_definitions() {
 }
 
 #[test]
-fn a_window_that_is_too_large_to_be_gathered_is_computed_row_by_row() {
-    // 40 x 40 of 41 x 40 values with a row of padding before: two outputs of five channels, four of them together
+fn a_large_window_is_gathered_in_parts() {
+    // 40 x 40 of 41 x 40 values with a row of padding before: two outputs of five channels
     let weight = |k: usize| (k * 53 + 7) as u8;
     let mut parameters =
         [[1_500_000_000_i32; 5].map(i32::to_le_bytes), [90_000; 5].map(i32::to_le_bytes)].concat().concat();
@@ -152,7 +154,7 @@ fn a_window_that_is_too_large_to_be_gathered_is_computed_row_by_row() {
     let file = closed(file);
     let graph = Graph::parse(&file).expect("a graph");
     let image: Vec<i8> = (0..1640).map(|k| (k * k + 3 * k) as i8).collect();
-    let (found, steps) = run(&graph, &image);
+    let (found, _) = run(&graph, &image);
     let expected = (0..10).map(|k| {
         let (y, o) = (k / 5, k % 5);
         let products = (0..1600_usize).filter_map(|tap| {
@@ -163,7 +165,74 @@ fn a_window_that_is_too_large_to_be_gathered_is_computed_row_by_row() {
         (sdp3_core::fixed::requantize(sum, 1_500_000_000, -12) + 4).clamp(-128, 127) as i8
     });
     assert_eq!(found, expected.collect::<Vec<_>>());
-    assert!(found.iter().any(|&value| value.unsigned_abs() < 127) && steps > 1, "{found:?} {steps}");
+    assert!(found.iter().any(|&value| value.unsigned_abs() < 127), "{found:?}");
+}
+
+/// A 3x3 convolution of stride 1 over `[6, width, inputs]`, whose last output has this shift.
+fn convolution(width: u16, inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
+    let count = usize::from(outputs);
+    let mut parameters =
+        vec![1_300_000_000_i32; count].into_iter().flat_map(i32::to_le_bytes).collect::<Vec<_>>();
+    parameters.extend((0..i32::from(outputs)).flat_map(|o| (o * 37 - 500).to_le_bytes()));
+    parameters.extend(vec![-9_i8 as u8; count - 1]);
+    parameters.push(last as u8);
+    parameters.extend((0..count * 9 * usize::from(inputs)).map(|k| (k * k * 31 + k * 7 + 11) as u8));
+    let shape = |channels| [6, width, channels];
+    let [input, output] = [inputs, outputs].map(|channels| 6 * u32::from(width) * u32::from(channels));
+    let operators =
+        operator(1, [3, 3], [1, 1], [1, 1], shape(inputs), shape(outputs), [output, 0], &parameters);
+    let mut file = b"SDPG\x01\0\x01\0\0\0\0\0".to_vec();
+    file.extend((output + input).to_le_bytes());
+    file.extend(shape(inputs).map(u16::to_le_bytes).as_flattened());
+    file.extend([3, 4]);
+    file.extend([0.5_f32, 0.25].map(f32::to_le_bytes).as_flattened());
+    file.extend(output.to_le_bytes());
+    file.extend([0; 4]);
+    file.extend(operators);
+    closed(file)
+}
+
+/// The outputs by the kernels over `mac`, and whether the plain loops ended it.
+fn by_kernels<P: DualMac>(graph: &Graph<'_>, image: &[i8], mac: P) -> (Vec<i8>, bool) {
+    let sizes = graph.winograd_sizes();
+    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
+    let mut kernels = WinogradF2::shared_with_mac(mac, memory);
+    let (mut arena, mut row) = (vec![0; graph.arena()], vec![0; graph.row_bytes()]);
+    graph.input_mut(&mut arena).copy_from_slice(image);
+    let mut progress = Progress::new();
+    loop {
+        let step = graph.step_by(&mut progress, &mut arena, &mut kernels, &mut row).expect("it is not done");
+        if step.last {
+            return (graph.output(&arena).to_vec(), kernels.is_portable());
+        }
+    }
+}
+
+#[test]
+fn the_kernels_of_wide_and_of_colour_convolutions_change_no_bit() {
+    for (inputs, outputs) in [(3, 8), (3, 16), (3, 32), (64, 64), (8, 8), (16, 16), (32, 32)] {
+        // one, two and more blocks, whole and in part
+        for width in [3, 4, 5, 8, 18] {
+            // no kernel has a shift of -21: of 64 channels it is met after three quarters are computed
+            for (last, plain) in [(-8, false), (-21, true)] {
+                let file = convolution(width, inputs, outputs, last);
+                let graph = Graph::parse(&file).expect("a graph");
+                assert!(graph.nodes().all(|node| node.is_covered()), "{inputs} to {outputs}");
+                let image: Vec<i8> =
+                    (0..graph.input().bytes() as i32).map(|k| (k * k * 17 + k * 5) as i8).collect();
+                let expected = run(&graph, &image).0;
+                assert!(expected.iter().filter(|value| value.unsigned_abs() < 127).count() > 20);
+                let found = by_kernels(&graph, &image, Plain::<false>);
+                assert_eq!(found, (expected.clone(), plain), "{inputs} to {outputs}, width {width}");
+                assert_eq!(by_kernels(&graph, &image, Plain::<true>), (expected, plain), "in the wide order");
+            }
+        }
+    }
+    for (inputs, outputs) in [(3, 64), (4, 16), (16, 32), (64, 32)] {
+        let file = convolution(4, inputs, outputs, -8);
+        assert!(Graph::parse(&file).is_ok_and(|graph| graph.nodes().all(|node| !node.is_covered())));
+    }
 }
 
 #[test]

@@ -5,14 +5,17 @@
 use super::established;
 use super::per_channel::PerChannelQuant;
 
-/// Most input channels of a convolution.
+/// Most channels of a model.
 pub const MAX_CHANNELS: usize = 32;
 
+/// Most input channels of a convolution that the kernels compute: of a graph it may have more than of a [`Model`](super::Model).
+pub(crate) const WIDEST: usize = if cfg!(feature = "graph") { 64 } else { MAX_CHANNELS };
+
 /// The values under a kernel.
-pub(crate) type Patch = [i16; 9 * MAX_CHANNELS];
+pub(crate) type Patch = [i16; 9 * WIDEST];
 
 /// A [`Patch`] for scratch.
-pub(crate) const EMPTY_PATCH: Patch = [0; 9 * MAX_CHANNELS];
+pub(crate) const EMPTY_PATCH: Patch = [0; 9 * WIDEST];
 
 /// A 3x3 convolution; weights `[output, 3, 3, input]`.
 #[derive(Debug, Clone, Copy)]

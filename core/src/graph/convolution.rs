@@ -1,18 +1,192 @@
 //! Convolutions of any window, stride and number of channels: TFLite's CONV_2D and DEPTHWISE_CONV_2D in int8.
 //!
-//! TFLite 8-bit specification: acc = bias + sum (x - z_x) w, y = requantize(acc) + z_y, clamped; padding contributes nothing. Four
-//! output channels are computed at a time, so that an input is loaded once for four products.
+//! TFLite 8-bit specification: acc = bias + sum (x - z_x) w, y = requantize(acc) + z_y, clamped; padding contributes nothing.
 
 use super::node::Node;
-use super::window::{place, rows};
+use super::window::{first_inside, place, rows};
 use crate::dsn::established;
 use crate::dsn::per_channel::PerChannelQuant;
+use crate::dsn::winograd::clamp_all;
 use crate::fixed::Requantizer;
-use crate::simd::native_row_products;
+use crate::simd::patch_products::{Fours, PIXELS, portable};
+use crate::simd::{native_patch_products, native_widen};
 use core::ops::Range;
 
-/// Output channels at a time.
-pub(super) const BLOCK: usize = 4;
+/// Channels of a depthwise convolution at a time.
+pub(super) const BLOCK: usize = 16;
+
+/// Output channels of a step of a convolution at most.
+const CHANNELS: usize = 32;
+
+/// Values of a window that are gathered at a time, in fours.
+const FOURS: usize = 64;
+
+/// Writes the values `taps` of the window of output pixel `at`, less the zero point; outside of the input they are zero.
+#[inline(never)]
+fn gather(
+    node: &Node<'_>,
+    input: &[i8],
+    at: (usize, usize),
+    taps: &Range<usize>,
+    patch: &mut [Fours],
+    pixel: usize,
+) {
+    let (channels, zero) = (usize::from(node.input.channels).max(1), node.zero_points[0]);
+    match first_inside(node, at) {
+        // the whole window at once
+        Some(first) if taps.len() == node.taps() => {
+            let (row, [h, w]) = (usize::from(node.input.width) * channels, node.window_size());
+            let mut values = input.get(first * channels..).unwrap_or_default();
+            for tap in (0..h).map(|y| y * w * channels) {
+                write(values.get(..w * channels).unwrap_or_default(), zero, patch, pixel, tap);
+                values = values.get(row..).unwrap_or_default();
+            }
+        }
+        inside => {
+            if inside.is_none() {
+                patch.iter_mut().for_each(|Fours([even, odd])| {
+                    (even[pixel % PIXELS], odd[pixel % PIXELS]) = ([0; 2], [0; 2]);
+                });
+            }
+            for (tap, place, count) in rows(node, at) {
+                let [first, end] = [tap * channels, (tap + count) * channels];
+                let (from, to) = (first.max(taps.start), end.min(taps.end));
+                if from < to {
+                    let values = established(input.get(place * channels..(place + count) * channels));
+                    let values = established(values.get(from - first..to - first));
+                    write(values, zero, patch, pixel, from - taps.start);
+                }
+            }
+        }
+    }
+}
+
+/// Writes values of window `pixel`, less `zero`, from value `at` of the patch on.
+#[inline(always)]
+fn write(values: &[i8], zero: i8, patch: &mut [Fours], pixel: usize, at: usize) {
+    let (mut fours, mut values) = (patch.get_mut(at / 4..).unwrap_or_default(), values);
+    let before = at % 4;
+    if before != 0
+        && let Some((first, rest)) = core::mem::take(&mut fours).split_first_mut()
+    {
+        let single;
+        (single, values) = values.split_at_checked(4 - before).unwrap_or((values, &[]));
+        (before..).zip(single).for_each(|(at, &value)| first.set(pixel, at, value, zero));
+        fours = rest;
+    }
+    let (whole, single) = values.as_chunks::<4>();
+    native_widen(whole, zero, fours, pixel);
+    if let Some(last) = fours.get_mut(whole.len()) {
+        single.iter().enumerate().for_each(|(at, &value)| last.set(pixel, at, value, zero));
+    }
+}
+
+/// Four output pixels of a convolution.
+struct FourPixels<'a> {
+    node: &'a Node<'a>,
+    quant: &'a PerChannelQuant<'a>,
+    input: &'a [i8],
+    patch: [Fours; FOURS],
+    sums: [[i32; PIXELS]; CHANNELS],
+}
+
+impl FourPixels<'_> {
+    /// Channels `channels`, at most [`CHANNELS`], of at most four pixels, from `first` on, whose values are `output`: the windows are gathered,
+    /// then each channel's weights are read once for all pixels.
+    fn compute(&mut self, first: usize, channels: Range<usize>, output: &mut [i8]) {
+        let (node, taps) = (self.node, self.node.taps());
+        let [_, columns, outputs] = node.output.shape();
+        let pixels = (output.len() / outputs.max(1)).min(PIXELS);
+        let sums = established(self.sums.get_mut(..channels.len()));
+        channels.clone().zip(sums.iter_mut()).for_each(|(o, sums)| *sums = [self.quant.bias(o); PIXELS]);
+        for start in (0..taps).step_by(4 * FOURS) {
+            let window = start..taps.min(start + 4 * FOURS);
+            let patch = established(self.patch.get_mut(..window.len().div_ceil(4)));
+            if let (true, Some(last)) = (window.len() % 4 != 0, patch.last_mut()) {
+                *last = Fours::ZERO;
+            }
+            for pixel in 0..pixels {
+                let (y, x, _) = place(first + pixel, columns, 1);
+                gather(node, self.input, (y, x), &window, patch, pixel);
+            }
+            let weights = established(self.quant.weights.get(channels.start * taps + start..));
+            accumulate(patch, weights, taps, sums);
+        }
+        finish(self.quant, channels.start, sums, outputs, output);
+    }
+}
+
+/// Adds the products of the windows with each channel's weights, `taps` behind those of the channel before.
+#[inline(never)]
+fn accumulate(patch: &[Fours], weights: &[u8], taps: usize, sums: &mut [[i32; PIXELS]]) {
+    let mut weights = weights;
+    for sums in sums {
+        // a window that fills no four meets the next channel's weights with zeros
+        let (fours, rest) = weights.as_chunks();
+        native_patch_products(patch, fours, sums);
+        if let Some(behind) = patch.get(fours.len()..).filter(|behind| !behind.is_empty()) {
+            let mut four = [0; 4];
+            four.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
+            portable(behind, &[four], sums);
+        }
+        weights = weights.get(taps..).unwrap_or_default();
+    }
+}
+
+/// Writes the outputs of the sums: successive channels of pixels with `outputs` channels.
+#[inline(never)]
+fn finish(
+    quant: &PerChannelQuant<'_>,
+    channel: usize,
+    sums: &[[i32; PIXELS]],
+    outputs: usize,
+    output: &mut [i8],
+) {
+    for (o, sums) in (channel..).zip(sums) {
+        let (multiplier, shift) = quant.scale(o);
+        let places = [0, 1, 2, 3].map(|pixel| pixel * outputs + o).into_iter().zip(sums);
+        let mut write = |at: usize, value: i8| {
+            if let Some(to) = output.get_mut(at) {
+                *to = value;
+            }
+        };
+        match Requantizer::new(multiplier, shift, quant.out_zp) {
+            Some(by) if by.takes(sums) => places.for_each(|(at, sum)| write(at, by.apply(sum << 2))),
+            _ => places.for_each(|(at, &sum)| write(at, quant.output(o, sum))),
+        }
+    }
+    for pixel in output.chunks_mut(outputs.max(1)) {
+        let values = established(pixel.get_mut(channel..channel + sums.len()));
+        clamp_all(values, (quant.act_min, quant.act_max));
+    }
+}
+
+/// Does step `step` of a convolution, some `most` multiply-accumulates or those of one channel of four pixels; true after its last. Cost:
+/// [`Node::taps`] multiply-accumulates a value.
+pub(super) fn convolve(
+    node: &Node<'_>,
+    quant: &PerChannelQuant<'_>,
+    input: &[i8],
+    (step, most): (usize, usize),
+    output: &mut [i8],
+) -> bool {
+    let [_, _, outputs] = node.output.shape();
+    // a value is as much work as some products
+    let channels = most.checked_div(PIXELS * (node.taps() + 32)).unwrap_or(0).max(1);
+    let fours = (channels / outputs.max(1)).max(1);
+    let channels = channels.min(CHANNELS);
+    let parts = outputs.div_ceil(channels).max(1);
+    let first = step / parts * fours * PIXELS;
+    let channel = step % parts * channels;
+    let pixels = established(output.get_mut(first * outputs..));
+    let mut four =
+        FourPixels { node, quant, input, patch: [Fours::ZERO; FOURS], sums: [[0; PIXELS]; CHANNELS] };
+    let last = pixels.len() <= fours * PIXELS * outputs && channel + channels >= outputs;
+    for (k, output) in pixels.chunks_mut((PIXELS * outputs).max(1)).take(fours).enumerate() {
+        four.compute(first + k * PIXELS, channel..outputs.min(channel + channels), output);
+    }
+    last
+}
 
 /// The parts of `range` that belong to one output pixel: its row and column, its first channel, its values.
 fn pixels<'o>(
@@ -32,89 +206,6 @@ fn pixels<'o>(
     })
 }
 
-/// Values of a window that are gathered, so that all output channels take them from one place.
-const PATCH: usize = 1152;
-
-/// Gathers the values under the window of output pixel `at`; outside of the input they are the zero point, which contributes nothing. `None`
-/// if the window has more than [`PATCH`].
-fn gather<'p>(
-    node: &Node<'_>,
-    input: &[i8],
-    at: (usize, usize),
-    patch: &'p mut [i8; PATCH],
-) -> Option<&'p [i8]> {
-    let channels = usize::from(node.input.channels).max(1);
-    let patch = patch.get_mut(..node.taps())?;
-    let mut covered = 0;
-    for (tap, pixel, count) in rows(node, at) {
-        let values = established(input.get(pixel * channels..(pixel + count) * channels));
-        let outside = established(patch.get_mut(covered..tap * channels));
-        outside.fill(node.zero_points[0]);
-        let to = established(patch.get_mut(tap * channels..(tap + count) * channels));
-        to.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
-        covered = (tap + count) * channels;
-    }
-    established(patch.get_mut(covered..)).fill(node.zero_points[0]);
-    Some(patch)
-}
-
-/// Output values `range` of a convolution. Cost: [`Node::taps`] multiply-accumulates a value.
-pub(super) fn convolve(
-    node: &Node<'_>,
-    quant: &PerChannelQuant<'_>,
-    input: &[i8],
-    range: Range<usize>,
-    output: &mut [i8],
-) {
-    let (channels, taps) = (usize::from(node.input.channels).max(1), node.taps());
-    let weights = |o: usize| established(quant.weights.get(o * taps..(o + 1) * taps));
-    let mut patch = [0; PATCH];
-    for (at, first, values) in pixels(node, range, output) {
-        let gathered = gather(node, input, at, &mut patch);
-        let add = |weights: [&[u8]; BLOCK], sums: &mut [i32; BLOCK]| match gathered {
-            Some(values) => native_row_products(values, weights, quant.in_zp, sums),
-            // a window too large to be gathered, row by row
-            None => rows(node, at).for_each(|(tap, pixel, count)| {
-                let values = established(input.get(pixel * channels..(pixel + count) * channels));
-                let row = weights.map(|all| established(all.get(tap * channels..(tap + count) * channels)));
-                native_row_products(values, row, quant.in_zp, sums);
-            }),
-        };
-        let (blocks, rest) = values.as_chunks_mut::<BLOCK>();
-        for (k, block) in blocks.iter_mut().enumerate() {
-            let channel = [0, 1, 2, 3].map(|part| first + BLOCK * k + part);
-            let mut sums = channel.map(|o| quant.bias(o));
-            add(channel.map(weights), &mut sums);
-            *block = scaled_block(quant, first + BLOCK * k, sums);
-        }
-        // channels that fill no block, each four times
-        let first = first + BLOCK * blocks.len();
-        for (o, out) in (first..).zip(rest) {
-            let mut sums = [quant.bias(o); BLOCK];
-            add([weights(o); BLOCK], &mut sums);
-            *out = scaled(quant, o, sums[0]);
-        }
-    }
-}
-
-/// [`PerChannelQuant::output`], the same bits, by one high product and one shift where they are enough.
-#[inline(always)]
-fn scaled(quant: &PerChannelQuant<'_>, o: usize, sum: i32) -> i8 {
-    let (multiplier, shift) = quant.scale(o);
-    match Requantizer::new(multiplier, shift, quant.out_zp) {
-        Some(requantizer) if i64::from(sum.unsigned_abs()) < Requantizer::MAX_ACCUMULATOR => {
-            requantizer.apply(sum << 2).max(quant.act_min).min(quant.act_max)
-        }
-        _ => quant.output(o, sum),
-    }
-}
-
-/// [`scaled`] of four channels, from `o` on.
-#[inline(always)]
-fn scaled_block(quant: &PerChannelQuant<'_>, o: usize, [a, b, c, d]: [i32; BLOCK]) -> [i8; BLOCK] {
-    [scaled(quant, o, a), scaled(quant, o + 1, b), scaled(quant, o + 2, c), scaled(quant, o + 3, d)]
-}
-
 /// Output values `range` of a depthwise convolution; output channel `o` reads channel `o / multiplier`.
 pub(super) fn convolve_depthwise(
     node: &Node<'_>,
@@ -127,44 +218,47 @@ pub(super) fn convolve_depthwise(
     let (channels, zero) = (usize::from(node.input.channels).max(1), i32::from(quant.in_zp));
     let multiplier = (outputs / channels).max(1);
     for (at, first, values) in pixels(node, range, output) {
-        let (blocks, rest) = values.as_chunks_mut::<BLOCK>();
-        // a block reads four channels that lie together; with a depth multiplier they do not
-        let whole = if multiplier == 1 { blocks.len() } else { 0 };
-        for (k, block) in blocks.iter_mut().enumerate().take(whole) {
-            let o = first + BLOCK * k;
-            let mut sums = [0, 1, 2, 3].map(|part| quant.bias(o + part));
+        for (o, values) in (first..).step_by(BLOCK).zip(values.chunks_mut(BLOCK)) {
+            let mut sums = [0; BLOCK];
+            let sums = established(sums.get_mut(..values.len()));
+            sums.iter_mut().zip(o..).for_each(|(sum, o)| *sum = quant.bias(o));
             for (tap, pixel, count) in rows(node, at) {
                 for step in 0..count {
-                    let x: [i8; BLOCK] = four(input, (pixel + step) * channels + o);
-                    let w: [u8; BLOCK] = four(quant.weights, (tap + step) * outputs + o);
-                    for part in 0..BLOCK {
-                        let product = (i32::from(x[part]) - zero) * i32::from(w[part] as i8);
-                        sums[part] = sums[part].wrapping_add(product);
+                    let weights = established(quant.weights.get((tap + step) * outputs + o..));
+                    let x = established(input.get((pixel + step) * channels..));
+                    if multiplier == 1 {
+                        add_products(established(x.get(o..)), weights, zero, sums);
+                        continue;
                     }
+                    let mut repeated = [0; BLOCK];
+                    repeated.iter_mut().zip(o..o + values.len()).for_each(|(to, o)| {
+                        *to = established(x.get(o / multiplier).copied());
+                    });
+                    add_products(&repeated, weights, zero, sums);
                 }
             }
-            *block = scaled_block(quant, o, sums);
-        }
-        let singles = blocks.iter_mut().skip(whole).flatten().chain(rest);
-        for (o, out) in (first + BLOCK * whole..).zip(singles) {
-            let mut sum = quant.bias(o);
-            for (tap, pixel, count) in rows(node, at) {
-                for step in 0..count {
-                    let x: i8 = established(input.get((pixel + step) * channels + o / multiplier).copied());
-                    let w: u8 = established(quant.weights.get((tap + step) * outputs + o).copied());
-                    sum = sum.wrapping_add((i32::from(x) - zero) * i32::from(w as i8));
-                }
-            }
-            *out = scaled(quant, o, sum);
+            scale(quant, o, sums, values);
         }
     }
 }
 
-/// Four values that lie together.
-#[inline(always)]
-fn four<T: Copy>(values: &[T], at: usize) -> [T; BLOCK]
-where
-    [T; BLOCK]: Default,
-{
-    established(values.get(at..).and_then(|rest| rest.first_chunk()).copied())
+/// Adds `(x - zero) w` to each sum. Wraps.
+#[inline(never)]
+fn add_products(x: &[i8], weights: &[u8], zero: i32, sums: &mut [i32]) {
+    for ((sum, &x), &w) in sums.iter_mut().zip(x).zip(weights) {
+        *sum = sum.wrapping_add((i32::from(x) - zero) * i32::from(w as i8));
+    }
+}
+
+/// [`PerChannelQuant::output`] of successive channels from `o` on, the same bits, by one high product and one shift where they are enough.
+#[inline(never)]
+fn scale(quant: &PerChannelQuant<'_>, o: usize, sums: &[i32], values: &mut [i8]) {
+    for (o, (value, &sum)) in (o..).zip(values.iter_mut().zip(sums)) {
+        let (multiplier, shift) = quant.scale(o);
+        *value = match Requantizer::new(multiplier, shift, quant.out_zp) {
+            Some(by) if by.takes(&[sum]) => by.apply(sum << 2),
+            _ => quant.output(o, sum),
+        };
+    }
+    clamp_all(values, (quant.act_min, quant.act_max));
 }

@@ -11,8 +11,8 @@ use crate::dsn::kernels::piece;
 use crate::dsn::winograd::{WinogradSizes, covered};
 use crate::dsn::{Kernels, Operator};
 
-/// Multiply-accumulates of a step, at least those of one output value; every output value counts another sixteen.
-const PRODUCTS: usize = 16_384;
+/// Instructions of a step on Cortex-M4F, roughly, if an output value does not take more.
+const INSTRUCTIONS: usize = 45_000;
 
 /// How far a graph has come with its input: the operator, and which of its steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -109,7 +109,8 @@ impl Graph<'_> {
     pub fn winograd_sizes(&self) -> WinogradSizes {
         let sizes = |node: Node<'_>| match node.kind {
             Some(Kind::Convolution) => {
-                WinogradSizes::new(2 * usize::from(node.input.width), usize::from(node.input.channels), 1, 1)
+                let [_, width, inputs] = node.input.shape();
+                WinogradSizes::of_convolution(width, inputs, usize::from(node.output.channels))
             }
             _ => WinogradSizes::new(0, 0, 1, 0),
         };
@@ -130,16 +131,18 @@ impl Node<'_> {
     /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep their input's shape, of an even height and
     /// 8, 16 or 32 channels; depthwise 1x1 convolutions of at most 32 channels; additions.
     pub fn is_covered(&self) -> bool {
-        let channels = usize::from(self.output.channels);
-        let keeps = self.input.shape() == self.output.shape();
+        let ([height, width, inputs], [rows, columns, outputs]) = (self.input.shape(), self.output.shape());
+        let keeps = (height, width) == (rows, columns);
         let window = |size: u8, padding: u8| {
             self.window == Window { size: [size; 2], stride: [1; 2], padding: [padding; 2] }
         };
         match self.kind {
             Some(Kind::Add) => true,
-            Some(Kind::DepthwiseConvolution) => keeps && window(1, 0) && channels <= MAX_CHANNELS,
+            Some(Kind::DepthwiseConvolution) => {
+                keeps && window(1, 0) && inputs == outputs && outputs <= MAX_CHANNELS
+            }
             Some(Kind::Convolution) => {
-                keeps && window(3, 1) && covered(channels) && self.output.height.is_multiple_of(2)
+                keeps && window(3, 1) && covered(inputs, outputs) && rows.is_multiple_of(2)
             }
             _ => false,
         }
@@ -177,9 +180,9 @@ fn run_by(
     }
 }
 
-/// The values of a step if each takes so many products: whole blocks if there is one, at least one value.
-fn whole_blocks(products: usize) -> usize {
-    let values = PRODUCTS.checked_div(products.saturating_add(16)).unwrap_or(0);
+/// The values of a step if each takes so many instructions: whole blocks if there is one, at least one value.
+fn whole_blocks(instructions: usize) -> usize {
+    let values = INSTRUCTIONS / instructions.max(1);
     let blocks = values / BLOCK * BLOCK;
     if blocks > 0 { blocks } else { values.max(1) }
 }
@@ -188,17 +191,18 @@ fn whole_blocks(products: usize) -> usize {
 fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
     let (inputs, output) = Inputs::new(arena, node.output.range());
     let input = inputs.get(node.input.range());
+    if node.kind == Some(Kind::Convolution) {
+        return convolve(node, &node.quantization(), input, (step, INSTRUCTIONS), output);
+    }
     let values = match node.kind {
         Some(Kind::Softmax) => usize::from(node.output.channels),
-        // a value under a pooling's window takes as long as some products
-        Some(Kind::MaxPool | Kind::AveragePool) => whole_blocks(4 * node.taps()),
-        _ => whole_blocks(node.taps()),
+        Some(Kind::FullyConnected) => whole_blocks(node.taps().saturating_mul(4)),
+        _ => whole_blocks(node.taps().saturating_mul(8).saturating_add(64)),
     };
     let (range, last) = piece(output.len(), values, step);
     let second = if node.kind == Some(Kind::Add) { inputs.get(node.second_range()) } else { &[] };
     let output = established(output.get_mut(range.clone()));
     match node.kind {
-        Some(Kind::Convolution) => convolve(node, &node.quantization(), input, range, output),
         Some(Kind::DepthwiseConvolution) => {
             convolve_depthwise(node, &node.quantization(), input, range, output)
         }
@@ -210,7 +214,7 @@ fn run(node: &Node<'_>, arena: &mut [i8], step: usize) -> bool {
         Some(Kind::AveragePool) => pool_average(node, input, range, output),
         Some(Kind::FullyConnected) => node.dense().forward(input, range, output),
         Some(Kind::Softmax) => node.softmax().forward(established(input.get(range)), output),
-        None => {}
+        Some(Kind::Convolution) | None => {}
     }
     last
 }

@@ -32,6 +32,14 @@ pub(super) fn rows(
     rows.enumerate().map(move |(row, y)| ((skipped_rows + row) * w + skipped, y * width + first, count))
 }
 
+/// Number of the first pixel under the window of output pixel `(y, x)`, if all of the window lies over the input.
+pub(super) fn first_inside(node: &Node<'_>, (y, x): (usize, usize)) -> Option<usize> {
+    let ([height, width, _], [h, w]) = (node.input.shape(), node.window_size());
+    let ([sh, sw], [top, left]) = (node.window.stride.map(usize::from), node.window.padding.map(usize::from));
+    let [y, x] = [(y * sh).checked_sub(top)?, (x * sw).checked_sub(left)?];
+    (y + h <= height && x + w <= width).then_some(y * width + x)
+}
+
 /// The place of value `index` of a tensor of so many columns and channels: row, column, channel.
 pub(super) fn place(index: usize, columns: usize, channels: usize) -> (usize, usize, usize) {
     let (pixel, channel) = (index / channels.max(1), index % channels.max(1));

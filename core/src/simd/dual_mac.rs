@@ -26,7 +26,7 @@ pub(crate) type Sums = [[[i32; 4]; 2]; 4];
 
 /// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {
-    /// Whether a `Tile` is in the wide order; then there are an even number of groups.
+    /// Whether a `Tile` of an even number of groups is in the wide order.
     const WIDE: bool = false;
     /// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does: some 40 000 instructions, here 120 000 on RV32IMAC.
     const BLOCKS: [usize; 3] = [4, 2, 1];
@@ -43,10 +43,10 @@ pub trait DualMac: Copy {
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums);
 }
 
-/// Where group `group` of tile or output `part` lies: which [`I16x8`], and its first value.
+/// Where group `group` of `GROUPS` of tile or output `part` lies: which [`I16x8`], and its first value.
 #[inline(always)]
-pub const fn lane<P: DualMac>(group: usize, part: usize) -> (usize, usize) {
-    if P::WIDE { (group & !1 | part, 4 * (group & 1)) } else { (group, 4 * part) }
+pub const fn lane<P: DualMac, const GROUPS: usize>(group: usize, part: usize) -> (usize, usize) {
+    if P::WIDE && GROUPS.is_multiple_of(2) { (group & !1 | part, 4 * (group & 1)) } else { (group, 4 * part) }
 }
 
 /// Four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth.
@@ -70,7 +70,7 @@ fn accumulate<P: DualMac, const GROUPS: usize>(
 ) {
     let [mut s00, mut s01, mut s10, mut s11] = *sums;
     for group in 0..GROUPS {
-        let [(e0, k0), (e1, k1)] = [lane::<P>(group, 0), lane::<P>(group, 1)];
+        let [(e0, k0), (e1, k1)] = [lane::<P, GROUPS>(group, 0), lane::<P, GROUPS>(group, 1)];
         for k in 0..4 {
             let [x0, w0] = [inputs, weights].map(|from| i32::from(from[e0 % GROUPS].0[(k0 + k) % 8]));
             let [x1, w1] = [inputs, weights].map(|from| i32::from(from[e1 % GROUPS].0[(k1 + k) % 8]));

@@ -9,7 +9,7 @@ pub mod conj_mac;
 pub mod dual_mac;
 pub mod mulh;
 #[cfg(feature = "graph")]
-pub mod row_products;
+pub mod patch_products;
 
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
@@ -17,15 +17,15 @@ pub use arm::NativeDualMac;
 /// The fastest [`conj_mac::portable`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
 pub use arm::conj_mac as native_conj_mac;
-/// The fastest [`row_products::portable`] of the target. Helium has the compiler's own vectors.
-#[cfg(all(feature = "graph", target_arch = "arm", arm_dsp, not(arm_mve)))]
-pub use arm::row_products as native_row_products;
+/// The fastest [`patch_products::portable`] and [`patch_products::widen`] of the target.
+#[cfg(all(feature = "graph", target_arch = "arm", arm_dsp))]
+pub use arm::{patch_products as native_patch_products, widen as native_widen};
 /// The fastest [`conj_mac::portable`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub use conj_mac::portable as native_conj_mac;
-/// The fastest [`row_products::portable`] of the target.
-#[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp, not(arm_mve)))))]
-pub use row_products::portable as native_row_products;
+/// The fastest [`patch_products::portable`] and [`patch_products::widen`] of the target.
+#[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
+pub use patch_products::{portable as native_patch_products, widen as native_widen};
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub type NativeDualMac = dual_mac::Plain;

@@ -54,8 +54,17 @@ impl WinogradSizes {
     /// each further one keeps a convolution's weights from being packed at every recognition.
     pub const fn new(frames: usize, channels: usize, stem_stride: usize, packed: usize) -> Self {
         WinogradSizes {
-            vectors: packed * conv_vectors(channels) + tile_vectors(channels),
-            words: packed * conv_words(channels) + spare_words(frames, channels, stem_stride),
+            vectors: packed * conv_vectors(channels, channels) + tile_vectors(channels, channels),
+            words: packed * conv_words(channels, channels) + spare_words(frames, channels, stem_stride),
+        }
+    }
+
+    /// The sizes for one convolution of an operator list: the columns of its input, its inputs and outputs.
+    #[cfg(feature = "graph")]
+    pub(crate) const fn of_convolution(width: usize, inputs: usize, outputs: usize) -> Self {
+        WinogradSizes {
+            vectors: conv_vectors(inputs, outputs) + tile_vectors(inputs, outputs),
+            words: conv_words(inputs, outputs) + convolution::words(width, inputs),
         }
     }
 
@@ -103,7 +112,8 @@ pub struct WinogradF2<'b, P = NativeDualMac> {
     prepacked: usize,
     /// Of those, which run by the plain loops, by bit.
     uncovered: u64,
-    plain: bool,
+    /// Step of the operator that ran last, or runs, from which on the plain loops compute it, if they do.
+    plain: Option<usize>,
     vectors: &'b mut [I16x8],
     /// What stays between the steps of an operator; at the end the constants of every slot.
     words: &'b mut [i32],
@@ -126,7 +136,7 @@ impl<'b> WinogradF2<'b> {
 impl<'b, P: DualMac> WinogradF2<'b, P> {
     /// [`WinogradF2::shared`] by the arithmetic `mac`.
     pub fn shared_with_mac(mac: P, WinogradMemory { vectors, words }: WinogradMemory<'b>) -> Self {
-        WinogradF2 { mac, packed_slots: 1, prepacked: 0, uncovered: 0, plain: false, vectors, words }
+        WinogradF2 { mac, packed_slots: 1, prepacked: 0, uncovered: 0, plain: None, vectors, words }
     }
 
     /// [`WinogradF2::new`] by the arithmetic `mac`.
@@ -134,16 +144,19 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
         let channels = model.channels();
         let spare = spare_words(model.frames(), channels, model.stem_stride());
         let constants = memory.words.len().checked_sub(spare)?;
-        let weights = memory.vectors.len().checked_sub(tile_vectors(channels))?;
+        let weights = memory.vectors.len().checked_sub(tile_vectors(channels, channels))?;
         let all = 2 * model.blocks();
         let fit = |have: usize, need: usize| have.checked_div(need).unwrap_or(all).min(all);
-        let packed_slots = fit(weights, conv_vectors(channels)).min(fit(constants, conv_words(channels)));
+        let packed_slots = fit(weights, conv_vectors(channels, channels))
+            .min(fit(constants, conv_words(channels, channels)));
         let prepacked = if packed_slots < all { packed_slots.checked_sub(1)? } else { all };
         let width = same(model.frames(), model.stem_stride()) / 2;
         let mut kernels = WinogradF2 { packed_slots, prepacked, ..Self::shared_with_mac(mac, memory) };
         for number in 0..prepacked {
             let conv = model.block(number / 2)?.convs[number % 2];
-            if (0..packing::steps(channels)).any(|step| kernels.pack(number, &conv, width, step).is_none()) {
+            if (0..packing::steps(channels, channels))
+                .any(|step| kernels.pack(number, &conv, width, 0, step).is_none())
+            {
                 kernels.uncovered |= 1 << number;
             }
         }
@@ -162,28 +175,36 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
 
     /// Whether the operator that ran last, or runs, is left to the plain loops.
     pub fn is_portable(&self) -> bool {
-        self.plain
+        self.plain.is_some()
     }
 
     /// Packed weights and constants of convolution `number`, and the words of its strip.
-    fn packed_memory(&mut self, number: usize, channels: usize, width: usize) -> Option<PackedMemory<'_>> {
+    fn packed_memory(&mut self, number: usize, conv: &Conv<'_>, width: usize) -> Option<PackedMemory<'_>> {
         let slot = number.min(self.prepacked);
-        let (vectors, constant_words) = (conv_vectors(channels), conv_words(channels));
+        let (inputs, outputs) = (conv.inputs, conv.quant.channels);
+        let (vectors, constant_words) = (conv_vectors(inputs, outputs), conv_words(inputs, outputs));
         let spare = self.words.len().checked_sub(self.packed_slots * constant_words)?;
         let (spare, constants) = self.words.split_at_mut_checked(spare)?;
-        let (tile, weights) = self.vectors.split_at_mut_checked(tile_vectors(channels))?;
+        let (tile, weights) = self.vectors.split_at_mut_checked(tile_vectors(inputs, outputs))?;
         Some(PackedMemory {
             tile,
             weights: weights.get_mut(slot * vectors..)?.get_mut(..vectors)?,
             constants: constants.get_mut(slot * constant_words..)?.get_mut(..constant_words)?,
-            words: spare.get_mut(..convolution::words(width, channels))?,
+            words: spare.get_mut(..convolution::words(width, inputs))?,
         })
     }
 
-    /// Does a step of packing a convolution; `None` if these kernels cannot compute it.
-    fn pack(&mut self, number: usize, conv: &Conv<'_>, width: usize, step: usize) -> Option<()> {
-        let PackedMemory { weights, constants, .. } = self.packed_memory(number, conv.inputs, width)?;
-        packing::pack::<P>(conv, step, weights, constants)
+    /// Does a step of packing output channels of a convolution from `first` on; `None` if these kernels cannot compute it.
+    fn pack(
+        &mut self,
+        number: usize,
+        conv: &Conv<'_>,
+        width: usize,
+        first: usize,
+        step: usize,
+    ) -> Option<()> {
+        let PackedMemory { weights, constants, .. } = self.packed_memory(number, conv, width)?;
+        packing::pack::<P>(conv, first, step, weights, constants)
     }
 }
 
@@ -212,7 +233,7 @@ fn packed<const WORDS: usize>(words: &[i32], count: usize) -> &[[i32; WORDS]] {
 }
 
 /// Clamps outputs that are saturated to int8 to a layer's range.
-fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
+pub(crate) fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
     if (low, high) != (i8::MIN, i8::MAX) {
         values.iter_mut().for_each(|value| *value = (*value).max(low).min(high));
     }
@@ -224,28 +245,38 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
         let (packing, plain) = match operator {
             Operator::Average { .. } => (0, true),
             Operator::Conv { .. } if number < self.prepacked => (0, self.uncovered >> number & 1 == 1),
-            Operator::Conv { layer, .. } => (packing::steps(layer.inputs), false),
+            Operator::Conv { layer, .. } => (packing::steps(layer.inputs, layer.quant.channels), false),
             _ => (1, false),
         };
         if step == 0 {
-            self.plain = plain;
+            self.plain = plain.then_some(0);
         }
+        if let Some(from) = self.plain {
+            return Portable.run(index, operator, step - from);
+        }
+        // a convolution with more outputs than are packed at a time begins again for the next
+        let next = step + 1;
+        let (first, step, all) = match operator {
+            Operator::Conv { layer, size, .. } => {
+                let count = packing::packed_outputs(layer.quant.channels);
+                let steps = packing + convolution::steps::<P>(layer.quant.channels, size).max(1);
+                let first = step / steps * count;
+                (first, step % steps, first + count >= layer.quant.channels)
+            }
+            _ => (0, step, true),
+        };
         if step < packing {
             let done = match operator {
-                _ if self.plain => None,
                 Operator::Stem { layer, .. } => stem::pack(layer, self.words),
                 Operator::BatchNormRelu { layer, .. } => pointwise::pack_batch_norm(layer, self.words),
-                Operator::Conv { layer, size, .. } => self.pack(number, layer, size.1, step),
+                Operator::Conv { layer, size, .. } => self.pack(number, layer, size.1, first, step),
                 Operator::Add { layer, .. } => pointwise::pack_add(layer, self.words),
                 Operator::Average { .. } => None,
             };
-            self.plain = done.is_none();
+            self.plain = done.is_none().then_some(next);
             return false;
         }
         let step = step - packing;
-        if self.plain {
-            return Portable.run(index, operator, step);
-        }
         match operator {
             Operator::Stem { layer, image, size, output, .. } => {
                 Stem { layer, words: self.words, image, size, output }.run(step)
@@ -257,9 +288,10 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
                 let (mac, width) = (self.mac, size.1);
                 let border = established(row.get_mut(..width * layer.inputs));
                 let PackedMemory { tile, weights, constants, words } =
-                    established(self.packed_memory(number, layer.inputs, width));
-                Convolution { layer, weights, constants, input, width, border, words, tile, output }
+                    established(self.packed_memory(number, layer, width));
+                Convolution { layer, first, weights, constants, input, width, border, words, tile, output }
                     .run(mac, step)
+                    && all
             }
             Operator::Add { layer, x, branch } => pointwise::add(layer, self.words, x, branch, step),
             average => Portable.run(index, average, step),

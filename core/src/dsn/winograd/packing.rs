@@ -5,7 +5,7 @@
 //! of every output channel. Cost: some 90 instructions for each pair of channels.
 
 use super::transform::filter_transform;
-use crate::dsn::conv::Conv;
+use crate::dsn::conv::{Conv, MAX_CHANNELS, WIDEST};
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::fixed::Requantizer;
 use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Tile, lane};
@@ -13,8 +13,13 @@ use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Tile, lane};
 /// The channel that comes `k`-th in a group of four.
 const ORDER: [usize; 4] = [0, 2, 1, 3];
 
-/// Output channels that a step packs, at most some 44 000 instructions on Cortex-M4F.
+/// Output channels of a convolution with 64 inputs that are packed at a time: their memory is that of 32 channels.
 const OUTPUTS: usize = 16;
+
+/// Output channels that a step packs, at most some 44 000 instructions on Cortex-M4F.
+const fn outputs_of_step(inputs: usize) -> usize {
+    if inputs > MAX_CHANNELS { 8 } else { 16 }
+}
 
 /// Words of an output channel: what four times its sum starts with, then its [`Requantizer`].
 pub const WORDS: usize = 1 + Requantizer::WORDS;
@@ -32,77 +37,99 @@ pub fn channel(quant: &PerChannelQuant<'_>, o: usize, sum: i32, taps: usize) -> 
     Some([(start << 2) as i32, multiplier, offset, shift])
 }
 
-/// Whether there are kernels for so many channels: 8, 16 and 32, each a program of its own.
-pub const fn covered(channels: usize) -> bool {
-    matches!(channels, 8 | 16 | 32)
+/// Whether there are kernels for so many inputs and outputs: 8, 16 and 32 of both, each a program of its own; of graphs 64 too, and the three
+/// of a colour image.
+pub const fn covered(inputs: usize, outputs: usize) -> bool {
+    let of_graphs =
+        (inputs == 3 && matches!(outputs, 8 | 16 | 32)) || (inputs == WIDEST && outputs == WIDEST);
+    (inputs == outputs && matches!(inputs, 8 | 16 | 32)) || (cfg!(feature = "graph") && of_graphs)
 }
 
-/// Transformed weights of a convolution with as many outputs as inputs.
-pub const fn conv_vectors(channels: usize) -> usize {
-    if covered(channels) { channels / 2 * POINTS * (channels / 4) } else { 0 }
+/// Output channels of a convolution that are packed at a time: all, or [`OUTPUTS`] of 64.
+pub const fn packed_outputs(outputs: usize) -> usize {
+    if outputs > MAX_CHANNELS { OUTPUTS } else { outputs }
+}
+
+/// Transformed weights of a convolution.
+pub const fn conv_vectors(inputs: usize, outputs: usize) -> usize {
+    packed_outputs(outputs) / 2 * tile_vectors(inputs, outputs)
 }
 
 /// The input tiles of a convolution that runs.
-pub const fn tile_vectors(channels: usize) -> usize {
-    if covered(channels) { POINTS * (channels / 4) } else { 0 }
+pub const fn tile_vectors(inputs: usize, outputs: usize) -> usize {
+    if covered(inputs, outputs) { POINTS * inputs.div_ceil(4) } else { 0 }
 }
 
 /// Words of its constants.
-pub const fn conv_words(channels: usize) -> usize {
-    if covered(channels) { channels * WORDS } else { 0 }
+pub const fn conv_words(inputs: usize, outputs: usize) -> usize {
+    if covered(inputs, outputs) { packed_outputs(outputs) * WORDS } else { 0 }
 }
 
-/// Steps that packing takes.
-pub const fn steps(channels: usize) -> usize {
-    channels.div_ceil(OUTPUTS)
+/// Steps that packing what is packed at a time takes.
+pub const fn steps(inputs: usize, outputs: usize) -> usize {
+    packed_outputs(outputs).div_ceil(outputs_of_step(inputs))
 }
 
-/// Does step `step` of packing a convolution in the order of `P`; `None` if the kernels cannot compute it.
+/// Does step `step` of packing output channels of a convolution, from `first` on, in the order of `P`; `None` if the kernels cannot compute
+/// them.
 pub fn pack<P: DualMac>(
     conv: &Conv<'_>,
+    first: usize,
     step: usize,
     vectors: &mut [I16x8],
     constants: &mut [i32],
 ) -> Option<()> {
     match conv.inputs {
-        8 => outputs::<P, 2>(conv, step, vectors, constants),
-        16 => outputs::<P, 4>(conv, step, vectors, constants),
-        32 => outputs::<P, 8>(conv, step, vectors, constants),
+        8 => outputs::<P, 4, 2>(conv, first, step, vectors, constants),
+        16 => outputs::<P, 4, 4>(conv, first, step, vectors, constants),
+        32 => outputs::<P, 4, 8>(conv, first, step, vectors, constants),
+        #[cfg(feature = "graph")]
+        3 => outputs::<P, 3, 1>(conv, first, step, vectors, constants),
+        #[cfg(feature = "graph")]
+        64 => outputs::<P, 4, 16>(conv, first, step, vectors, constants),
         _ => None,
     }
 }
 
-/// A 3x3 kernel of four channels at a time.
-type Taps<const GROUPS: usize> = [[[u8; 4]; GROUPS]; 9];
+/// A 3x3 kernel of `C` channels at a time, three or four.
+type Taps<const C: usize, const GROUPS: usize> = [[[u8; C]; GROUPS]; 9];
 
-fn outputs<P: DualMac, const GROUPS: usize>(
+fn outputs<P: DualMac, const C: usize, const GROUPS: usize>(
     conv: &Conv<'_>,
+    first: usize,
     step: usize,
     vectors: &mut [I16x8],
     constants: &mut [i32],
 ) -> Option<()> {
-    let (taps, _) = conv.quant.weights.as_chunks::<4>();
+    let (taps, _) = conv.quant.weights.as_chunks::<C>();
     let (taps, _) = taps.as_chunks::<GROUPS>();
-    let (taps, _): (&[Taps<GROUPS>], _) = taps.as_chunks::<9>();
+    let (taps, _): (&[Taps<C, GROUPS>], _) = taps.as_chunks::<9>();
     let (vectors, _) = vectors.as_chunks_mut::<GROUPS>();
     let (tiles, _) = vectors.as_chunks_mut::<POINTS>();
     let (constants, _) = constants.as_chunks_mut::<WORDS>();
-    let all = taps.iter().zip(constants).enumerate().skip(step * OUTPUTS).take(OUTPUTS);
+    let count = outputs_of_step(conv.inputs);
+    let all = taps.get(first..)?.iter().zip(constants).enumerate().skip(step * count).take(count);
     for (o, (taps, words)) in all {
-        let sum = output::<P, GROUPS>(taps, o % 2, tiles.get_mut(o / 2)?);
-        *words = channel(&conv.quant, o, sum, 9 * conv.inputs)?;
+        let sum = output::<P, C, GROUPS>(taps, o % 2, tiles.get_mut(o / 2)?);
+        *words = channel(&conv.quant, first + o, sum, 9 * conv.inputs)?;
     }
     Some(())
 }
 
 /// Packs one output, the first or the second of a pair; returns the sum of its weights.
 #[inline(never)]
-fn output<P: DualMac, const GROUPS: usize>(taps: &Taps<GROUPS>, part: usize, tile: &mut Tile<GROUPS>) -> i32 {
+fn output<P: DualMac, const C: usize, const GROUPS: usize>(
+    taps: &Taps<C, GROUPS>,
+    part: usize,
+    tile: &mut Tile<GROUPS>,
+) -> i32 {
     let mut sum = 0;
     for group in 0..GROUPS {
-        let (vector, first) = lane::<P>(group, part);
+        let (vector, first) = lane::<P, GROUPS>(group, part);
         for (k, channel) in ORDER.into_iter().enumerate() {
-            let columns = filter_transform(|tap| i32::from(taps[tap % 9][group][channel % 4] as i8));
+            let columns = filter_transform(|tap| {
+                if channel < C { i32::from(taps[tap % 9][group][channel % C] as i8) } else { 0 }
+            });
             sum += columns[1][1]; // both rows of G there are 1, 1, 1
             for (column, [a, b, c, d]) in columns.into_iter().enumerate() {
                 for (row, value) in [b, c, a, -d].into_iter().enumerate() {

@@ -79,15 +79,21 @@ global_asm!(
     ".size sdp3_products_\\groups, . - sdp3_products_\\groups",
     ".popsection",
     ".endm",
+    "sdp3_products 1",
     "sdp3_products 2",
     "sdp3_products 4",
     "sdp3_products 8",
+    "sdp3_products 16",
 );
 
 unsafe extern "C" {
+    #[cfg(feature = "graph")]
+    fn sdp3_products_1(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_products_2(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_products_4(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_products_8(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    #[cfg(feature = "graph")]
+    fn sdp3_products_16(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
 }
 
 /// [`DualMac::products`](crate::simd::dual_mac::DualMac::products).
@@ -97,9 +103,13 @@ pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUP
     // SAFETY: each reads 16 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 128
     // bytes, which is what the sums are; all are aligned to words.
     match GROUPS {
+        #[cfg(feature = "graph")]
+        1 => unsafe { sdp3_products_1(x, w, sums) },
         2 => unsafe { sdp3_products_2(x, w, sums) },
         4 => unsafe { sdp3_products_4(x, w, sums) },
         8 => unsafe { sdp3_products_8(x, w, sums) },
+        #[cfg(feature = "graph")]
+        16 => unsafe { sdp3_products_16(x, w, sums) },
         _ => plain_products::<NativeDualMac, GROUPS>(inputs, weights, sums),
     }
 }

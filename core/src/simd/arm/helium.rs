@@ -72,12 +72,15 @@ global_asm!(
     "sdp3_wide_products 1",
     "sdp3_wide_products 2",
     "sdp3_wide_products 4",
+    "sdp3_wide_products 8",
 );
 
 unsafe extern "C" {
     fn sdp3_wide_products_1(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_wide_products_2(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_wide_products_4(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
+    #[cfg(feature = "graph")]
+    fn sdp3_wide_products_8(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
 }
 
 /// [`DualMac::products`](crate::simd::dual_mac::DualMac::products).
@@ -90,6 +93,8 @@ pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUP
         2 => unsafe { sdp3_wide_products_1(x, w, sums) },
         4 => unsafe { sdp3_wide_products_2(x, w, sums) },
         8 => unsafe { sdp3_wide_products_4(x, w, sums) },
+        #[cfg(feature = "graph")]
+        16 => unsafe { sdp3_wide_products_8(x, w, sums) },
         _ => plain_products::<NativeDualMac, GROUPS>(inputs, weights, sums),
     }
 }

@@ -2,13 +2,13 @@
 //!
 //! The module is compiled only for targets that have the extension: every `unsafe` below relies on it.
 
+#[cfg(feature = "graph")]
+mod patch_products;
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
-#[cfg(all(feature = "graph", not(arm_mve)))]
-mod row_products;
-#[cfg(all(feature = "graph", not(arm_mve)))]
-pub use row_products::row_products;
+#[cfg(feature = "graph")]
+pub use patch_products::{patch_products, widen};
 
 use crate::simd::conj_mac::{ComplexI16, portable};
 use crate::simd::dual_mac::{DualMac, Sums, Tile};
