@@ -1,8 +1,8 @@
 """Writes a recording in every format that sdp3 reads, and compares what sdp3 makes of it.
 
 Usage: recordings.py SDP3 FOLDER. FOLDER holds what tests/recordings simulated: a walk of the scenarios bgt60 and iwr in SigMF, and
-a model of each. Layouts: Infineon's radar SDK (radar.npy, config.json), TI SWRA581 for the DCA1000, SciPy for MATLAB, NumPy,
-SigMF, the module wave, and plain text.
+a model of each. Layouts: Infineon's radar SDK (radar.npy, config.json), TI SWRA581 for the DCA1000, SciPy for MATLAB 5, h5py for MATLAB 7.3
+and Acconeer's A121, NumPy, SigMF, the module wave, and plain text.
 """
 
 import hashlib
@@ -13,6 +13,7 @@ import subprocess
 import sys
 import wave
 
+import h5py
 import numpy as np
 import scipy.io
 
@@ -99,6 +100,7 @@ found = inspected(meta)
 check(found["figures"] == [] and "values a slot is 128, must be 2000" in found["scenario_problem"], f"another radar: {found}")
 stated = ("--rate", rate, "--carrier", carrier)
 
+expected_real = expected
 np.save(formats / "walk.npy", walk)
 same("bgt60", walk, expected, formats / "walk.npy", *stated)
 np.save(formats / "big-endian.npy", walk.astype(">i2"))
@@ -150,6 +152,7 @@ meta, walk, described = sigmf_walk("iwr")
 rate, carrier = described["global"]["sdp3:slot_rate"], described["captures"][0]["core:frequency"]
 expected = logits("iwr", meta)
 samples = walk.shape[1]
+carrier_iwr = ("--carrier", carrier)
 transmitters = 2
 # [frame, chirp, antenna, sample, I and Q]; the walk is on the third receive antenna and the second chirp
 cube = random.integers(-2000, 2000, (len(walk), transmitters, 4, samples, 2)).astype("<i2")
@@ -258,6 +261,48 @@ for picture in ("doppler-time.svg", "doppler-time.png", "range-time.svg"):
     check((work / "out" / picture).stat().st_size > 1000, f"{picture} is empty")
 
 
+# --- HDF5: MATLAB 7.3, whose axes are stored the other way round behind 512 bytes, and Acconeer's A121
+def matlab_7_3(path, compression=None, **variables):
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, (value, kind) in variables.items():
+            dataset = file.create_dataset(name, data=np.ascontiguousarray(np.atleast_2d(value).T), compression=compression)
+            dataset.attrs["MATLAB_class"] = np.bytes_(kind)
+    with open(path, "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(124) + b"\0\x02IM")
+    return path
+
+
+def compound(values, part):
+    pairs = np.empty(values.shape[:-1], [("real", part), ("imag", part)])
+    pairs["real"], pairs["imag"] = values[..., 0], values[..., 1]
+    return pairs
+
+
+note = np.frombuffer("a walk".encode("utf-16-le"), "<u2")
+real_walk = np.load(formats / "walk.npy")
+for compression in (None, "gzip"):
+    mat = matlab_7_3(formats / f"v73-{compression}.mat", compression, walk=(real_walk, "int16"), note=(note, "char"), **{
+        "rate_hz": (stated[1], "double"), "carrier_hz": (stated[3], "double")})
+    same("bgt60", real_walk, expected_real, mat)
+mat = matlab_7_3(formats / "v73-complex.mat", walk=(compound(walk, "<i2"), "int16"))
+same("iwr", walk, expected, mat, "--rate", rate, *carrier_iwr)
+mat = matlab_7_3(formats / "v73-tone.mat", tone=(compound(table[:, 1:], "<f8"), "double"))
+check(inspected(mat, *carrier, "--rate", 1000)["samples_sha256"] == digest(table[:, 1:]), "MATLAB 7.3, complex: other samples")
+frames = random.integers(-2000, 2000, (200, 4, 7, 2))
+frames[:, :, 4] += random.integers(-4000, 4000, (200, 1, 2))
+a121 = formats / "walk.h5"
+with h5py.File(a121, "w") as file:
+    file["generation"] = "a121"
+    session = file.create_group("sessions/session_0")
+    session["session_config"] = json.dumps({"groups": [{"1": {"frame_rate": 50.0, "sweeps_per_frame": 4}}], "extended": False})
+    session["group_0/entry_0/result/frame"] = compound(frames, "<i2")
+found = inspected(a121)
+check((found.get("rate_hz"), found.get("carrier_hz"), found.get("shape")) == (50.0, 60.5e9, [200, 4, 7]), f"A121: {found}")
+means = frames.sum(axis=1) / 4
+cell = np.argmax(means.var(axis=0).sum(axis=-1))
+check(found.get("samples_sha256") == digest(means[:, cell]), "A121: other samples")
+
+
 # --- what cannot be read
 def refused(path, *options, words):
     code, out, err, took, megabytes = call("inspect", path, *options, "--json", "--out", work / "out")
@@ -301,6 +346,8 @@ huge.unlink()
 refused(changed(formats / "walk.npy", "cut.npy", lambda b: b[:-100]), *stated, words=["NPY"])
 refused(changed(formats / "compressed.mat", "cut.mat", lambda b: b[:-100]), words=["MATLAB"])
 refused(changed(formats / "plain.mat", "short.mat", lambda b: b[:4000]), words=["MATLAB"])
+for name in ("v73-gzip.mat", "walk.h5"):
+    refused(changed(formats / name, f"cut-{name}", lambda b: b[: len(b) // 2]), words=["MATLAB 7.3" if "mat" in name else "HDF5"])
 refused(changed(formats / "plain.mat", "order.mat", lambda b: b[:126] + b"XX" + b[128:]), words=["endian indicator"])
 refused(changed(formats / "tone.csv", "word.csv", lambda b: b.replace(b"\n", b"\nnone\n", 1)), *carrier, "--rate", 1000, words=["line 2"])
 refused(changed(formats / "timed.csv", "uneven.csv", lambda b: b.replace(b"\n0.002,", b"\n0.0025,")), *carrier, words=["step 1 of time"])

@@ -3,23 +3,24 @@
 //! TFLite 8-bit specification: acc = bias + sum (x - z_x) w, y = requantize(acc) + z_y, clamped; padding contributes nothing.
 
 use super::node::Node;
-use super::window::{first_inside, place, rows};
+use super::window::{covered, first_inside, place, rows};
 use crate::dsn::established;
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::dsn::winograd::clamp_all;
 use crate::fixed::Requantizer;
+use crate::simd::depthwise_products::DepthwiseWindow;
 use crate::simd::patch_products::{Fours, PIXELS, portable};
-use crate::simd::{native_patch_products, native_widen};
+use crate::simd::{native_depthwise_products, native_patch_products, native_widen};
 use core::ops::Range;
 
 /// Channels of a depthwise convolution at a time.
 pub(super) const BLOCK: usize = 16;
 
 /// Output channels of a step of a convolution at most.
-const CHANNELS: usize = 32;
+const CHANNELS: usize = 64;
 
 /// Values of a window that are gathered at a time, in fours.
-const FOURS: usize = 64;
+const FOURS: usize = 72;
 
 /// Writes the values `taps` of the window of output pixel `at`, less the zero point; outside of the input they are zero.
 #[inline(never)]
@@ -142,15 +143,18 @@ fn finish(
     outputs: usize,
     output: &mut [i8],
 ) {
-    for (o, sums) in (channel..).zip(sums) {
-        let (multiplier, shift) = quant.scale(o);
+    let end = channel + sums.len();
+    let multipliers = established(quant.multipliers.get(channel..end));
+    let shifts = established(quant.shifts.get(channel..end));
+    for (k, ((&multiplier, &shift), sums)) in multipliers.iter().zip(shifts).zip(sums).enumerate() {
+        let o = channel + k;
         let places = [0, 1, 2, 3].map(|pixel| pixel * outputs + o).into_iter().zip(sums);
         let mut write = |at: usize, value: i8| {
             if let Some(to) = output.get_mut(at) {
                 *to = value;
             }
         };
-        match Requantizer::new(multiplier, shift, quant.out_zp) {
+        match Requantizer::new(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
             Some(by) if by.takes(sums) => places.for_each(|(at, sum)| write(at, by.apply(sum << 2))),
             _ => places.for_each(|(at, &sum)| write(at, quant.output(o, sum))),
         }
@@ -172,9 +176,9 @@ pub(super) fn convolve(
 ) -> bool {
     let [_, _, outputs] = node.output.shape();
     // a value is as much work as some products
-    let channels = most.checked_div(PIXELS * (node.taps() + 32)).unwrap_or(0).max(1);
-    let fours = (channels / outputs.max(1)).max(1);
-    let channels = channels.min(CHANNELS);
+    let most = most.checked_div(PIXELS * (node.taps() + 32)).unwrap_or(0);
+    let channels = most.clamp(1, CHANNELS).min(outputs.max(1));
+    let fours = (most / channels).max(1);
     let parts = outputs.div_ceil(channels).max(1);
     let first = step / parts * fours * PIXELS;
     let channel = step % parts * channels;
@@ -214,50 +218,73 @@ pub(super) fn convolve_depthwise(
     range: Range<usize>,
     output: &mut [i8],
 ) {
+    let ([_, width, channels], [_, w]) = (node.input.shape(), node.window_size());
     let outputs = usize::from(node.output.channels);
-    let (channels, zero) = (usize::from(node.input.channels).max(1), i32::from(quant.in_zp));
-    let multiplier = (outputs / channels).max(1);
     for (at, first, values) in pixels(node, range, output) {
+        let covered = covered(node, at);
+        let window = DepthwiseWindow {
+            rows: covered.rows,
+            columns: covered.columns,
+            channels,
+            input_row: width * channels,
+            weight_row: w * outputs,
+        };
+        let input = input.get(covered.pixel * channels..).unwrap_or_default();
+        let weights = quant.weights.get(covered.tap * outputs..).unwrap_or_default();
         for (o, values) in (first..).step_by(BLOCK).zip(values.chunks_mut(BLOCK)) {
             let mut sums = [0; BLOCK];
             let sums = established(sums.get_mut(..values.len()));
             sums.iter_mut().zip(o..).for_each(|(sum, o)| *sum = quant.bias(o));
-            for (tap, pixel, count) in rows(node, at) {
-                for step in 0..count {
-                    let weights = established(quant.weights.get((tap + step) * outputs + o..));
-                    let x = established(input.get((pixel + step) * channels..));
-                    if multiplier == 1 {
-                        add_products(established(x.get(o..)), weights, zero, sums);
-                        continue;
-                    }
-                    let mut repeated = [0; BLOCK];
-                    repeated.iter_mut().zip(o..o + values.len()).for_each(|(to, o)| {
-                        *to = established(x.get(o / multiplier).copied());
-                    });
-                    add_products(&repeated, weights, zero, sums);
-                }
+            // with a depth multiplier the inputs of four channels do not lie together
+            let together = if channels == outputs { sums.len() / 4 * 4 } else { 0 };
+            let (fours, rest) = established(sums.split_at_mut_checked(together));
+            let (fours, _) = fours.as_chunks_mut();
+            for (o, sums) in (o..).step_by(4).zip(fours) {
+                let (input, weights) = (established(input.get(o..)), established(weights.get(o..)));
+                native_depthwise_products(input, weights, &window, quant.in_zp, sums);
+            }
+            for (o, sum) in (o + together..).zip(rest) {
+                *sum = sum.wrapping_add(one_channel(input, weights, &window, outputs, quant.in_zp, o));
             }
             scale(quant, o, sums, values);
         }
     }
 }
 
-/// Adds `(x - zero) w` to each sum. Wraps.
+/// The products of a depthwise window for output channel `o` of `outputs`.
 #[inline(never)]
-fn add_products(x: &[i8], weights: &[u8], zero: i32, sums: &mut [i32]) {
-    for ((sum, &x), &w) in sums.iter_mut().zip(x).zip(weights) {
-        *sum = sum.wrapping_add((i32::from(x) - zero) * i32::from(w as i8));
+fn one_channel(
+    input: &[i8],
+    weights: &[u8],
+    window: &DepthwiseWindow,
+    outputs: usize,
+    zero: i8,
+    o: usize,
+) -> i32 {
+    let channels = window.channels.max(1);
+    let channel = o / (outputs / channels).max(1);
+    let mut sum = 0_i32;
+    for row in 0..window.rows {
+        for column in 0..window.columns {
+            let x: i8 = established(input.get(row * window.input_row + column * channels + channel).copied());
+            let w: u8 = established(weights.get(row * window.weight_row + column * outputs + o).copied());
+            sum = sum.wrapping_add((i32::from(x) - i32::from(zero)) * i32::from(w as i8));
+        }
     }
+    sum
 }
 
 /// [`PerChannelQuant::output`] of successive channels from `o` on, the same bits, by one high product and one shift where they are enough.
 #[inline(never)]
 fn scale(quant: &PerChannelQuant<'_>, o: usize, sums: &[i32], values: &mut [i8]) {
-    for (o, (value, &sum)) in (o..).zip(values.iter_mut().zip(sums)) {
-        let (multiplier, shift) = quant.scale(o);
-        *value = match Requantizer::new(multiplier, shift, quant.out_zp) {
+    let end = o + values.len();
+    let multipliers = established(quant.multipliers.get(o..end));
+    let shifts = established(quant.shifts.get(o..end));
+    let channels = multipliers.iter().zip(shifts).zip(sums).zip(values.iter_mut()).enumerate();
+    for (k, (((&multiplier, &shift), &sum), value)) in channels {
+        *value = match Requantizer::new(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
             Some(by) if by.takes(&[sum]) => by.apply(sum << 2),
-            _ => quant.output(o, sum),
+            _ => quant.output(o + k, sum),
         };
     }
     clamp_all(values, (quant.act_min, quant.act_max));

@@ -17,19 +17,37 @@ fn under(
     (skipped, start..end.max(start))
 }
 
-/// For every row of the window of output pixel `(y, x)` that lies over the input: number of its first pixel in the window and in the input,
-/// and how many pixels lie side by side.
-pub(super) fn rows(
-    node: &Node<'_>,
-    (y, x): (usize, usize),
-) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+/// The part of a window that lies over the input: its first pixel, counted in the window and in the input, and its size.
+pub(super) struct Covered {
+    pub tap: usize,
+    pub pixel: usize,
+    pub rows: usize,
+    pub columns: usize,
+}
+
+/// The part of the window of output pixel `(y, x)` that lies over the input.
+pub(super) fn covered(node: &Node<'_>, (y, x): (usize, usize)) -> Covered {
     let [height, width, _] = node.input.shape();
     let ([h, w], [sh, sw], [top, left]) =
         (node.window_size(), node.window.stride.map(usize::from), node.window.padding.map(usize::from));
     let (skipped_rows, rows) = under(h, sh, top, height, y);
     let (skipped, columns) = under(w, sw, left, width, x);
-    let (first, count) = (columns.start, columns.len());
-    rows.enumerate().map(move |(row, y)| ((skipped_rows + row) * w + skipped, y * width + first, count))
+    Covered {
+        tap: skipped_rows * w + skipped,
+        pixel: rows.start * width + columns.start,
+        rows: rows.len(),
+        columns: columns.len(),
+    }
+}
+
+/// For every row of [`covered`]: number of its first pixel in the window and in the input, and how many pixels lie side by side.
+pub(super) fn rows(
+    node: &Node<'_>,
+    at: (usize, usize),
+) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+    let Covered { tap, pixel, rows, columns } = covered(node, at);
+    let ([_, w], width) = (node.window_size(), usize::from(node.input.width));
+    (0..rows).map(move |row| (tap + row * w, pixel + row * width, columns))
 }
 
 /// Number of the first pixel under the window of output pixel `(y, x)`, if all of the window lies over the input.

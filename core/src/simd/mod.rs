@@ -6,6 +6,8 @@
 #[allow(unsafe_code)]
 mod arm;
 pub mod conj_mac;
+#[cfg(feature = "graph")]
+pub mod depthwise_products;
 pub mod dual_mac;
 pub mod mulh;
 #[cfg(feature = "graph")]
@@ -17,12 +19,18 @@ pub use arm::NativeDualMac;
 /// The fastest [`conj_mac::portable`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
 pub use arm::conj_mac as native_conj_mac;
+/// The fastest [`depthwise_products::portable`] of the target.
+#[cfg(all(feature = "graph", target_arch = "arm", arm_dsp))]
+pub use arm::depthwise_products as native_depthwise_products;
 /// The fastest [`patch_products::portable`] and [`patch_products::widen`] of the target.
 #[cfg(all(feature = "graph", target_arch = "arm", arm_dsp))]
 pub use arm::{patch_products as native_patch_products, widen as native_widen};
 /// The fastest [`conj_mac::portable`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub use conj_mac::portable as native_conj_mac;
+/// The fastest [`depthwise_products::portable`] of the target.
+#[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
+pub use depthwise_products::portable as native_depthwise_products;
 /// The fastest [`patch_products::portable`] and [`patch_products::widen`] of the target.
 #[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
 pub use patch_products::{portable as native_patch_products, widen as native_widen};

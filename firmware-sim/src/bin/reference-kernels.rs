@@ -12,8 +12,12 @@ mod firmware {
     use rand_xoshiro::Xoshiro128PlusPlus;
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
+    use sdp3_core::simd::depthwise_products::{self, DepthwiseWindow};
     use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, plain_products, widen};
-    use sdp3_core::simd::{conj_mac, mulh, native_conj_mac};
+    use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
+    use sdp3_core::simd::{
+        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_patch_products, native_widen,
+    };
     use sdp3_firmware_sim::semihosting::{exit, println};
 
     /// Inputs of each kernel.
@@ -110,13 +114,68 @@ mod firmware {
         }
     }
 
+    /// Windows of up to 23 fours of values, and their products with as many weights and with fewer.
+    fn patches(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let fours = round % 23 + 1;
+            let (mut patch, mut expected) = ([Fours::ZERO; 23], [Fours::ZERO; 23]);
+            let zero = draw(random, round) as i8;
+            for pixel in 0..PIXELS {
+                let values: [[i8; 4]; 23] =
+                    [[0; 4]; 23].map(|four| four.map(|_: i8| draw(random, round) as i8));
+                native_widen(&values[..fours], zero, &mut patch, pixel);
+                patch_products::widen(&values[..fours], zero, &mut expected, pixel);
+            }
+            same("windows", round, patch, expected);
+            let weights: [[u8; 4]; 23] = [[0; 4]; 23].map(|four| four.map(|_: u8| draw(random, round) as u8));
+            for weights in [&weights[..fours], &weights[..fours / 2]] {
+                let mut found = [0; PIXELS].map(|_: i32| draw(random, round));
+                let mut expected = found;
+                native_patch_products(&patch[..fours], weights, &mut found);
+                patch_products::portable(&patch[..fours], weights, &mut expected);
+                same("products of windows", round, found, expected);
+            }
+        }
+    }
+
+    /// Windows of up to three rows and columns; those that reach beyond the values add nothing.
+    fn depthwise(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let input: [i8; 120] = [0; 120].map(|_: i8| draw(random, round) as i8);
+            let weights: [u8; 60] = [0; 60].map(|_: u8| draw(random, round) as u8);
+            let [rows, columns, channels] = [round % 4, round / 4 % 4, 4 + round % 3];
+            let window = DepthwiseWindow {
+                rows,
+                columns,
+                channels,
+                input_row: 5 * channels,
+                weight_row: 3 * channels,
+            };
+            let zero = draw(random, round) as i8;
+            let mut found = [0; 4].map(|_: i32| draw(random, round));
+            let mut expected = found;
+            native_depthwise_products(&input[1..], &weights, &window, zero, &mut found);
+            depthwise_products::portable(&input[1..], &weights, &window, zero, &mut expected);
+            same("depthwise products", round, found, expected);
+            let before = found;
+            let [input_reach, weight_reach] = window.reach();
+            native_depthwise_products(&input[..input_reach - 1], &weights, &window, zero, &mut found);
+            native_depthwise_products(&input, &weights[..weight_reach - 1], &window, zero, &mut found);
+            same("windows out of reach", round, found, before);
+        }
+    }
+
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
         let mut random = Xoshiro128PlusPlus::seed_from_u64(9);
+        products::<1>(&mut random);
         products::<2>(&mut random);
         products::<4>(&mut random);
         products::<8>(&mut random);
+        products::<16>(&mut random);
+        patches(&mut random);
+        depthwise(&mut random);
         sums(&mut random);
         dechirping(&mut random);
         upper_words(&mut random);

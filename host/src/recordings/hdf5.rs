@@ -1,10 +1,12 @@
-//! HDF5: one dataset of a file; files of Acconeer's A121 are known.
+//! HDF5: one dataset of a file; files of Acconeer's A121 and of MATLAB (version 7.3) are known.
 //!
 //! Complex numbers are compounds of two numbers, `real` and `imag` (or `r` and `i`), as h5py and MATLAB write them. The dataset's
 //! attributes `rate_hz` and `carrier_hz`, if there, are believed. Shapes: see [`super::array`]. In an A121 file the frames are
-//! found, their rate is that of the session, and the carrier is the sensor's 60.5 GHz (its data sheet).
+//! found, their rate is that of the session, and the carrier is the sensor's 60.5 GHz (its data sheet). A MATLAB file's variables are
+//! datasets of its root, stored column by column; `rate_hz` and `carrier_hz` are variables too.
 
 use super::array::{Array, Numbers, checked_shape};
+use super::matlab::Variable;
 use super::{Contents, MeasuredError, Source};
 use crate::store::limited;
 use hdf5_pure::{AttrValue, Datatype, DatatypeByteOrder, File, FixedPointLayout, Group};
@@ -18,15 +20,18 @@ const A121_CARRIER_HZ: f64 = 60.5e9;
 /// Deepest group searched for datasets.
 const DEPTH: usize = 8;
 
-/// Reads the dataset named, the frames of an A121 file, or the file's only dataset.
-pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, MeasuredError> {
-    let broken = |error: hdf5_pure::Error| source.unreadable(FORMAT, error);
-    limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(FORMAT, error))?;
+/// Reads the dataset named, the frames of an A121 file, or the file's only dataset; of a MATLAB file the variable named, or the only one that
+/// is an array of numbers.
+pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<Contents, MeasuredError> {
+    let format = if matlab { "MATLAB 7.3" } else { FORMAT };
+    let broken = |error: hdf5_pure::Error| source.unreadable(format, error);
+    limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(format, error))?;
     let file = File::open(source.0).map_err(broken)?;
     let a121 = file.dataset("generation").and_then(|d| d.read_string()).is_ok_and(|s| s == ["a121"]);
     let names = || {
         let mut names = Vec::new();
-        datasets(&file.root(), "", DEPTH, &mut names);
+        datasets(&file.root(), "", if matlab { 0 } else { DEPTH }, &mut names);
+        names.retain(|name| !matlab || is_array(&file, name));
         names
     };
     let name = match name {
@@ -43,22 +48,25 @@ pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, Measu
     let dataset = file.dataset(&name).map_err(|_| {
         source.value("--dataset", format!("{name:?}"), format!("one of {}", names().join(", ")))
     })?;
-    let shape = checked_shape(source, &dataset.shape().map_err(broken)?)?;
+    let stored = dataset.shape().map_err(broken)?;
+    let shape = checked_shape(source, &stored)?;
     let datatype = dataset.datatype().map_err(broken)?;
-    let numbers = match Number::of(&datatype) {
-        Some(number) => {
-            let bytes = dataset.read_raw().map_err(broken)?;
-            number.numbers(&bytes)
-        }
-        None => {
-            let legal = "16-bit or 32-bit integers, floats, or compounds of two such, real and imag";
-            return Err(source.value(format!("type of {name}"), format!("{datatype:?}"), legal));
-        }
+    let Some(number) = Number::of(&datatype) else {
+        let legal = "integers, floats, or compounds of two such, real and imag";
+        return Err(source.value(format!("type of {name}"), format!("{datatype:?}"), legal));
     };
+    let numbers = number.numbers(&dataset.read_raw().map_err(broken)?);
+    if matlab {
+        let mut contents =
+            variable(name, &stored, number, numbers).array(source)?.contents(source, format)?;
+        (contents.rate_hz, contents.carrier_hz) =
+            (scalar_of(&file, "rate_hz"), scalar_of(&file, "carrier_hz"));
+        return Ok(contents);
+    }
     let mut contents =
         Array { shape, numbers }.contents(source, if a121 { "Acconeer A121 (HDF5)" } else { FORMAT })?;
     let attributes = dataset.attrs().map_err(broken)?;
-    let attribute = |name: &str| attributes.get(name).and_then(number);
+    let attribute = |name: &str| attributes.get(name).and_then(number_of);
     contents.rate_hz = attribute("rate_hz");
     contents.carrier_hz = attribute("carrier_hz");
     if a121 {
@@ -66,6 +74,48 @@ pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, Measu
         contents.carrier_hz = contents.carrier_hz.or(Some(A121_CARRIER_HZ));
     }
     Ok(contents)
+}
+
+/// Whether a dataset of a MATLAB file is an array of numbers, not text, a scalar or empty.
+fn is_array(file: &File, name: &str) -> bool {
+    let Ok(dataset) = file.dataset(name) else { return false };
+    let text = dataset.attrs().is_ok_and(|attributes| match attributes.get("MATLAB_class") {
+        Some(AttrValue::String(class) | AttrValue::AsciiString(class)) => class == "char",
+        _ => false,
+    });
+    let empty = dataset.attrs().is_ok_and(|attributes| attributes.contains_key("MATLAB_empty"));
+    let numbers = dataset.datatype().is_ok_and(|datatype| Number::of(&datatype).is_some());
+    !text && !empty && numbers && dataset.shape().is_ok_and(|shape| shape.iter().any(|&n| n > 1))
+}
+
+/// A variable of a MATLAB file: HDF5 states the axes the other way round.
+fn variable(name: String, stored: &[u64], number: Number, numbers: Numbers) -> Variable {
+    let (real, imaginary) = match numbers {
+        Numbers::Int16(values) => (values.into_iter().map(f64::from).collect(), None),
+        Numbers::Real(values) => (values, None),
+        Numbers::Complex(values) => {
+            let (real, imaginary) = values.into_iter().map(|z| (z.re, z.im)).unzip();
+            (real, Some(imaginary))
+        }
+    };
+    Variable {
+        name,
+        shape: stored.iter().rev().copied().collect(),
+        int16: number.is_int16(),
+        real,
+        imaginary,
+    }
+}
+
+/// The only number of a dataset.
+fn scalar_of(file: &File, name: &str) -> Option<f64> {
+    let dataset = file.dataset(name).ok()?;
+    dataset.shape().ok()?.iter().all(|&n| n == 1).then_some(())?;
+    match Number::of(&dataset.datatype().ok()?)?.numbers(&dataset.read_raw().ok()?) {
+        Numbers::Int16(values) => values.first().copied().map(f64::from),
+        Numbers::Real(values) => values.first().copied(),
+        Numbers::Complex(_) => None,
+    }
 }
 
 /// Names of all datasets below a group.
@@ -80,7 +130,7 @@ fn datasets(group: &Group, path: &str, depth: usize, names: &mut Vec<String>) {
     }
 }
 
-fn number(value: &AttrValue) -> Option<f64> {
+fn number_of(value: &AttrValue) -> Option<f64> {
     match value {
         AttrValue::F64(value) => Some(*value),
         AttrValue::F32(value) => Some(f64::from(*value)),
@@ -98,9 +148,10 @@ fn frame_rate(file: &File) -> Option<f64> {
 }
 
 /// A scalar's layout in its bytes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scalar {
-    Int(usize),
+    Signed(usize),
+    Unsigned(usize),
     Float(usize),
 }
 
@@ -123,9 +174,14 @@ impl Number {
         (same && at.iter().all(|at| at + part.bytes() <= size)).then_some(Self::Complex(size, part, at))
     }
 
+    fn is_int16(self) -> bool {
+        let (Self::Real(part) | Self::Complex(_, part, _)) = self;
+        part == Scalar::Signed(2)
+    }
+
     fn numbers(self, bytes: &[u8]) -> Numbers {
         match self {
-            Self::Real(Scalar::Int(2)) => {
+            Self::Real(Scalar::Signed(2)) => {
                 Numbers::Int16(bytes.as_chunks().0.iter().map(|&b| i16::from_le_bytes(b)).collect())
             }
             Self::Real(scalar) => {
@@ -142,10 +198,10 @@ impl Number {
 fn scalar(datatype: &Datatype) -> Option<Scalar> {
     match *datatype {
         Datatype::FixedPoint {
-            size: size @ (2 | 4),
+            size: size @ (1 | 2 | 4 | 8),
             byte_order: DatatypeByteOrder::LittleEndian,
-            layout: FixedPointLayout { signed: true, .. },
-        } => Some(Scalar::Int(size as usize)),
+            layout: FixedPointLayout { signed, .. },
+        } => Some(if signed { Scalar::Signed(size as usize) } else { Scalar::Unsigned(size as usize) }),
         Datatype::FloatingPoint {
             size: size @ (4 | 8), byte_order: DatatypeByteOrder::LittleEndian, ..
         } => Some(Scalar::Float(size as usize)),
@@ -155,7 +211,7 @@ fn scalar(datatype: &Datatype) -> Option<Scalar> {
 
 impl Scalar {
     fn bytes(self) -> usize {
-        let (Self::Int(bytes) | Self::Float(bytes)) = self;
+        let (Self::Signed(bytes) | Self::Unsigned(bytes) | Self::Float(bytes)) = self;
         bytes
     }
 
@@ -163,12 +219,15 @@ impl Scalar {
     fn value(self, bytes: &[u8]) -> f64 {
         let mut eight = [0; 8];
         eight[..self.bytes()].copy_from_slice(&bytes[..self.bytes()]);
-        let four = [eight[0], eight[1], eight[2], eight[3]];
+        let word = u64::from_le_bytes(eight);
         match self {
-            Self::Int(2) => f64::from(i16::from_le_bytes([eight[0], eight[1]])),
-            Self::Int(_) => f64::from(i32::from_le_bytes(four)),
-            Self::Float(4) => f64::from(f32::from_le_bytes(four)),
-            Self::Float(_) => f64::from_le_bytes(eight),
+            Self::Float(4) => f64::from(f32::from_bits(word as u32)),
+            Self::Float(_) => f64::from_bits(word),
+            Self::Unsigned(_) => word as f64,
+            Self::Signed(bytes) => {
+                let unused = 64 - 8 * bytes as u32;
+                ((word << unused).cast_signed() >> unused) as f64
+            }
         }
     }
 }

@@ -12,9 +12,8 @@ use std::borrow::Cow;
 use std::io::Read;
 
 pub(super) const FORMAT: &str = "MATLAB 5";
-/// How such a file begins, and one of version 7.3, which is HDF5.
+/// How such a file begins.
 pub(super) const MAGIC: &[u8] = b"MATLAB 5.0 MAT-file";
-pub(super) const MAGIC_HDF5: &[u8] = b"MATLAB 7.3 MAT-file";
 const HEADER: usize = 128;
 
 /// Types of elements.
@@ -28,12 +27,12 @@ const UINT64: u8 = 15;
 const COMPLEX: u8 = 8;
 
 /// Numbers of a variable, column by column.
-struct Variable {
-    name: String,
-    shape: Vec<u64>,
-    int16: bool,
-    real: Vec<f64>,
-    imaginary: Option<Vec<f64>>,
+pub(super) struct Variable {
+    pub name: String,
+    pub shape: Vec<u64>,
+    pub int16: bool,
+    pub real: Vec<f64>,
+    pub imaginary: Option<Vec<f64>>,
 }
 
 /// Bytes in the file's order.
@@ -183,7 +182,7 @@ impl Order {
 
 impl Variable {
     /// The variable row by row; a row or a column is one axis.
-    fn array(self, source: Source) -> Result<Array, MeasuredError> {
+    pub(super) fn array(self, source: Source) -> Result<Array, MeasuredError> {
         let mut shape = checked_shape(source, &self.shape)?;
         let real = by_rows(self.real, &shape);
         let imaginary = self.imaginary.map(|values| by_rows(values, &shape));

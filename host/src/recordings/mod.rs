@@ -1,5 +1,5 @@
-//! Measured signals: WAV, CSV, NPY, NPZ, MATLAB, SigMF, recordings of Infineon's radar SDK, captures of TI's DCA1000 and, with the
-//! feature `hdf5`, HDF5. What a file is, its first bytes say, or its name where they cannot.
+//! Measured signals: WAV, CSV, NPY, NPZ, MATLAB, SigMF, HDF5 (feature `hdf5`), recordings of Infineon's radar SDK and captures of TI's
+//! DCA1000. What a file is, its first bytes say, or its name where they cannot.
 //!
 //! What a file does not say about itself (carrier, rate) the user states; what both say, the user decides. Levels are relative:
 //! calibration compares spectrograms on their own mean power, so a gain only changes the power that is printed.
@@ -213,7 +213,7 @@ enum Format {
     Npy,
     Npz,
     Matlab,
-    Hdf5,
+    Hdf5 { matlab: bool },
     SigMf,
     Infineon(PathBuf),
     Dca1000,
@@ -245,16 +245,13 @@ fn recognised(source: Source) -> Result<Format, MeasuredError> {
         _ if begins(b"\x93NUMPY") => Format::Npy,
         _ if begins(b"PK\x03\x04") => Format::Npz,
         _ if begins(matlab::MAGIC) => Format::Matlab,
-        _ if begins(matlab::MAGIC_HDF5) => {
-            let reason = "version 7.3; save it with -v7, or the array as HDF5 (h5create, h5write)";
-            return Err(source.unreadable("MATLAB", reason));
-        }
-        _ if begins(b"\x89HDF") => Format::Hdf5,
+        _ if begins(b"MATLAB 7.3 MAT-file") => Format::Hdf5 { matlab: true },
+        _ if begins(b"\x89HDF") => Format::Hdf5 { matlab: false },
         "wav" => Format::Wav,
         "npy" => Format::Npy,
         "npz" => Format::Npz,
         "mat" => Format::Matlab,
-        "h5" | "hdf5" => Format::Hdf5,
+        "h5" | "hdf5" => Format::Hdf5 { matlab: false },
         "csv" => Format::Csv,
         "bin" => Format::Dca1000,
         _ => return Err(source.value("extension", format!("{extension:?}"), FORMATS)),
@@ -297,9 +294,9 @@ fn contents(source: Source, stated: &Stated) -> Result<Contents, MeasuredError> 
         }
         Format::Dca1000 => dca1000::read(source, stated)?.contents(source, stated, dca1000::FORMAT)?,
         #[cfg(feature = "hdf5")]
-        Format::Hdf5 => hdf5::read(source, dataset)?,
+        Format::Hdf5 { matlab } => hdf5::read(source, dataset, matlab)?,
         #[cfg(not(feature = "hdf5"))]
-        Format::Hdf5 => {
+        Format::Hdf5 { .. } => {
             let reason = "this program was built without HDF5; build it with --features hdf5";
             return Err(source.unreadable("HDF5", reason));
         }

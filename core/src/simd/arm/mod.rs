@@ -3,7 +3,11 @@
 //! The module is compiled only for targets that have the extension: every `unsafe` below relies on it.
 
 #[cfg(feature = "graph")]
+mod depthwise_products;
+#[cfg(feature = "graph")]
 mod patch_products;
+#[cfg(feature = "graph")]
+pub use depthwise_products::depthwise_products;
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
