@@ -7,7 +7,7 @@
 //! | `wgpu` | no | `sdp3 train --backend wgpu`: Vulkan, Metal, DirectX 12, WebGPU |
 //! | `cuda` | no | `sdp3 train --backend cuda`; the build downloads an LLVM bundle |
 //! | `svm` | no | the support vector machine of `sdp3 study baselines` |
-//! | `hdf5` | no | measured signals in HDF5 files |
+//! | `hdf5` | yes | measured signals in HDF5 files, and in MATLAB files of version 7.3 |
 //!
 //! Rust 1.95 or newer. The radar module itself is the crate `sdp3-core`.
 

@@ -1,7 +1,7 @@
 """Writes a recording in every format that sdp3 reads, and compares what sdp3 makes of it.
 
 Usage: recordings.py SDP3 FOLDER. FOLDER holds what tests/recordings simulated: a walk of the scenarios bgt60 and iwr in SigMF, and
-a model of each. Layouts: Infineon's radar SDK (radar.npy, config.json), TI SWRA581 for the DCA1000, SciPy for MATLAB 5, h5py for MATLAB 7.3
+a model of each. Layouts: Infineon's radar SDK (radar.npy, config.json) and raw data (IFRT, IFRB), TI SWRA581 for the DCA1000, SciPy for MATLAB 5, h5py for MATLAB 7.3
 and Acconeer's A121, NumPy, SigMF, the module wave, and plain text.
 """
 
@@ -147,6 +147,57 @@ check(found.get("samples_sha256") == digest(both), "--chirp all: other samples")
 check(abs(found.get("rate_hz", 0) - 2 * rate) < 1e-6 * rate, f"--chirp all: {found.get('rate_hz')} Hz")
 infineon = folder
 
+# --- the same module's raw data: text with shares of full scale, antenna by antenna; binary with counts, antennas interleaved
+HEADER = [
+    "Version", "Header_Size", "Num_Tx_Antennas", "Num_Rx_Antennas", "Mask_Tx_Antennas", "Mask_Rx_Antennas", "Are_Rx_Antennas_Interleaved",
+    "Modulation_Type_Enum", "Chirp_Shape_Enum", "Lower_RF_Frequency_kHz", "Upper_RF_Frequency_kHz", "Sampling_Frequency_kHz",
+    "ADC_Resolution_Bits", "Are_ADC_Samples_Normalized", "Data_Format_Enum", "Chirps_per_Frame", "Samples_per_Chirp", "Samples_per_Frame",
+    "Chirp_Time_sec", "Pulse_Repetition_Time_sec", "Frame_Period_sec"]
+FLOATS = {"Version", "Lower_RF_Frequency_kHz", "Upper_RF_Frequency_kHz", "Sampling_Frequency_kHz", "Chirp_Time_sec", "Pulse_Repetition_Time_sec",
+          "Frame_Period_sec"}
+
+
+def raw_header(antennas, chirps, samples, bits, carrier, bandwidth, rate, **changed):
+    header = dict.fromkeys(HEADER, 0) | {
+        "Version": 1.0, "Num_Tx_Antennas": 1, "Num_Rx_Antennas": antennas, "Mask_Tx_Antennas": 1, "Mask_Rx_Antennas": 2**antennas - 1,
+        "Modulation_Type_Enum": 1, "Lower_RF_Frequency_kHz": carrier / 1e3, "Upper_RF_Frequency_kHz": (carrier + bandwidth) / 1e3,
+        "Sampling_Frequency_kHz": 2000.0, "ADC_Resolution_Bits": bits, "Chirps_per_Frame": chirps, "Samples_per_Chirp": samples,
+        "Samples_per_Frame": antennas * chirps * samples, "Pulse_Repetition_Time_sec": 1.25e-4, "Frame_Period_sec": 1 / rate}
+    return header | changed
+
+
+def raw_text(path, header, frames, first=33):
+    lines = ["IFRT", "### Header must not be changed.", "## Modulation_Type_Enum_Def = {DOPPLER = 0, FMCW = 1}"]
+    lines += [f"# {name} = {header[name]!r}" for name in HEADER if name != "Header_Size"] + [""]
+    for number, frame in enumerate(frames, first):
+        lines += [f"# Frame_Number = {number}", *map(repr, frame.ravel().tolist())]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def raw_binary(path, header, frames):
+    words = b"".join(np.array(header[name], ">f4" if name in FLOATS else ">i4").tobytes() for name in HEADER)
+    data = b"".join(np.array(n, ">i4").tobytes() + frame.astype(">f4").tobytes() for n, frame in enumerate(frames))
+    path.write_bytes(b"IFRB" + words + data)
+    return path
+
+
+by_chirp = cube.swapaxes(1, 2)  # [frame, chirp, antenna, sample]
+text_file = raw_text(formats / "walk.raw.txt", raw_header(3, 2, 128, 12, carrier, 1e9, rate, Are_ADC_Samples_Normalized=1), by_chirp / 4095)
+found = same("bgt60", walk, expected, text_file, "--antenna", 2, "--chirp", 1)
+check(found.get("shape") == [len(walk), chirps, antennas, 128] and found.get("carrier_hz") == carrier, f"raw text: {found}")
+binary_file = raw_binary(
+    formats / "walk.raw.bin", raw_header(3, 2, 128, 12, carrier, 1e9, rate, Are_Rx_Antennas_Interleaved=1), by_chirp.swapaxes(2, 3))
+found = same("bgt60", walk, expected, binary_file, "--antenna", 2, "--chirp", 1)
+check(found.get("carrier_hz") == carrier and abs(found["rate_hz"] - rate) < 1e-6 * rate, f"raw binary: {found}")
+# a module for Doppler alone: I and Q of two channels, first of one, then of the other
+counts = random.integers(0, 4096, (60, 2, 2, 128))  # [frame, antenna, I and Q, sample]
+header = raw_header(2, 1, 128, 12, 24.05e9, 0.2e9, 1, Modulation_Type_Enum=0, Data_Format_Enum=1, Sampling_Frequency_kHz=2.0, Frame_Period_sec=0.064)
+found = inspected(raw_text(formats / "doppler.raw.txt", header, counts), "--antenna", 2)
+second = (counts[:, 1] - 2048.0).swapaxes(1, 2).reshape(-1, 2)
+check(found.get("samples_sha256") == digest(second), "raw text of a Doppler module: other samples")
+check((found.get("rate_hz"), found.get("carrier_hz")) == (2000.0, 24.15e9), f"raw text of a Doppler module: {found}")
+
 # --- a complex converter of 16 bits: TI's DCA1000
 meta, walk, described = sigmf_walk("iwr")
 rate, carrier = described["global"]["sdp3:slot_rate"], described["captures"][0]["core:frequency"]
@@ -224,6 +275,13 @@ same("iwr", walk, expected, capture("studio", two_lanes(cube), studio(1), ".mmwa
 off = cube.copy()
 off[:, :, [1, 3]] = 0
 same("iwr", walk, expected, capture("lanes-off", four_lanes(off), commands(receivers=5, interleave=0), ".cfg"), "--antenna", 2, "--chirp", 2)
+# the same in Infineon's raw data: I and Q apart, and alternating
+unsigned = cube.astype(int) + 32768
+header = raw_header(4, transmitters, samples, 16, carrier, 4e9, rate, Pulse_Repetition_Time_sec=1e-4, Sampling_Frequency_kHz=5000.0)
+apart = raw_binary(formats / "apart.raw.bin", header | {"Data_Format_Enum": 1}, unsigned.swapaxes(3, 4))
+same("iwr", walk, expected, apart, *options)
+some_frames = raw_text(formats / "alternating.raw.txt", header | {"Data_Format_Enum": 2}, unsigned[:200])
+check(inspected(some_frames, *options)["samples_sha256"] == digest(walk[:200]), "raw text, alternating: other samples")
 scipy.io.savemat(formats / "complex.mat", {"walk": walk})
 same("iwr", walk, expected, formats / "complex.mat", "--rate", rate, "--carrier", carrier)
 
@@ -346,6 +404,16 @@ huge.unlink()
 refused(changed(formats / "walk.npy", "cut.npy", lambda b: b[:-100]), *stated, words=["NPY"])
 refused(changed(formats / "compressed.mat", "cut.mat", lambda b: b[:-100]), words=["MATLAB"])
 refused(changed(formats / "plain.mat", "short.mat", lambda b: b[:4000]), words=["MATLAB"])
+lost = [line for line in (formats / "doppler.raw.txt").read_text().splitlines() if line != "# Frame_Number = 40"]
+(formats / "lost.raw.txt").write_text("\n".join(lost))
+refused(formats / "lost.raw.txt", "--antenna", 1, words=["Frame_Number, line", "must be 40: a frame is missing"])
+refused(changed(text_file, "cut.raw.txt", lambda b: b[:5000]), "--antenna", 1, "--chirp", 1, words=["number of values", "a multiple of 768"])
+refused(changed(binary_file, "cut.raw.bin", lambda b: b[:-101]), words=["size (bytes)", "a whole number of words"])
+pause = raw_text(formats / "pause.raw.txt", raw_header(1, 1, 128, 12, 24e9, 0.2e9, 1, Modulation_Type_Enum=0, Sampling_Frequency_kHz=2.0), counts[:2, :1, 0])
+refused(pause, words=["Frame_Period_sec is 1, must be 0.064"])
+for name, value in (("Chirp_Shape_Enum", 2), ("ADC_Resolution_Bits", 17), ("Samples_per_Chirp", 0)):
+    wrong = raw_text(formats / "wrong.raw.txt", raw_header(1, 1, 128, 12, 24e9, 0.2e9, 1, **{name: value}), counts[:2, :1, 0])
+    refused(wrong, words=[f"{name} is {value}, must be"])
 for name in ("v73-gzip.mat", "walk.h5"):
     refused(changed(formats / name, f"cut-{name}", lambda b: b[: len(b) // 2]), words=["MATLAB 7.3" if "mat" in name else "HDF5"])
 refused(changed(formats / "plain.mat", "order.mat", lambda b: b[:126] + b"XX" + b[128:]), words=["endian indicator"])

@@ -128,8 +128,8 @@ impl Node<'_> {
         if self.kind == Some(Kind::Convolution) { row } else { 0 }
     }
 
-    /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep their input's shape, of an even height and
-    /// 8, 16 or 32 channels; depthwise 1x1 convolutions of at most 32 channels; additions.
+    /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep height, which is even, and width, with 8, 16,
+    /// 32 or 64 inputs and outputs or three inputs and 8, 16 or 32 outputs; depthwise 1x1 convolutions of at most 32 channels; additions.
     pub fn is_covered(&self) -> bool {
         let ([height, width, inputs], [rows, columns, outputs]) = (self.input.shape(), self.output.shape());
         let keeps = (height, width) == (rows, columns);

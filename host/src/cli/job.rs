@@ -54,7 +54,7 @@ pub fn verify(context: &Context, args: VerifyArgs) -> Result<bool, Failure> {
 #[derive(Debug, Clone, Args)]
 pub struct ReportArgs {
     /// `sdp3-page` in WebAssembly, for the page to compute with: it classifies recordings that are dropped on it, and computes the region for
-    /// other links. docs/bring-your-own-recording.md says how it is built.
+    /// other links. Without this option it is taken from the folder of `sdp3`, if it is there.
     #[arg(long, value_name = "FILE.wasm")]
     pub program: Option<PathBuf>,
 }

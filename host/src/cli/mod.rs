@@ -227,7 +227,7 @@ pub enum Command {
     #[command(after_help = "Examples:
   sdp3 report
   sdp3 report --out small
-  sdp3 report --program target/wasm32-wasip1/page/sdp3-page.wasm")]
+  sdp3 report --program sdp3-page.wasm")]
     Report(job::ReportArgs),
     /// List, print, write and check scenarios.
     #[command(after_help = "Examples:

@@ -18,6 +18,9 @@ pub(super) const RUN: &str = "run.json";
 /// File of what a run's figures show.
 pub(super) const FIGURES: &str = "figures.json";
 
+/// The page's program, for WebAssembly, beside the program that runs.
+const PAGE_PROGRAM: &str = "sdp3-page.wasm";
+
 /// What makes the files of a run.
 pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
 
@@ -156,7 +159,8 @@ impl Job {
         draw(&self.output, name, svg)
     }
 
-    /// Draws the page and the figures of the run again, with a program in the page if its file is given; the page's path.
+    /// Draws the page and the figures of the run again; the page's path. The page computes if there is a program for it: this one, or
+    /// [`PAGE_PROGRAM`] beside the program that runs.
     ///
     /// # Errors
     ///
@@ -178,8 +182,7 @@ impl Job {
             return Err(refuse("scenario.toml", "SHA-256", &found, &must).into());
         }
         let job = Job { scenario, ..self };
-        let live = program.map(|file| job.live(file)).transpose()?;
-        job.page(&run, &figures, live.as_ref())
+        job.page(&run, &figures, program)
     }
 
     /// The program of a page in WebAssembly with the run's models.
@@ -196,9 +199,17 @@ impl Job {
         Ok(Live::new(&bytes, models, &self.scenario)?)
     }
 
-    /// Pictures and page of a run; the page's path.
-    pub(super) fn page(&self, run: &Run, figures: &Figures, live: Option<&Live>) -> Result<PathBuf, Failure> {
-        let page = crate::report::page(run, figures, &self.scenario.to_toml(), live);
+    /// Pictures and page of a run, as of [`Job::report`]; the page's path.
+    pub(super) fn page(
+        &self,
+        run: &Run,
+        figures: &Figures,
+        program: Option<&Path>,
+    ) -> Result<PathBuf, Failure> {
+        let beside = std::env::current_exe().ok().map(|path| path.with_file_name(PAGE_PROGRAM));
+        let beside = beside.filter(|path| path.is_file());
+        let live = program.or(beside.as_deref()).map(|file| self.live(file)).transpose()?;
+        let page = crate::report::page(run, figures, &self.scenario.to_toml(), live.as_ref());
         for (name, bytes) in crate::report::paper::files(run, figures)? {
             self.output.write(&format!("figures/{name}"), &bytes)?;
         }

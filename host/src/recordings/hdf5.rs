@@ -28,16 +28,19 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
     limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(format, error))?;
     let file = File::open(source.0).map_err(broken)?;
     let a121 = file.dataset("generation").and_then(|d| d.read_string()).is_ok_and(|s| s == ["a121"]);
-    let names = || {
+    let names = || -> Result<Vec<String>, MeasuredError> {
         let mut names = Vec::new();
-        datasets(&file.root(), "", if matlab { 0 } else { DEPTH }, &mut names);
+        datasets(&file.root(), "", if matlab { 0 } else { DEPTH }, &mut names).map_err(broken)?;
         names.retain(|name| !matlab || is_array(&file, name));
-        names
+        if names.is_empty() {
+            return Err(source.unreadable(format, "it holds no array of numbers"));
+        }
+        Ok(names)
     };
     let name = match name {
         Some(name) => name.to_owned(),
         None if a121 => A121_FRAMES.to_owned(),
-        None => match names().as_slice() {
+        None => match names()?.as_slice() {
             [only] => only.clone(),
             all => {
                 let legal = format!("one of {}", all.join(", "));
@@ -45,9 +48,13 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
             }
         },
     };
-    let dataset = file.dataset(&name).map_err(|_| {
-        source.value("--dataset", format!("{name:?}"), format!("one of {}", names().join(", ")))
-    })?;
+    let Ok(dataset) = file.dataset(&name) else {
+        return Err(source.value(
+            "--dataset",
+            format!("{name:?}"),
+            format!("one of {}", names()?.join(", ")),
+        ));
+    };
     let stored = dataset.shape().map_err(broken)?;
     let shape = checked_shape(source, &stored)?;
     let datatype = dataset.datatype().map_err(broken)?;
@@ -119,15 +126,19 @@ fn scalar_of(file: &File, name: &str) -> Option<f64> {
 }
 
 /// Names of all datasets below a group.
-fn datasets(group: &Group, path: &str, depth: usize, names: &mut Vec<String>) {
-    names.extend(group.datasets().unwrap_or_default().into_iter().map(|name| format!("{path}{name}")));
+fn datasets(
+    group: &Group,
+    path: &str,
+    depth: usize,
+    names: &mut Vec<String>,
+) -> Result<(), hdf5_pure::Error> {
+    names.extend(group.datasets()?.into_iter().map(|name| format!("{path}{name}")));
     if depth > 0 {
-        for name in group.groups().unwrap_or_default() {
-            if let Ok(inner) = group.group(&name) {
-                datasets(&inner, &format!("{path}{name}/"), depth - 1, names);
-            }
+        for name in group.groups()? {
+            datasets(&group.group(&name)?, &format!("{path}{name}/"), depth - 1, names)?;
         }
     }
+    Ok(())
 }
 
 fn number_of(value: &AttrValue) -> Option<f64> {

@@ -159,7 +159,7 @@ fn recordings(folder: &Path, depth: u32, found: &mut Vec<PathBuf>) -> std::io::R
             if depth > 0 {
                 recordings(&path, depth - 1, found)?;
             }
-        } else if ENDINGS.contains(&ending.as_str()) {
+        } else if ENDINGS.contains(&ending.as_str()) || path.to_string_lossy().ends_with(".raw.txt") {
             found.push(path);
         }
     }

@@ -1,5 +1,5 @@
-//! Measured signals: WAV, CSV, NPY, NPZ, MATLAB, SigMF, HDF5 (feature `hdf5`), recordings of Infineon's radar SDK and captures of TI's
-//! DCA1000. What a file is, its first bytes say, or its name where they cannot.
+//! Measured signals: WAV, CSV, NPY, NPZ, MATLAB, SigMF, HDF5 (feature `hdf5`), recordings of Infineon's radar SDK and raw data, and captures
+//! of TI's DCA1000. What a file is, its first bytes say, or its name where they cannot.
 //!
 //! What a file does not say about itself (carrier, rate) the user states; what both say, the user decides. Levels are relative:
 //! calibration compares spectrograms on their own mean power, so a gain only changes the power that is printed.
@@ -12,6 +12,7 @@ mod expected;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod infineon;
+mod infineon_raw;
 pub(crate) mod labels;
 mod matlab;
 mod npy;
@@ -216,12 +217,13 @@ enum Format {
     Hdf5 { matlab: bool },
     SigMf,
     Infineon(PathBuf),
+    InfineonRaw,
     Dca1000,
 }
 
 /// What is read, for errors.
-const FORMATS: &str = "WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy) \
-     or a DCA1000 capture (.bin)";
+const FORMATS: &str = "WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy), \
+     Infineon's raw data (.raw.txt, .raw.bin) or a DCA1000 capture (.bin)";
 
 /// What a path is: by the names in a folder, by a file's first bytes, or by its extension.
 fn recognised(source: Source) -> Result<Format, MeasuredError> {
@@ -246,6 +248,7 @@ fn recognised(source: Source) -> Result<Format, MeasuredError> {
         _ if begins(b"PK\x03\x04") => Format::Npz,
         _ if begins(matlab::MAGIC) => Format::Matlab,
         _ if begins(b"MATLAB 7.3 MAT-file") => Format::Hdf5 { matlab: true },
+        _ if infineon_raw::MAGIC.into_iter().any(begins) => Format::InfineonRaw,
         _ if begins(b"\x89HDF") => Format::Hdf5 { matlab: false },
         "wav" => Format::Wav,
         "npy" => Format::Npy,
@@ -292,6 +295,7 @@ fn contents(source: Source, stated: &Stated) -> Result<Contents, MeasuredError> 
         Format::Infineon(folder) => {
             infineon::read(&folder, source)?.contents(source, stated, infineon::FORMAT)?
         }
+        Format::InfineonRaw => infineon_raw::read(source, stated)?,
         Format::Dca1000 => dca1000::read(source, stated)?.contents(source, stated, dca1000::FORMAT)?,
         #[cfg(feature = "hdf5")]
         Format::Hdf5 { matlab } => hdf5::read(source, dataset, matlab)?,
