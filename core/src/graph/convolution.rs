@@ -165,8 +165,8 @@ fn finish(
     }
 }
 
-/// Does step `step` of a convolution, some `most` multiply-accumulates or those of one channel of four pixels; true after its last. Cost:
-/// [`Node::taps`] multiply-accumulates a value.
+/// Does step `step` of a convolution, some `most` instructions of Cortex-M4F or those of one channel of four pixels; true after its last.
+/// Cost: [`Node::taps`] multiply-accumulates a value.
 pub(super) fn convolve(
     node: &Node<'_>,
     quant: &PerChannelQuant<'_>,
@@ -175,7 +175,7 @@ pub(super) fn convolve(
     output: &mut [i8],
 ) -> bool {
     let [_, _, outputs] = node.output.shape();
-    // a value is as much work as some products
+    // a product is about an instruction, a value some more
     let most = most.checked_div(PIXELS * (node.taps() + 32)).unwrap_or(0);
     let channels = most.clamp(1, CHANNELS).min(outputs.max(1));
     let fours = (most / channels).max(1);
