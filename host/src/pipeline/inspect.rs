@@ -148,6 +148,9 @@ fn range_time(title: &str, signal: &Signal, profiles: &[Vec<Complex64>]) -> Spec
 
 /// The scenario in TOML that has this sensor as its radar, with slots at this rate; else why there is none.
 fn matching(sensor: &Sensor, rate_hz: f64) -> Result<String, String> {
+    if sensor.bandwidth_hz == 0.0 {
+        return Err("a Doppler module sweeps no frequency: there is no range to gate".to_owned());
+    }
     let cell_m = SPEED_OF_LIGHT / (2.0 * sensor.bandwidth_hz);
     let bins = |metres: f64| (metres / cell_m).round();
     let slots = |seconds: f64| (seconds * rate_hz).round();

@@ -270,12 +270,18 @@ fn doppler(source: Source, stated: &Stated, cube: Cube) -> Result<Contents, Meas
         );
         return Err(source.value("Frame_Period_sec", frame_s, legal));
     }
+    if let Some(chirp) = stated.chirp {
+        return Err(source.value("--chirp", chirp, "not given: a Doppler module has no chirps"));
+    }
     let every = Stated { chirp: Some(Chirps::All), ..stated.clone() };
-    let mut contents = cube.contents(source, &every, FORMAT)?;
-    let Samples::Slots(slots) = contents.samples else { return Ok(contents) };
+    let sensor = cube.sensor.clone();
+    let Samples::Slots(slots) = cube.contents(source, &every, FORMAT)?.samples else {
+        return Err(source.unreadable(FORMAT, "it holds no samples"));
+    };
     let values: Vec<f64> = slots.values.into_iter().map(f64::from).collect();
     let shape = if complex { vec![values.len() / 2, 2] } else { vec![values.len()] };
-    contents = Array { shape, numbers: Numbers::Real(values) }.contents(source, FORMAT)?;
+    let mut contents = Array { shape, numbers: Numbers::Real(values) }.contents(source, FORMAT)?;
+    contents.about.sensor = Some(sensor);
     (contents.rate_hz, contents.carrier_hz) = (Some(sample_rate_hz), Some(carrier_hz));
     Ok(contents)
 }
