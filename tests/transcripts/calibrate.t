@@ -17,7 +17,7 @@ Calibration: the stored table with its self-check, and measured signals that can
   [2]
 
   $ sdp3 calibrate --measured short.toml
-  sdp3: short.toml: extension is "toml", must be WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy) or a DCA1000 capture (.bin)
+  sdp3: short.toml: extension is "toml", must be WAV, CSV, NPY, NPZ, MATLAB (.mat), SigMF (.sigmf-meta), HDF5 (.h5), a folder of Infineon's radar SDK (config.json and radar.npy), Infineon's raw data (.raw.txt, .raw.bin) or a DCA1000 capture (.bin)
   [2]
 
   $ sdp3 calibrate --carrier 24e9

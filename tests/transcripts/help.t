@@ -1543,7 +1543,7 @@ Help: the tool and every command, with examples.
   
   Options:
         --program <FILE.wasm>
-            `sdp3-page` in WebAssembly, for the page to compute with: it classifies recordings that are dropped on it, and computes the region for other links. docs/bring-your-own-recording.md says how it is built
+            `sdp3-page` in WebAssembly, for the page to compute with: it classifies recordings that are dropped on it, and computes the region for other links. Without this option it is taken from the folder of `sdp3`, if it is there
   
         --scenario <FILE.toml|NAME>
             Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
@@ -1589,7 +1589,7 @@ Help: the tool and every command, with examples.
   Examples:
     sdp3 report
     sdp3 report --out small
-    sdp3 report --program target/wasm32-wasip1/page/sdp3-page.wasm
+    sdp3 report --program sdp3-page.wasm
 
   $ sdp3 scenario --help
   List, print, write and check scenarios
