@@ -75,7 +75,7 @@ pub(super) fn read(source: Source, stated: &Stated) -> Result<Contents, Measured
     source.fits("size (bytes)", size, size / 2)?;
     let mut magic = [0; 4];
     file.read_exact(&mut magic).map_err(|error| source.unreadable(FORMAT, error))?;
-    let (header, values) = if &magic == MAGIC[0] { text(source, file) } else { binary(source, file) }?;
+    let (header, values) = if magic == *MAGIC[0] { text(source, file) } else { binary(source, file) }?;
     header.contents(source, stated, &values)
 }
 
