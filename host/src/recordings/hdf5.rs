@@ -48,7 +48,8 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
             }
         },
     };
-    let Ok(dataset) = file.dataset(&name) else {
+    let dataset = file.dataset(&name).ok().filter(|_| !matlab || is_array(&file, &name));
+    let Some(dataset) = dataset else {
         return Err(source.value(
             "--dataset",
             format!("{name:?}"),

@@ -260,7 +260,7 @@ impl<P: DualMac> Kernels for WinogradF2<'_, P> {
         let (first, step, all) = match operator {
             Operator::Conv { layer, size, .. } => {
                 let count = packing::packed_outputs(layer.quant.channels);
-                let steps = packing + convolution::steps::<P>(layer.quant.channels, size).max(1);
+                let steps = (packing + convolution::steps::<P>(layer.quant.channels, size)).max(1);
                 let first = step / steps * count;
                 (first, step % steps, first + count >= layer.quant.channels)
             }
