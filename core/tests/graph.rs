@@ -168,7 +168,7 @@ fn a_large_window_is_gathered_in_parts() {
     assert!(found.iter().any(|&value| value.unsigned_abs() < 127), "{found:?}");
 }
 
-/// A 3x3 convolution of stride 1 over `[6, width, inputs]`, whose last output has this shift.
+/// A 3x3 convolution of stride 1 over `[6, width, inputs]`; the last output has this shift.
 fn convolution(width: u16, inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
     let count = usize::from(outputs);
     let mut parameters =

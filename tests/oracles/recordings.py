@@ -320,7 +320,7 @@ for picture in ("doppler-time.svg", "doppler-time.png", "range-time.svg"):
     check((work / "out" / picture).stat().st_size > 1000, f"{picture} is empty")
 
 
-# --- HDF5: MATLAB 7.3, whose axes are stored the other way round behind 512 bytes, and Acconeer's A121
+# --- HDF5: MATLAB 7.3, with axes stored the other way round behind 512 bytes, and Acconeer's A121
 def matlab_7_3(path, compression=None, **variables):
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, (value, kind) in variables.items():

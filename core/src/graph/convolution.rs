@@ -92,7 +92,7 @@ struct FourPixels<'a> {
 }
 
 impl FourPixels<'_> {
-    /// Channels `channels`, at most [`CHANNELS`], of at most four pixels, from `first` on, whose values are `output`: the windows are gathered,
+    /// Channels `channels`, at most [`CHANNELS`], of at most four pixels, from `first` on, into their values: the windows are gathered,
     /// then each channel's weights are read once for all pixels.
     fn compute(&mut self, first: usize, channels: Range<usize>, output: &mut [i8]) {
         let (node, taps) = (self.node, self.node.taps());

@@ -3,7 +3,7 @@
 //!
 //! Text begins with `IFRT`, binary files with `IFRB`. Values are counts of the converter or shares of its full scale, chirp by chirp. Of a
 //! chirp the antennas follow one another, or alternate from sample to sample; I and Q likewise. Recordings of FMCW modules are read,
-//! and those of Doppler modules whose frames leave no pause. Source: the parsers and the file that come with Infineon's 24 GHz tools.
+//! and those of Doppler modules with frames that leave no pause. Source: the parsers and the file that come with Infineon's 24 GHz tools.
 
 use super::array::{Array, Numbers};
 use super::cube::{Chirps, Cube};
@@ -260,7 +260,7 @@ impl Header {
     }
 }
 
-/// The samples of one antenna of a Doppler module, whose frames follow one another.
+/// The samples of one antenna of a Doppler module with frames that follow one another.
 fn doppler(source: Source, stated: &Stated, cube: Cube) -> Result<Contents, MeasuredError> {
     let Sensor { chirps, samples, sample_rate_hz, carrier_hz, frame_s, complex, .. } = cube.sensor;
     let filled = f64::from(chirps * samples) / sample_rate_hz;

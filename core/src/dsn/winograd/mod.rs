@@ -6,7 +6,7 @@
 //! before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed ahead. An
 //! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29; convolutions of other
 //! than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such shifts or accumulators. Graphs also
-//! have kernels of 64 channels, whose weights are packed sixteen outputs at a time, and of the three channels of a colour image.
+//! have kernels of 64 channels (weights are packed sixteen outputs at a time) and of the three channels of a colour image.
 //!
 //! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, except of plain loops.
 
