@@ -175,10 +175,11 @@ pub(super) fn convolve(
     output: &mut [i8],
 ) -> bool {
     let [_, _, outputs] = node.output.shape();
-    // a product is about an instruction, a value some more
-    let most = most.checked_div(PIXELS * (node.taps() + 32)).unwrap_or(0);
-    let channels = most.clamp(1, CHANNELS).min(outputs.max(1));
-    let fours = (most / channels).max(1);
+    // a product is about an instruction, a value takes some more, and gathering two for each value under the window
+    let (value, windows) = (PIXELS * (node.taps() + 32), PIXELS * (2 * node.taps() + 250));
+    let most_channels = most.saturating_sub(windows) / value.max(1);
+    let channels = most_channels.clamp(1, CHANNELS).min(outputs.max(1));
+    let fours = (most / (windows + channels * value).max(1)).max(1);
     let parts = outputs.div_ceil(channels).max(1);
     let first = step / parts * fours * PIXELS;
     let channel = step % parts * channels;
