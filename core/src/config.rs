@@ -5,7 +5,7 @@
 //! | `dechirp` | `gate` | range samples |
 //! |---|---|---|
 //! | digital | none | times the conjugate chirp, summed in blocks ([`dechirp`](crate::signal::dechirp)) |
-//! | analog | none | summed in blocks |
+//! | analog | none | summed in blocks; of a Doppler sensor, which has no sweep, all samples of a slot |
 //! | analog | some | the range profile around some bins (`signal::range_gate`) |
 
 use crate::dims::BEATS;
@@ -16,7 +16,8 @@ use crate::dims::BEATS;
 pub enum SampleFormat {
     /// In-phase and quadrature, interleaved, in-phase first.
     Complex,
-    /// One value a sample; needs a range gate.
+    /// One value a sample; needs a sensor that dechirps. Range samples of a gate are complex, sums of blocks are real: their spectrum
+    /// over slow time has every echo at its negative frequency as well.
     Real,
 }
 
@@ -46,7 +47,7 @@ pub struct RangeGate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RadarConfig {
-    /// Samples of a sweep, 64 to 2048.
+    /// Samples of a sweep, 64 to 2048; from 1 where the sensor dechirps and there is no gate.
     pub samples: u16,
     /// Complex or real.
     pub format: SampleFormat,
@@ -92,13 +93,29 @@ impl RadarConfig {
         ..Self::PAPER
     };
 
+    /// A Doppler sensor with one mixer (continuous wave, one output): a slot is one real sample.
+    pub const DOPPLER: Self = RadarConfig {
+        samples: 1,
+        format: SampleFormat::Real,
+        dechirp: Dechirp::Analog,
+        range_samples: 1,
+        ..Self::PAPER
+    };
+
+    /// A Doppler sensor with I and Q: a slot is one complex sample. Q leads I where a target approaches, as in the beat of a sweep.
+    pub const DOPPLER_IQ: Self = RadarConfig { format: SampleFormat::Complex, ..Self::DOPPLER };
+
+    /// Fewest samples of a sweep.
+    const LEAST_SAMPLES: usize = 64;
+
     /// Whether every field is within its range and they fit together.
     pub const fn is_valid(&self) -> bool {
         let (samples, kept) = (self.samples as usize, self.range_samples as usize);
-        let sizes = samples >= 64 && samples <= 2048 && kept >= 1 && kept <= BEATS;
-        let bits = self.converter_bits >= 8 && self.converter_bits <= 16;
         let complex = matches!(self.format, SampleFormat::Complex);
         let analog = matches!(self.dechirp, Dechirp::Analog);
+        let least = if analog && self.gate.is_none() { 1 } else { Self::LEAST_SAMPLES };
+        let sizes = samples >= least && samples <= 2048 && kept >= 1 && kept <= BEATS;
+        let bits = self.converter_bits >= 8 && self.converter_bits <= 16;
         let fits = match self.gate {
             None => kept > 0 && samples.is_multiple_of(kept),
             Some(RangeGate { first_bin, bins_per_sample }) => {
@@ -107,7 +124,7 @@ impl RadarConfig {
                 bins_per_sample >= 1 && bins_per_sample <= 32 && end <= bins && analog
             }
         };
-        sizes && bits && fits && (complex || self.gate.is_some())
+        sizes && bits && fits && (complex || analog)
     }
 
     /// Values of i16 in a slot: two a complex sample.

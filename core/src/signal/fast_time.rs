@@ -54,6 +54,11 @@ impl<'b> FastTime<'b> {
         let mut all = [[0_i64; 2]; BEATS];
         let sums = all.get_mut(..kept)?;
         match (self.config.gate, self.config.format) {
+            (None, SampleFormat::Real) => {
+                for (sum, samples) in sums.iter_mut().zip(slot.chunks_exact(block.max(1))) {
+                    *sum = [samples.iter().map(|&x| i64::from(x)).sum(), 0];
+                }
+            }
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
             (None, _) => native_conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {

@@ -127,6 +127,19 @@ fn a_converter_of_12_bits_has_its_own_ends_and_bits() {
 }
 
 #[test]
+fn a_slot_of_one_sample_shows_only_the_ends_of_the_range() {
+    for value in [0, 5, -30_000, 32_766] {
+        assert_eq!(check(&[value], &RadarConfig::DOPPLER), Ok(()));
+        assert_eq!(check(&[value, 0], &RadarConfig::DOPPLER_IQ), Ok(()));
+    }
+    assert_eq!(check(&[i16::MAX], &RadarConfig::DOPPLER), Err(SampleFault::Saturated { values: 1 }));
+    let both = [i16::MIN, i16::MAX];
+    assert_eq!(check(&both, &RadarConfig::DOPPLER_IQ), Err(SampleFault::Saturated { values: 2 }));
+    let bits = RadarConfig { converter_bits: 12, ..RadarConfig::DOPPLER };
+    assert_eq!(check(&[2047], &bits), Err(SampleFault::Saturated { values: 1 }));
+}
+
+#[test]
 fn every_fault_says_what_it_is() {
     for (fault, words) in [
         (SampleFault::Silent, "the samples are the same"),

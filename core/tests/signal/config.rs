@@ -4,13 +4,15 @@ use sdp3_core::config::*;
 
 #[test]
 fn shipped_configurations_are_valid_and_survive_their_bytes() {
-    for config in [RadarConfig::PAPER, RadarConfig::BGT60, RadarConfig::IWR] {
+    let doppler = [RadarConfig::DOPPLER, RadarConfig::DOPPLER_IQ];
+    for config in [RadarConfig::PAPER, RadarConfig::BGT60, RadarConfig::IWR].into_iter().chain(doppler) {
         assert!(config.is_valid());
         assert_eq!(RadarConfig::from_bytes(config.to_bytes()), Some(config));
     }
     assert_eq!(RadarConfig::PAPER.to_bytes(), [0; 8]);
     assert_eq!((RadarConfig::PAPER.shift(), RadarConfig::PAPER.values_per_slot()), (12, 2000));
     assert_eq!((RadarConfig::BGT60.shift(), RadarConfig::BGT60.reference_len()), (12, 1024));
+    assert_eq!(doppler.map(|d| (d.shift(), d.values_per_slot(), d.reference_len())), [(0, 1, 0), (0, 2, 0)]);
 }
 
 #[test]
@@ -19,6 +21,10 @@ fn what_does_not_fit_is_refused() {
     for wrong in [
         RadarConfig { samples: 63, range_samples: 1, ..paper },
         RadarConfig { samples: 2056, ..paper },
+        RadarConfig { samples: 63, ..RadarConfig::IWR },
+        RadarConfig { samples: 0, ..RadarConfig::DOPPLER },
+        RadarConfig { range_samples: 2, ..RadarConfig::DOPPLER },
+        RadarConfig { dechirp: Dechirp::Digital, ..RadarConfig::DOPPLER },
         RadarConfig { samples: 1001, ..paper },
         RadarConfig { range_samples: 0, ..paper },
         RadarConfig { range_samples: 9, samples: 900, ..paper },
@@ -40,16 +46,18 @@ fn what_does_not_fit_is_refused() {
 fn fits(c: &RadarConfig) -> bool {
     let (samples, count) = (i64::from(c.samples), i64::from(c.range_samples));
     let real = c.format == SampleFormat::Real;
+    let analog = c.dechirp == Dechirp::Analog;
+    let least = if analog && c.gate.is_none() { 1 } else { 64 };
     let ranges =
-        (64..=2048).contains(&samples) && (1..=8).contains(&count) && (8..=16).contains(&c.converter_bits);
+        (least..=2048).contains(&samples) && (1..=8).contains(&count) && (8..=16).contains(&c.converter_bits);
     ranges
         && match c.gate {
-            None => !real && samples % count == 0,
+            None => (analog || !real) && samples % count == 0,
             Some(gate) => {
                 let bins = i64::from(gate.bins_per_sample);
                 let profile = if real { samples / 2 } else { samples };
                 let inside = i64::from(gate.first_bin) + bins * count <= profile;
-                c.dechirp == Dechirp::Analog && (1..=32).contains(&bins) && inside
+                analog && (1..=32).contains(&bins) && inside
             }
         }
 }
@@ -61,7 +69,7 @@ fn validity_and_bytes_follow_the_rules_at_every_edge() {
     });
     let gates: Vec<Option<RangeGate>> = std::iter::once(None).chain(gates).collect();
     let mut valid = 0;
-    for samples in [0, 63, 64, 65, 127, 128, 129, 256, 1000, 1001, 2047, 2048, 2049, 0xffff] {
+    for samples in [0, 1, 2, 63, 64, 65, 127, 128, 129, 256, 1000, 1001, 2047, 2048, 2049, 0xffff] {
         for range_samples in 0..=9 {
             for converter_bits in [0, 7, 8, 12, 16, 17, 255] {
                 for (format, dechirp, left_justified) in [

@@ -40,6 +40,8 @@ fn a_full_scale_slot_of_any_configuration_stays_within_the_stated_magnitude() {
     configs.extend([64, 200, 2048].map(|samples| RadarConfig { samples, ..RadarConfig::PAPER }));
     configs.extend([64, 2048].map(|samples| RadarConfig { samples, range_samples: 1, ..RadarConfig::PAPER }));
     configs.push(RadarConfig { samples: 2048, range_samples: 1, ..blocks });
+    configs.extend([RadarConfig::DOPPLER, RadarConfig::DOPPLER_IQ]);
+    configs.extend([1, 512, 513, 2048].map(|samples| RadarConfig { samples, ..RadarConfig::DOPPLER_IQ }));
     for config in configs {
         let mut memory = vec![[0; 2]; config.reference_len()];
         FastTime::new(config, &mut memory).unwrap();
@@ -115,4 +117,22 @@ fn blocks_of_a_sweep_that_the_sensor_dechirps_are_summed_and_conjugated() {
         let (re, im): (i32, i32) = (part().map(|n| 3 * n - 700).sum(), part().map(|n| 900 - 2 * n).sum());
         assert_eq!((value.re, value.im), (re, -im), "block {k}");
     }
+}
+
+#[test]
+fn a_doppler_sensors_sample_is_its_range_sample() {
+    let one = FastTime::new(RadarConfig::DOPPLER, &mut []).unwrap();
+    let both = FastTime::new(RadarConfig::DOPPLER_IQ, &mut []).unwrap();
+    for x in [i16::MIN, -1, 0, 1, 300, i16::MAX] {
+        let [first, rest @ ..] = one.beat(&[x]).unwrap();
+        assert_eq!((first.re, first.im), (i32::from(x), 0));
+        assert!(rest.iter().all(|z| (z.re, z.im) == (0, 0)));
+        let first = both.beat(&[x, -7]).unwrap()[0];
+        assert_eq!((first.re, first.im), (i32::from(x), 7));
+        assert!(one.beat(&[x, x]).is_none() && one.beat(&[]).is_none() && both.beat(&[x]).is_none());
+    }
+    // blocks of a real converter's samples
+    let blocks = RadarConfig { samples: 6, range_samples: 3, ..RadarConfig::DOPPLER };
+    let found = FastTime::new(blocks, &mut []).unwrap().beat(&[1, 2, 3, 4, 5, 6]).unwrap();
+    assert_eq!(found.map(|z| z.re), [3, 7, 11, 0, 0, 0, 0, 0]);
 }

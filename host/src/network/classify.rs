@@ -156,7 +156,7 @@ impl Classify {
         let slots = expected(model)
             .slots(&signal, model.sensing_slots())
             .map_err(|invalid| invalid.at(file.display()))?;
-        see(&signal, slots, model);
+        see(&signal, &slots, model);
         let mut found = Vec::new();
         let mut each = |window: &ClassifiedWindow| {
             found.push(window.clone());
@@ -215,7 +215,7 @@ impl Classify {
 fn expected(model: &Model) -> Expected {
     Expected {
         owner: "the model's",
-        per_slot: model.radar().values_per_slot(),
+        radar: model.radar(),
         interval_us: f64::from(model.interval_us()),
         carrier_hz: 1e3 * f64::from(model.carrier_khz()),
     }

@@ -87,11 +87,12 @@ impl Job {
 pub(super) fn doppler_over_time(
     title: &str,
     slow: Vec<Complex64>,
+    real: bool,
     rate_hz: f64,
     carrier_hz: f64,
 ) -> OverTime {
     let window_s = WINDOW.min(slow.len()) as f64 / rate_hz;
-    let spectrogram = of_cells(title, vec![slow], rate_hz, false, carrier_hz);
+    let spectrogram = of_cells(title, vec![slow], rate_hz, real, carrier_hz);
     let first_s = ((window_s - spectrogram.frame_s) / 2.0).max(0.0);
     OverTime { spectrogram, first_s, slot_rate_hz: rate_hz }
 }

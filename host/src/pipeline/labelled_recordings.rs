@@ -30,7 +30,7 @@ impl Job {
         let radar = self.scenario.radar.config();
         let expected = Expected {
             owner: "the scenario's",
-            per_slot: radar.values_per_slot(),
+            radar,
             interval_us: 1e6 * self.scenario.interval_s(),
             carrier_hz: self.scenario.radar.carrier_hz,
         };
@@ -43,7 +43,9 @@ impl Job {
             let slots = expected.slots(&signal, longest).map_err(refuse)?;
             let mut beats = slots.beats(radar).ok_or("a radar that the core refuses")?;
             if let Some((from_s, to_s)) = labelled.span_s {
-                let slot = |t: f64| (t * signal.rate_hz).round() as usize;
+                // of a Doppler sensor the slots are fewer than the samples
+                let slot_rate_hz = signal.rate_hz * slots.len() as f64 / signal.samples.len() as f64;
+                let slot = |t: f64| (t * slot_rate_hz).round() as usize;
                 let (first, end) = (slot(from_s), slot(to_s));
                 let length = signal.samples.len() as f64 / signal.rate_hz;
                 Invalid::unless(end <= beats.len(), "to_s", to_s, format!("at most {length:.3}, its length"))

@@ -1,16 +1,19 @@
-//! Whether slots come from a given radar.
+//! Whether a recording comes from a given radar, and its slots.
 
-use super::{Samples, Signal};
+use super::{Samples, Signal, doppler};
 use crate::error::Invalid;
 use crate::formats::slots::Slots;
+use rustfft::num_complex::Complex64;
+use sdp3_core::config::{RadarConfig, SampleFormat};
+use std::borrow::Cow;
 
 /// The radar that slots must come from.
 #[derive(Debug, Clone, Copy)]
 pub struct Expected {
     /// Owner of the radar, for errors: `the model's`.
     pub owner: &'static str,
-    /// Values of a slot.
-    pub per_slot: usize,
+    /// Its samples.
+    pub radar: RadarConfig,
     /// Time from slot to slot in us.
     pub interval_us: f64,
     /// Carrier in Hz.
@@ -22,39 +25,66 @@ impl Expected {
     const INTERVAL: f64 = 0.01;
     const CARRIER: f64 = 0.05;
 
-    /// The slots of a recording, if they come from such a radar and are at least `least`.
+    /// The slots of a recording, if it comes from such a radar and has at least `least`. For a Doppler sensor they are made of its
+    /// samples, which may have a higher rate.
     ///
     /// # Errors
     ///
     /// The first field that differs.
-    pub fn slots<'s>(&self, signal: &'s Signal, least: usize) -> Result<&'s Slots, Invalid> {
+    pub fn slots<'s>(&self, signal: &'s Signal, least: usize) -> Result<Cow<'s, Slots>, Invalid> {
         let owner = self.owner;
-        let Samples::Slots(slots) = &signal.samples else {
-            return Err(Invalid::new("samples", &signal.about.axes, "raw slots of a radar"));
-        };
         let ensure = |field, value: String, holds, legal: String| Invalid::unless(holds, field, value, legal);
         let near = |value: f64, of: f64, share: f64| (value - of).abs() <= share * of;
         let interval_us = 1e6 / signal.rate_hz;
-        ensure(
-            "values a slot",
-            slots.per_slot.to_string(),
-            slots.per_slot == self.per_slot,
-            format!("{}, {owner}", self.per_slot),
-        )?;
-        ensure(
-            "slot interval (us)",
-            interval_us.to_string(),
-            near(interval_us, self.interval_us, Self::INTERVAL),
-            format!("{}, {owner}, within a hundredth", self.interval_us),
-        )?;
+        let doppler = self.radar.samples == 1;
+        if let (Samples::Slots(slots), false) = (&signal.samples, doppler) {
+            let expected = self.radar.values_per_slot();
+            ensure(
+                "values a slot",
+                slots.per_slot.to_string(),
+                slots.per_slot == expected,
+                format!("{expected}, {owner}"),
+            )?;
+            ensure(
+                "slot interval (us)",
+                interval_us.to_string(),
+                near(interval_us, self.interval_us, Self::INTERVAL),
+                format!("{}, {owner}, within a hundredth", self.interval_us),
+            )?;
+        } else {
+            let slowest = 1e6 / self.interval_us;
+            let legal = format!("at least {slowest} Hz, {owner}, within a hundredth");
+            let fast = signal.rate_hz >= (1.0 - Self::INTERVAL) * slowest;
+            ensure("rate (Hz)", signal.rate_hz.to_string(), !doppler || fast, legal)?;
+        }
         ensure(
             "carrier (Hz)",
             signal.carrier_hz.to_string(),
             near(signal.carrier_hz, self.carrier_hz, Self::CARRIER),
             format!("{}, {owner}, within 5 %", self.carrier_hz),
         )?;
+        let slots = match &signal.samples {
+            Samples::Slots(slots) if !doppler => Cow::Borrowed(slots),
+            Samples::Real(x) if doppler && self.radar.format == SampleFormat::Real => {
+                Cow::Owned(self.sampled(x.iter().map(|&x| Complex64::new(x, 0.0)).collect(), signal.rate_hz))
+            }
+            Samples::Complex(z) if doppler => Cow::Owned(self.sampled(z.clone(), signal.rate_hz)),
+            _ => {
+                let legal = match (doppler, self.radar.format) {
+                    (false, _) => "raw slots of a radar",
+                    (true, SampleFormat::Real) => "samples of a Doppler sensor",
+                    (true, SampleFormat::Complex) => "I and Q of a Doppler sensor",
+                };
+                return Err(Invalid::new("samples", &signal.about.axes, legal));
+            }
+        };
         let legal = format!("at least {least}, the longest window");
         ensure("slots", slots.len().to_string(), slots.len() >= least, legal)?;
         Ok(slots)
+    }
+
+    /// The slots of a Doppler sensor's samples.
+    fn sampled(&self, samples: Vec<Complex64>, rate_hz: f64) -> Slots {
+        doppler::slots(&doppler::coupled(samples, rate_hz, 1e6 / self.interval_us), self.radar.format)
     }
 }

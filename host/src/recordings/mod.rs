@@ -8,6 +8,7 @@ pub(crate) mod annotations;
 mod array;
 mod cube;
 mod dca1000;
+pub(crate) mod doppler;
 mod expected;
 #[cfg(feature = "hdf5")]
 mod hdf5;

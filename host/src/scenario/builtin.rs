@@ -19,7 +19,7 @@ macro_rules! built_in {
 }
 
 /// All of them, the paper's room first.
-pub const ALL: [BuiltIn; 10] = built_in![
+pub const ALL: [BuiltIn; 11] = built_in![
     "conference-room",
     "as-printed",
     "second-person",
@@ -28,6 +28,7 @@ pub const ALL: [BuiltIn; 10] = built_in![
     "busy-office",
     "radar-24ghz",
     "radar-60ghz",
+    "doppler-24ghz",
     "bgt60",
     "iwr",
 ];

@@ -65,7 +65,7 @@ pub struct Radar {
     pub sweep_s: f64,
     /// Sampling rate in Hz, which is the bandwidth of the receiver's noise.
     pub sample_rate_hz: f64,
-    /// Samples of a sweep.
+    /// Samples of a sweep; 1 of a Doppler sensor, which sends a constant frequency.
     pub samples: u16,
     /// What a sample is.
     pub format: Format,
@@ -81,6 +81,8 @@ pub struct Radar {
     pub first_bin: u16,
     /// Bins of each range sample of the gate; 0: no gate, the sweep's blocks are summed.
     pub bins_per_sample: u8,
+    /// Corner in Hz of the AC coupling of a Doppler sensor, two sections of first order; 0: none.
+    pub ac_coupling_hz: f64,
     /// Transmit power in W.
     pub power_w: f64,
     /// Gain of the transmit antenna and of the receive antenna, each, in dB.
@@ -146,6 +148,7 @@ impl Default for Radar {
             range_samples: 8,
             first_bin: 0,
             bins_per_sample: 0,
+            ac_coupling_hz: 0.0,
             power_w: 1.0,
             antenna_gain_db: 25.0,
             antenna_pattern: AntennaPattern::Element,
@@ -208,6 +211,7 @@ impl Radar {
             range_samples: other.range_samples,
             first_bin: other.first_bin,
             bins_per_sample: other.bins_per_sample,
+            ac_coupling_hz: other.ac_coupling_hz,
             ..self.clone()
         }
     }
@@ -231,7 +235,8 @@ impl Scenario {
         c.within("radar.bandwidth_hz", r.bandwidth_hz, 1e6, 10e9);
         c.beside("radar.sweep_s", r.sweep_s, [1e-6, self.frame.slot_s], "at most a slot");
         c.within("radar.sample_rate_hz", r.sample_rate_hz, 1e5, 1e8);
-        c.count("radar.samples", r.samples.into(), 64, 2048);
+        let doppler = r.dechirp == Dechirp::Analog && r.bins_per_sample == 0;
+        c.count("radar.samples", r.samples.into(), if doppler { 1 } else { 64 }, 2048);
         let product = (r.sweep_s * r.sample_rate_hz).round();
         let fits = (f64::from(r.samples) - r.sweep_s * r.sample_rate_hz).abs() < 1e-3;
         c.legal(
@@ -243,6 +248,9 @@ impl Scenario {
         c.count("radar.converter_bits", r.converter_bits.into(), 8, 16);
         c.count("radar.range_samples", r.range_samples.into(), 1, 8);
         self.check_dechirp(c);
+        let highest = if r.samples == 1 { 0.25 / self.interval_s() } else { 0.0 };
+        let legal = "a Doppler sensor's, of radar.samples = 1, up to a quarter of the rate of sensing slots";
+        c.beside("radar.ac_coupling_hz", r.ac_coupling_hz, [0.0, highest], legal);
         c.within("radar.power_w", r.power_w, 1e-12, 1e3);
         c.within("radar.antenna_gain_db", r.antenna_gain_db, -10.0, 60.0);
         c.within("radar.sidelobe_db", r.sidelobe_db, 0.0, 60.0);
@@ -270,14 +278,11 @@ impl Scenario {
             let legal = "complex (fixed): digital dechirp needs I and Q; analog takes real samples";
             c.legal("radar.format", format!("{:?}", r.format).to_lowercase(), complex, legal);
         }
-        match (r.dechirp, r.format) {
-            (Dechirp::Digital, _) => {
+        match r.dechirp {
+            Dechirp::Digital => {
                 c.beside("radar.bins_per_sample", bins, [0.0; 2], "a gate needs analog dechirp");
             }
-            (Dechirp::Analog, Format::Complex) => c.within("radar.bins_per_sample", bins, 0.0, 32.0),
-            (Dechirp::Analog, Format::Real) => {
-                c.beside("radar.bins_per_sample", bins, [1.0, 32.0], "real samples need a range gate");
-            }
+            Dechirp::Analog => c.within("radar.bins_per_sample", bins, 0.0, 32.0),
         }
         let profile = match r.format {
             Format::Complex => f64::from(r.samples),
@@ -331,7 +336,7 @@ mod tests {
                 let r = &mut scenario.radar;
                 *r = papers.clone();
                 let pick = |k: u32, n: u32| (change / k) % n;
-                r.samples = [papers.samples, 64, 63, 250, 2048, 2049][pick(1, 6) as usize];
+                r.samples = [papers.samples, 64, 63, 1, 2048, 2049][pick(1, 6) as usize];
                 match r.dechirp {
                     Dechirp::Digital => r.sweep_s = f64::from(r.samples) / r.sample_rate_hz,
                     Dechirp::Analog => r.sample_rate_hz = f64::from(r.samples) / r.sweep_s,

@@ -368,6 +368,9 @@ mod tests {
             RadarConfig { samples: 2048, range_samples: 1, ..blocks },
             RadarConfig { samples: 2048, gate: gate(100, 32), ..iwr },
             RadarConfig { samples: 300, range_samples: 3, gate: gate(0, 1), ..bgt60 },
+            RadarConfig { samples: 300, range_samples: 3, gate: None, ..bgt60 },
+            RadarConfig::DOPPLER,
+            RadarConfig::DOPPLER_IQ,
         ] {
             let values = config.values_per_slot();
             let mut slots = Slots::with_capacity(values, 20);

@@ -94,7 +94,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn network(&self, layout: Layout, seed: u64) -> Result<Recogniser, Failure> {
+    fn network(&self, layout: &Layout, seed: u64) -> Result<Recogniser, Failure> {
         self.cells.get(&format!("network-{layout}-seed-{seed}"), || {
             let images = layout.simulated(seed, 0, training_seconds(self.request), self.context);
             Recogniser::learn(self.request, layout, images, seed, self.context)
@@ -102,7 +102,7 @@ impl Work<'_> {
     }
 
     /// Share of unseen simulated seconds that a network recognises, in float.
-    fn simulated(&self, layout: Layout, seed: u64) -> Result<f64, Failure> {
+    fn simulated(&self, layout: &Layout, seed: u64) -> Result<f64, Failure> {
         self.cells.get(&format!("simulated-{layout}-seed-{seed}"), || {
             let count = self.request.scenario.learning.test_per_class;
             let images = layout.simulated(seed, 1, count, self.context);
@@ -115,13 +115,13 @@ impl Work<'_> {
 
     /// Predictions for a recording by a network that learned from all other recordings of its layout.
     fn leave_out(&self, recording: &Labelled<'_>, seed: u64) -> Result<Vec<u8>, Failure> {
-        let layout = recording.layout;
+        let layout = &recording.layout;
         let mut images = Images { labels: Vec::new(), pixels: Vec::new(), ..recording.images.clone() };
         let mut keys = vec![recording.measured.key.as_bytes()];
         for Labelled { measured, .. } in self
             .recordings
             .iter()
-            .filter(|r| r.layout == layout && r.measured.name != recording.measured.name)
+            .filter(|r| r.layout == *layout && r.measured.name != recording.measured.name)
         {
             // overlapping seconds, each an image of its own
             let seconds = layout.seconds(&measured.signal, layout.second() / 8, measured.motion as u8);
@@ -140,8 +140,8 @@ impl Work<'_> {
 
     /// Predictions of the support vector machine of a layout for all of its recordings, in their order.
     #[cfg(feature = "svm")]
-    fn machine(&self, layout: Layout) -> Result<Vec<Vec<u8>>, Failure> {
-        let of_layout = || self.recordings.iter().filter(|r| r.layout == layout);
+    fn machine(&self, layout: &Layout) -> Result<Vec<Vec<u8>>, Failure> {
+        let of_layout = || self.recordings.iter().filter(|r| r.layout == *layout);
         let keys = sha256(of_layout().map(|r| r.measured.key.as_bytes()));
         self.cells.get(&format!("machine-{layout}-{}", &keys[..12]), || {
             let count = training_seconds(self.request) / MACHINE_PART;
@@ -154,7 +154,7 @@ impl Work<'_> {
 
     /// The predictions of every method for a recording, the int8 networks first.
     fn predictions(&self, recording: &Labelled<'_>, majority: Motion) -> Result<Vec<Predicted>, Failure> {
-        let (layout, images) = (recording.layout, &recording.images);
+        let (layout, images) = (&recording.layout, &recording.images);
         let [mut int8, mut float, mut noise, mut leave_out] = [const { Vec::new() }; 4];
         let mut sums = vec![[0.0_f32; 3]; images.len()];
         for seed in self.request.each_seed() {
@@ -180,7 +180,7 @@ impl Work<'_> {
         #[cfg(feature = "svm")]
         {
             let before = self.recordings.iter().take_while(|r| r.measured.name != recording.measured.name);
-            let index = before.filter(|r| r.layout == layout).count();
+            let index = before.filter(|r| r.layout == *layout).count();
             all.push(("support vector machine", vec![self.machine(layout)?.swap_remove(index)]));
         }
         Ok(all)
@@ -200,8 +200,11 @@ pub fn study(
 ) -> Result<SimToReal, Failure> {
     let mut labelled = Vec::new();
     for measured in &recordings {
-        let layout = Layout::of(&measured.signal);
-        let images = layout.map(|l| (l, l.seconds(&measured.signal, l.second(), measured.motion as u8)));
+        let layout = Layout::of(&measured.signal, &request.scenario);
+        let images = layout.map(|l| {
+            let images = l.seconds(&measured.signal, l.second(), measured.motion as u8);
+            (l, images)
+        });
         match images {
             Some((layout, images)) if !images.is_empty() => {
                 labelled.push(Labelled { measured, layout, images });
@@ -223,12 +226,12 @@ pub fn study(
     let predicted: Vec<Vec<Predicted>> =
         work.recordings.iter().map(|r| work.predictions(r, majority)).collect::<Result<_, _>>()?;
     let mut simulated = Vec::new();
-    let mut layouts: Vec<Layout> = Vec::new();
+    let mut layouts: Vec<&Layout> = Vec::new();
     for recording in &work.recordings {
-        if !layouts.contains(&recording.layout) {
-            layouts.push(recording.layout);
+        if !layouts.contains(&&recording.layout) {
+            layouts.push(&recording.layout);
             for seed in request.each_seed() {
-                simulated.push(work.simulated(recording.layout, seed)?);
+                simulated.push(work.simulated(&recording.layout, seed)?);
             }
         }
     }
@@ -323,13 +326,13 @@ mod tests {
                 about: Default::default(),
             }
         };
-        let layout = Layout::of(&signal(Motion::Still)).unwrap();
+        let layout = Layout::of(&signal(Motion::Still), &request.scenario).unwrap();
         let images = layout.simulated(1, 0, 100, context);
-        let network = Recogniser::learn(&request, layout, images, 1, context).unwrap();
+        let network = Recogniser::learn(&request, &layout, images, 1, context).unwrap();
         for motion in [Motion::Walking, Motion::Still] {
             let images = layout.seconds(&signal(motion), layout.second(), motion as u8);
             assert_eq!(images.len(), 10);
-            for predicted in [network.float(&images), network.int8(layout, &images).unwrap()] {
+            for predicted in [network.float(&images), network.int8(&layout, &images).unwrap()] {
                 let correct = predicted.iter().filter(|&&predicted| predicted == motion as u8).count();
                 assert!(correct > 6, "{motion:?}: {predicted:?}");
             }

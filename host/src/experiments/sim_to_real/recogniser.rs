@@ -30,7 +30,7 @@ impl Recogniser {
     /// What the training or the quantisation says.
     pub fn learn(
         request: &Request,
-        layout: Layout,
+        layout: &Layout,
         images: Images,
         seed: u64,
         context: RunContext,
@@ -69,7 +69,7 @@ impl Recogniser {
     /// # Errors
     ///
     /// A model that the core refuses.
-    pub fn int8(&self, layout: Layout, images: &Images) -> Result<Vec<u8>, Failure> {
+    pub fn int8(&self, layout: &Layout, images: &Images) -> Result<Vec<u8>, Failure> {
         let networks = Networks::parse(std::slice::from_ref(&self.model), &[layout.second() as u32])?;
         let found = networks.images(std::slice::from_ref(images));
         Ok(found.logits.iter().map(|of_networks| arg_max(&of_networks[0]) as u8).collect())

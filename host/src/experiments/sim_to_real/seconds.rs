@@ -1,22 +1,24 @@
-//! Seconds of a single-channel Doppler sensor as images.
+//! Seconds of a single-channel Doppler sensor as images, by the core's own front end.
 //!
-//! A recording is one number a time (the real part of a complex one), at 2 kHz, AC-coupled, cut into seconds, each on its own level:
-//! spectrograms of 0..rate/2 in 64 rows. A carrier above 30 GHz takes proportionally higher rates where the recording has them; a slower
-//! recording keeps its own. Simulated seconds are draws of [`crate::simulator::randomised`].
+//! A recording is one number a time (the real part of a complex one), at 2 kHz, AC-coupled, cut into seconds: what `sdp3 classify` makes of
+//! it. A carrier above 30 GHz takes proportionally higher rates where the recording has them; a slower recording keeps its own. Simulated
+//! seconds are draws of [`crate::simulator::randomised`].
 
 use crate::experiments::RunContext;
 use crate::formats::model_file::Preprocessing;
+use crate::network::interchange::header;
 use crate::network::parameters::Images;
+use crate::network::spectrograms::images_of;
 use crate::numerics::random::Random;
-use crate::recordings::{Samples, Signal};
+use crate::recordings::{Samples, Signal, doppler};
+use crate::scenario::{Dechirp, Format, Scenario};
 use crate::simulator::calibration::conditioning::ac_couple;
-use crate::simulator::calibration::intensity::{BETA, Intensity, RANGE_DB};
-use crate::simulator::calibration::resample::resample;
+use crate::simulator::calibration::intensity::{BETA, RANGE_DB};
 use crate::simulator::calibration::slots_without_clutter;
 use crate::simulator::channel::Complex64;
 use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
-use sdp3_core::config::RadarConfig;
+use sdp3_core::config::{RadarConfig, SampleFormat};
 use sdp3_core::dims::ROWS;
 
 /// Rate of comparison in Hz, up to this carrier in Hz.
@@ -27,65 +29,64 @@ pub const SLOWEST_HZ: f64 = 400.0;
 /// Stream of [`Layout::noise`].
 const NOISE_STREAM: u64 = 0x6e6f_6973;
 
-/// What images look like at a carrier and a rate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Layout {
-    /// Carrier in Hz.
-    pub carrier_hz: f64,
-    /// Rate in Hz.
-    pub rate_hz: f64,
-    window: usize,
-    hop: usize,
-}
+/// What images look like at a carrier and a rate: the scenario of such a sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout(Scenario);
 
 impl Layout {
-    /// For a recording; `None` if it is too slow.
-    pub fn of(signal: &Signal) -> Option<Self> {
+    /// For a recording, of a scenario whose sensor this one replaces; `None` if it is too slow.
+    pub fn of(signal: &Signal, base: &Scenario) -> Option<Self> {
         let target_hz = RATE_HZ * (signal.carrier_hz / RATE_CARRIER_HZ).clamp(1.0, 2.0);
         let rate_hz = signal.rate_hz.min(target_hz).round();
-        // windows of 64 ms every 12 ms; the transform has 256 points
-        let samples = |seconds: f64| (seconds * rate_hz).round() as usize;
-        let (window, hop) = (samples(0.064).clamp(64, 256), samples(0.012).max(4));
-        (rate_hz >= SLOWEST_HZ).then_some(Layout { carrier_hz: signal.carrier_hz, rate_hz, window, hop })
+        let mut scenario = base.clone();
+        let radar = &mut scenario.radar;
+        radar.carrier_hz = signal.carrier_hz;
+        (radar.dechirp, radar.format) = (Dechirp::Analog, Format::Real);
+        (radar.samples, radar.range_samples, radar.first_bin, radar.bins_per_sample) = (1, 1, 0, 0);
+        scenario.frame.slot_s = 1.0 / rate_hz;
+        (scenario.frame.spacing_slots, scenario.frame.sensing_slots) = (0, vec![rate_hz as u32]);
+        // windows of 64 ms every 12 ms; all frequencies there are
+        let slots = |seconds: f64| (seconds * rate_hz).round() as u16;
+        let spectrogram = &mut scenario.spectrogram;
+        (spectrogram.window, spectrogram.hop) = (slots(0.064).clamp(64, 256), slots(0.012).max(4));
+        (spectrogram.bins_per_row, spectrogram.first_kept, spectrogram.last_kept) = (4, 1, 8);
+        (spectrogram.range_db, spectrogram.beta) = (RANGE_DB, BETA as f32);
+        (rate_hz >= SLOWEST_HZ).then_some(Layout(scenario))
+    }
+
+    /// Rate in Hz.
+    fn rate_hz(&self) -> f64 {
+        1.0 / self.0.interval_s()
     }
 
     /// Samples of a window.
     pub fn second(&self) -> usize {
-        self.rate_hz as usize
+        self.0.largest_sensing_slots() as usize
     }
 
     /// STFT frames of a second.
     fn frames(&self) -> usize {
-        (self.second() - self.window) / self.hop + 1
+        self.0.spectrogram.preprocessing().frames(self.second())
     }
 
-    /// The image of one AC-coupled second, on its own mean level.
-    pub fn image(&self, second: &[f64]) -> Vec<i8> {
+    /// The image of one AC-coupled second.
+    fn image(&self, second: &[f64]) -> Vec<i8> {
         let signal: Vec<_> = second.iter().map(|&y| Complex64::new(y, 0.0)).collect();
-        let decibels = Intensity::new(self.window, self.hop).decibels(&signal, true);
-        let pixel = |frame: &Vec<f64>, row: usize| {
-            let power = |bin: usize| libm::pow(10.0, frame[bin] / 10.0);
-            let db = 10.0 * libm::log10(0.5 * (power(2 * row) + power(2 * row + 1)));
-            ((1.0 + db / RANGE_DB).clamp(0.0, 1.0) * 255.0 - 128.0) as i8
-        };
-        (0..ROWS).flat_map(|row| decibels.iter().map(move |frame| pixel(frame, row))).collect()
+        images_of(&self.0, &doppler::slots(&signal, SampleFormat::Real)).pop().unwrap_or_default()
     }
 
     /// A recording at the layout's rate, AC-coupled.
     fn coupled(&self, signal: &Signal) -> Vec<f64> {
-        let real = match &signal.samples {
-            Samples::Real(x) => x.clone(),
-            Samples::Complex(z) => z.iter().map(|z| z.re).collect(),
+        let real = |x: f64| Complex64::new(x, 0.0);
+        let samples = match &signal.samples {
+            Samples::Real(x) => x.iter().map(|&x| real(x)).collect(),
+            Samples::Complex(z) => z.iter().map(|z| real(z.re)).collect(),
             Samples::Slots(slots) => {
                 let slow = slots_without_clutter(slots, RadarConfig::PAPER).unwrap_or_default();
-                slow.iter().map(|z| z.re).collect()
+                slow.iter().map(|z| real(z.re)).collect()
             }
         };
-        let slow =
-            if signal.rate_hz > self.rate_hz { resample(&real, signal.rate_hz, self.rate_hz) } else { real };
-        let mut coupled: Vec<_> = slow.into_iter().map(|y| Complex64::new(y, 0.0)).collect();
-        ac_couple(&mut coupled, self.rate_hz);
-        coupled.iter().map(|z| z.re).collect()
+        doppler::coupled(samples, signal.rate_hz, self.rate_hz()).iter().map(|z| z.re).collect()
     }
 
     /// Images of the seconds of a recording that begin `step` samples after each other.
@@ -102,7 +103,7 @@ impl Layout {
             let mut random = Random::new(seed, NOISE_STREAM, 0, u64::from(n));
             let mut noise: Vec<_> =
                 (0..2 * self.second()).map(|_| Complex64::new(random.gaussian(), 0.0)).collect();
-            ac_couple(&mut noise, self.rate_hz);
+            ac_couple(&mut noise, self.rate_hz());
             let settled: Vec<f64> = noise[self.second()..].iter().map(|z| z.re).collect();
             self.image(&settled)
         };
@@ -117,7 +118,8 @@ impl Layout {
     /// Simulated images, `count` of each motion, alternating.
     pub fn simulated(&self, seed: u64, set: u64, count: u32, context: RunContext) -> Images {
         let all = count * Motion::ALL.len() as u32;
-        let what = format!("{} GHz at {} Hz, seed {seed}", self.carrier_hz / 1e9, self.rate_hz);
+        let (carrier_hz, rate_hz) = (self.0.radar.carrier_hz, self.rate_hz());
+        let what = format!("{} GHz at {} Hz, seed {seed}", carrier_hz / 1e9, rate_hz.round());
         let stage = context.progress.stage("simulate", &what);
         let motion = |n: u32| Motion::ALL[n as usize % Motion::ALL.len()];
         let each: Vec<Vec<i8>> = (0..all)
@@ -125,7 +127,7 @@ impl Layout {
             .map(|n| {
                 let index = n / Motion::ALL.len() as u32;
                 stage.step(u64::from(all));
-                self.image(&draw(self.carrier_hz, self.rate_hz, motion(n), seed, set, index))
+                self.image(&draw(carrier_hz, rate_hz, motion(n), seed, set, index))
             })
             .collect();
         stage.finish(&format!("{all} seconds, {what}"));
@@ -135,26 +137,14 @@ impl Layout {
 
     /// As the model file says it.
     pub fn preprocessing(&self) -> Preprocessing {
-        Preprocessing {
-            radar: RadarConfig::PAPER,
-            sensing_slots: self.second() as u16,
-            first_kept: 1,
-            last_kept: 8,
-            window_len: self.window as u16,
-            hop: self.hop as u16,
-            bins_per_row: 1,
-            range: 1063,
-            kaiser_beta: BETA as f32,
-            carrier_khz: (self.carrier_hz / 1e3).round() as u32,
-            slow_time_us: (1e6 / self.rate_hz).round() as u32,
-        }
+        header(&self.0, self.second() as u32)
     }
 }
 
 impl std::fmt::Display for Layout {
     /// As part of a file's name.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{}-{}", self.carrier_hz / 1e3, self.rate_hz)
+        write!(f, "{}-{}", self.0.radar.carrier_hz / 1e3, self.rate_hz().round())
     }
 }
 

@@ -26,7 +26,7 @@ use crate::recordings::Signal;
 use crate::results::Calibration;
 use crate::scenario::{Class, Scenario};
 use comparison::Comparison;
-use conditioning::clutter_free;
+use conditioning::{clutter_free, remove_mean};
 use divergence::{divergence, shares};
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::Beat;
@@ -48,7 +48,13 @@ fn beats_of(slots: &Slots, radar: RadarConfig) -> Option<Vec<Blocks>> {
 
 /// The slow time of raw slots, without what stands still; `None` if they are not of this radar.
 pub fn slots_without_clutter(slots: &Slots, radar: RadarConfig) -> Option<Vec<Complex64>> {
-    Some(clutter_free(&beats_of(slots, radar)?))
+    let beats = beats_of(slots, radar)?;
+    if radar.range_samples > 1 {
+        return Some(clutter_free(&beats));
+    }
+    let mut slow: Vec<Complex64> = beats.iter().map(|[first, ..]| *first).collect();
+    remove_mean(&mut slow);
+    Some(slow)
 }
 
 /// D(measured || simulated) in nats of the scenario's channel model as it is, at this rho, and the simulated shares of the levels.

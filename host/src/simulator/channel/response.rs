@@ -138,11 +138,14 @@ impl Table {
 
     /// Noise of the range samples where each value of the converter has noise of standard deviation 1, from Gaussian draws.
     pub fn noise(&self, mut gaussian: impl FnMut() -> f64) -> Blocks {
-        let scale = match self.radar.format {
-            Format::Complex => 1.0,
-            Format::Real => std::f64::consts::FRAC_1_SQRT_2,
+        // sums of real samples are real
+        let (scale, imaginary) = match (self.radar.format, self.radar.bins_per_sample) {
+            (Format::Complex, _) => (1.0, 1.0),
+            (Format::Real, 0) => (1.0, 0.0),
+            (Format::Real, _) => (std::f64::consts::FRAC_1_SQRT_2, 1.0),
         };
-        let white: Blocks = std::array::from_fn(|_| Complex64::new(gaussian(), gaussian()) * scale);
+        let white: Blocks =
+            std::array::from_fn(|_| Complex64::new(gaussian(), imaginary * gaussian()) * scale);
         self.noise.map(|row| row.iter().zip(&white).map(|(l, w)| l * w).sum())
     }
 }
@@ -205,7 +208,9 @@ mod tests {
             ..Radar::default()
         };
         let left = Radar { left_justified: true, ..bgt60.clone() };
-        vec![bgt60, iwr, blocks, odd, chirp, left]
+        let one = named("doppler-24ghz");
+        let sums = Radar { bins_per_sample: 0, first_bin: 0, range_samples: 4, ..bgt60.clone() };
+        vec![bgt60, iwr, blocks, odd, chirp, left, one, sums]
     }
 
     #[test]

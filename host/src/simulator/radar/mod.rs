@@ -9,6 +9,7 @@
 //! an offset, thermal noise (referred to the input by its level), the converter. Each is a field of [`Radar`]; docs/theory.md has the
 //! equations. Compression follows phase noise here: it takes magnitudes, which a phase leaves alone.
 
+mod ac_coupling;
 mod impairments;
 mod interpolation;
 mod oscillator;
@@ -23,6 +24,7 @@ use super::channel::{
 use crate::numerics::differentiation;
 use crate::numerics::random::Random;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
+use ac_coupling::AcCoupling;
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
@@ -151,6 +153,7 @@ pub struct Receiver<'a> {
     response: Response,
     impairments: Impairments,
     oscillator: Option<Oscillator>,
+    ac_coupling: Option<AcCoupling>,
     /// The front end on range samples; none where it adds nothing.
     front_end: Option<RangeFrontEnd>,
     /// The offset in range samples: of the paper's radar in LSB, of others in LSB of range samples.
@@ -175,6 +178,7 @@ impl<'a> Receiver<'a> {
         let filters = effects.spectrum.map(|spectrum| Filters::new(&spectrum, radar.sample_rate_hz));
         let mut receiver = Receiver {
             oscillator: filters.map(|filters| Oscillator::new(filters, streams(Draws::Oscillator))),
+            ac_coupling: AcCoupling::new(radar.ac_coupling_hz, scenario.interval_s()),
             front_end: RangeFrontEnd::of(scenario, &response, &impairments, filters),
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
@@ -213,9 +217,9 @@ impl<'a> Receiver<'a> {
     }
 
     /// Whether range samples have to be made from raw slots: [`Receiver::beat`] knows the front end's effects only of a range gate
-    /// and of blocks in which the beat hardly turns.
+    /// and of blocks in which the beat hardly turns, and nothing of an AC coupling.
     pub fn needs_samples(&self) -> bool {
-        self.front_end.as_ref().is_some_and(RangeFrontEnd::needs_samples)
+        self.ac_coupling.is_some() || self.front_end.as_ref().is_some_and(RangeFrontEnd::needs_samples)
     }
 
     /// What the core makes of a slot with these range samples: its integers, the noise and that of the converter's rounding.
@@ -278,7 +282,7 @@ impl<'a> Receiver<'a> {
             oscillator.draw(&mut self.beat.frequency);
         }
         let Impairments { direct, image, offset, limiter, leakage, .. } = self.impairments;
-        let Receiver { radar, converter, random, .. } = self;
+        let Receiver { radar, converter, random, ac_coupling, .. } = self;
         let noise_lsb = converter.noise_lsb;
         // in LSB from here on
         let limiter = limiter.map(|one| Limiter { steepness: one.steepness * converter.lsb * converter.lsb });
@@ -311,6 +315,7 @@ impl<'a> Receiver<'a> {
         self.beat.fill(tones, radar);
         let Samples { re, im, .. } = &self.beat;
         let beat = re.iter().zip(im.iter()).map(|(&re, &im)| Complex64::new(re, im));
+        let mut coupled = |z| ac_coupling.as_mut().map_or(z, |one| one.pass(z));
         let mut digitise = |x: f64| values.push(converter.convert(x + noise_lsb * random.gaussian()));
         let mut complex = |z: Complex64| {
             digitise(z.re);
@@ -321,11 +326,11 @@ impl<'a> Receiver<'a> {
                 beat.zip(&self.chirp)
                     .for_each(|(z, s)| complex(impaired(compressed(z * turn / converter.lsb) * s)));
             }
-            (Dechirp::Analog, Format::Complex) => {
-                beat.for_each(|z| complex(impaired(compressed(z.conj() * turn / converter.lsb))));
-            }
+            (Dechirp::Analog, Format::Complex) => beat.for_each(|z| {
+                complex(coupled(impaired(compressed(z.conj() * turn / converter.lsb))));
+            }),
             (Dechirp::Analog, Format::Real) => beat.for_each(|z| {
-                digitise(compressed(z.conj() * turn / converter.lsb).re + offset.re);
+                digitise(coupled(compressed(z.conj() * turn / converter.lsb) + offset).re);
             }),
         }
     }
