@@ -2,8 +2,8 @@
 //!
 //! | feature | default | effect |
 //! |---|---|---|
-//! | `cli` | yes | the command `sdp3`: its pipeline, studies, pages and figures; without it, the library below them |
-//! | `train` | yes | training (burn): `sdp3 run`, `train`, `quantize`, `study`; without it the build takes seconds |
+//! | `cli` | yes | the command `sdp3`: its studies, pages and figures; without it, the library below them |
+//! | `train` | yes | training (burn): `sdp3 run`, `train`, `quantize`, `study`, and the module `train`; without it the build takes seconds |
 //! | `wgpu` | no | `sdp3 train --backend wgpu`: Vulkan, Metal, DirectX 12, WebGPU |
 //! | `cuda` | no | `sdp3 train --backend cuda`; the build downloads an LLVM bundle |
 //! | `svm` | no | the support vector machine of `sdp3 study baselines` |
@@ -26,7 +26,7 @@ pub mod formats;
 pub mod network;
 pub mod numerics;
 pub mod optimizer;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "train"))]
 mod pipeline;
 pub mod predictor;
 mod progress;
@@ -44,6 +44,8 @@ pub mod schemas;
 pub mod simulator;
 pub mod store;
 pub mod text;
+#[cfg(feature = "train")]
+pub mod train;
 
 #[cfg(feature = "cli")]
 pub use cli::main;

@@ -1,7 +1,7 @@
 """How many slots must be spent on radar to recognise how a person moves, and what does that cost in throughput?
 
-Arrays are numpy's; scenarios are TOML text as the command line reads it, empty for the paper's room; answers are those of the
-commands' ``--json``.
+Arrays are numpy's; scenarios are TOML text as the command line reads it, or the name of a built-in one, empty for the paper's room;
+answers are those of the commands' ``--json``.
 """
 
 from ._sdp3 import (
@@ -16,6 +16,7 @@ from ._sdp3 import (
     read,
     scenario,
     simulate,
+    train,
     __version__,
 )
 
@@ -31,5 +32,6 @@ __all__ = [
     "read",
     "scenario",
     "simulate",
+    "train",
     "__version__",
 ]

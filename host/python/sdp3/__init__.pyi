@@ -1,6 +1,6 @@
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Final, TypedDict
+from typing import Any, Final, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,15 @@ class Recording(TypedDict):
     power_db: float
     about: dict[str, Any]
 
+class Trained(TypedDict):
+    method: str
+    classes: list[str]
+    recordings: list[dict[str, Any]]
+    networks: list[dict[str, Any]]
+    models: dict[int, bytes]
+
 def scenario(text: str = "") -> str:
-    """The scenario resolved: every field with its value, as TOML. ValueError names a field that is not legal."""
+    """The scenario, TOML or a built-in one's name, resolved: every field with its value, as TOML. ValueError names a field that is not legal."""
 
 def simulate(
     scenario: str = "",
@@ -85,8 +92,48 @@ def read(
     converter. ``rate_hz`` is of the samples, or of the slots; ``about`` has format, axes, shape and sensor of the file.
     """
 
+def train(
+    recordings: Sequence[NDArray[np.int16] | str | PathLike[str]],
+    labels: Sequence[str],
+    scenario: str = "",
+    *,
+    persons: Sequence[str | None] | None = None,
+    method: Literal["recordings", "with-simulation", "fine-tuning"] = "recordings",
+    folds: int = 5,
+    hold_out_classes: bool = False,
+    sensing_slots: Sequence[int] | None = None,
+    epochs: int | None = None,
+    preset: Literal["quick", "paper"] = "quick",
+    seed: int = 1,
+    out: str | PathLike[str] | None = None,
+    resume: bool = False,
+    progress: bool = False,
+    carrier_hz: float | None = None,
+    rate_hz: float | None = None,
+    dataset: str | None = None,
+    antenna: int | None = None,
+    chirp: int | None = None,
+) -> Trained:
+    """Networks from labelled recordings: what ``sdp3 train --recordings`` does, with the same bits.
+
+    ``recordings``: int16 raw slots of the scenario's radar, LSB, [slot, value] or [slot, sample, 2], as long as the largest N_s or longer,
+    or paths of what ``read`` reads. ``labels``: the class of each, 2 to 16 classes. ``persons``: who is in each, None where it is not
+    known. A person, else a recording, is either learned from or tested with, in 2 to 1000 ``folds`` at most; every class needs two.
+
+    ``sensing_slots``: slots of a window in radar slots, a network for each; ``epochs`` keeps a number of epochs, which few recordings
+    would raise. Where one is None the scenario, or else the ``preset``, says. Arrays are of the scenario's carrier and slot rate in Hz;
+    ``carrier_hz``, ``rate_hz``, ``dataset``, ``antenna`` and ``chirp`` say of files what these do not.
+
+    ``out`` keeps checkpoints and results, with which ``resume`` goes on; otherwise they are in a folder that is removed. Ctrl-C ends the
+    training after the epochs that are under way. ``progress`` is shown on stderr.
+
+    The answer of ``sdp3 train --recordings --json``, with shares of 0 to 1, lengths in s, and ``confusion`` [class][answer]; and
+    ``models``: for every N_s the model file of a network that learned from all recordings, for ``Model`` and ``classify``. ValueError
+    names a field, its value and the legal ones.
+    """
+
 def classify(
-    model: str | PathLike[str],
+    model: str | PathLike[str] | bytes,
     recording: str | PathLike[str] | NDArray[np.int16],
     *,
     step: int | None = None,
@@ -102,7 +149,7 @@ def classify(
 ) -> dict[str, Any]:
     """The windows of a recording, each with class, confidence and logits: the answer of ``sdp3 classify --json``.
 
-    Of an array of slots, [slot, value] or [slot, sample, 2], ``windows``, ``early_exits`` and ``supervision``.
+    ``model`` is a model file's path or its bytes. Of an array of slots, [slot, value] or [slot, sample, 2], ``windows``, ``early_exits`` and ``supervision``.
     """
 
 class Scheduler:

@@ -1,16 +1,18 @@
 //! sdp3 on numpy arrays.
 //!
-//! One file for what is simulated, one for what is optimized, one for the radar module, one for recordings. Every function calls what the command of its name
+//! One file for what is simulated, one for what is optimized, one for the radar module, one for recordings, one for training. Every function calls what the command of its name
 //! calls; answers that are no arrays are the commands' JSON as Python objects. Bad input is a `ValueError` with the command's words.
 
 mod radar;
 mod recordings;
 mod simulator;
 mod optimizer;
+#[cfg_attr(not(feature = "train"), path = "untrained.rs")]
+mod training;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use sdp3::scenario::Scenario;
+use sdp3::scenario::{Scenario, builtin};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::Path;
@@ -20,9 +22,14 @@ fn refused(reason: impl Display) -> PyErr {
     PyValueError::new_err(reason.to_string())
 }
 
-/// A scenario from TOML text; empty: the paper's.
+/// The TOML of a scenario, which may be given as the name of a built-in one.
+fn toml(text: &str) -> &str {
+    builtin::named(Path::new(text)).map_or(text, |built_in| built_in.toml)
+}
+
+/// A scenario from TOML or by its name; empty: the paper's.
 fn parsed(text: &str) -> PyResult<Scenario> {
-    let scenario = Scenario::parse(text, Path::new("scenario")).map_err(refused)?;
+    let scenario = Scenario::parse(toml(text), Path::new("scenario")).map_err(refused)?;
     sdp3::simulator::dataset::check(&scenario).map_err(refused)?;
     Ok(scenario)
 }
@@ -45,6 +52,7 @@ fn _sdp3(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(radar::dechirp, module)?)?;
     module.add_function(wrap_pyfunction!(recordings::read, module)?)?;
     module.add_function(wrap_pyfunction!(recordings::classify, module)?)?;
+    module.add_function(wrap_pyfunction!(training::train, module)?)?;
     module.add_class::<radar::Scheduler>()?;
     module.add_class::<radar::Model>()
 }

@@ -3,8 +3,8 @@
 use crate::{object, refused};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use sdp3::network::classify::{Classify, EarlyExits};
+use pyo3::types::{PyBytes, PyDict};
+use sdp3::network::classify::{Classify, EarlyExits, ModelFile};
 use sdp3::recordings::{Chirps, Samples, Stated, open};
 use serde_json::json;
 use std::io::Cursor;
@@ -48,7 +48,7 @@ pub fn read<'py>(
     carrier_hz = None, rate_hz = None, dataset = None, antenna = None, chirp = None))]
 pub fn classify<'py>(
     py: Python<'py>,
-    model: PathBuf,
+    model: &Bound<'py, PyAny>,
     recording: &Bound<'py, PyAny>,
     step: Option<u32>,
     least_confidence: f64,
@@ -64,6 +64,10 @@ pub fn classify<'py>(
     let chirp = chirp.map(Chirps::One);
     let stated = Stated { carrier_hz, rate_hz, dataset, antenna, chirp, ..Stated::default() };
     let early_exits = early_exits.map(|folder| EarlyExits { folder, threshold });
+    let model = match model.cast::<PyBytes>() {
+        Ok(file) => ModelFile::Bytes(file.as_bytes().to_vec()),
+        Err(_) => ModelFile::Path(model.extract()?),
+    };
     let request = Classify { model, early_exits, step, least_confidence, guard, stated };
     if let Ok(file) = recording.extract::<PathBuf>() {
         let found = py.detach(|| request.files(&[file]));

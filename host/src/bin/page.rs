@@ -69,6 +69,7 @@ fn execute() -> Result<(), Failure> {
     match serde_json::from_reader(std::io::stdin().lock())? {
         Request::Classify { model, recording, step, least_confidence } => {
             let (early_exits, guard, stated) = (None, false, recording.stated());
+            let model = model.into();
             let request = Classify { model, early_exits, step, least_confidence, guard, stated };
             print(&request.files(&[recording.file])?)
         }

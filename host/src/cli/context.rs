@@ -119,6 +119,8 @@ impl Context {
             budget: self.common.budget(),
             #[cfg(feature = "train")]
             workers: self.workers(),
+            #[cfg(feature = "train")]
+            stop: std::sync::Arc::default(),
             given: Given { scenario: scenario.clone(), set: set.clone(), seed: *seed },
         })
     }

@@ -143,7 +143,7 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
     let format = if context.common.json { Format::Text } else { format };
     let early_exits = early_exits.map(|folder| EarlyExits { folder, threshold });
     let stated = stated.stated(context.common.budget());
-    let request = Classify { model, early_exits, step, least_confidence, guard, stated };
+    let request = Classify { model: model.into(), early_exits, step, least_confidence, guard, stated };
     if measured == [Path::new("-")] {
         if format == Format::Sigmf {
             return Err(Invalid::option(

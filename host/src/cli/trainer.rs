@@ -54,8 +54,10 @@ pub fn train(context: &Context, args: TrainArgs) -> Result<bool, Failure> {
             training::Method::FineTuning => Method::FineTuning,
         };
         let stated = stated.stated(context.common.budget());
-        let source = Source { folder, stated, method, folds: folds as usize, hold_out_classes };
-        let found = context.job()?.train_recordings(&ask, &source)?;
+        let (job, origin) = (context.job()?, folder.display().to_string());
+        let labelled = job.labelled(&folder)?;
+        let source = Source { labelled, origin, stated, method, folds: folds as usize, hold_out_classes };
+        let (found, _) = job.train_recordings(&ask, source)?;
         context.print(&found, || learned(&found))?;
         return Ok(true);
     }

@@ -23,8 +23,6 @@ pub(crate) mod learning_curve;
 pub mod paired;
 #[cfg(feature = "train")]
 pub(crate) mod robustness;
-#[cfg(feature = "train")]
-pub(crate) mod score;
 pub(crate) mod seeds;
 #[cfg(feature = "train")]
 pub(crate) mod selection;
@@ -33,9 +31,9 @@ pub(crate) mod sim_to_real;
 pub mod sweep;
 #[cfg(feature = "train")]
 pub(crate) mod trained;
-#[cfg(feature = "train")]
-pub(crate) mod unknown;
 
+#[cfg(feature = "train")]
+pub(crate) use crate::network::score;
 #[cfg(feature = "train")]
 pub use crate::results::Spread;
 

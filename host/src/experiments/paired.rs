@@ -4,17 +4,13 @@
 //! with both of its answers. The interval is that of the percentiles. With one seed it says nothing of what other trainings would
 //! give; with few seeds it is narrow.
 
+pub use crate::network::score::{COVERAGE, DRAWS};
+
 use crate::numerics::random::Random;
 use crate::results::Spread;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Redrawn differences.
-pub const DRAWS: u32 = 2000;
-
-/// Share of them within the interval.
-pub const COVERAGE: f64 = 0.95;
 
 /// Stream number of the redrawn seeds and recordings.
 const STREAM: u64 = 205;

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-pub use super::early_exits::stored::EarlyExits;
+pub use super::early_exits::stored::{EarlyExits, ModelFile};
 
 /// The class of a window that is not sure enough.
 const UNKNOWN: &str = "unknown";
@@ -23,7 +23,7 @@ const UNKNOWN: &str = "unknown";
 #[derive(Debug, Clone)]
 pub struct Classify {
     /// Model file.
-    pub model: PathBuf,
+    pub model: ModelFile,
     /// Exits before the model; absent: windows use all its slots.
     pub early_exits: Option<EarlyExits>,
     /// Slots from window to window; absent: as many as the model takes.
@@ -76,7 +76,7 @@ impl Classify {
         }
         let model = exits.last;
         Ok(Classified {
-            model: self.model.display().to_string(),
+            model: self.model.name().display().to_string(),
             sensing_slots: model.sensing_slots() as u32,
             classes: (0..model.classes()).map(|class| model.class_name(class).to_owned()).collect(),
             early_exits: self.used(&stored, &exits, windows, slots),

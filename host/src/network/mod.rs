@@ -27,6 +27,7 @@ pub mod quantization;
 pub(crate) mod recipe;
 pub mod safetensors;
 pub(crate) mod sample_supervision;
+pub(crate) mod score;
 pub(crate) mod spectrograms;
 #[cfg(test)]
 pub(crate) mod synthetic;
@@ -34,3 +35,5 @@ pub(crate) mod synthetic;
 pub mod training;
 #[cfg(feature = "train")]
 pub(crate) mod tuning;
+#[cfg(feature = "train")]
+pub(crate) mod unknown;

@@ -1,16 +1,12 @@
-//! How long trainings, studies, sweeps and the main job will take, said before they begin: rough, a factor of two either way.
+//! How long trainings, studies and the main job will take, said before they begin: rough, a factor of two either way.
 //!
 //! Simulation is timed on a short recording of the scenario's own channel. Training is counted in products of the networks' forward
 //! passes, at the speed per processor that docs/benchmarks.md has.
 
 use super::{Job, budget};
-use crate::dataset::Shard;
 use crate::error::Invalid;
-use crate::experiments::RunContext;
-use crate::experiments::sweep::plan::Sweep;
 use crate::network::spectrograms::{images_of, images_of_beats};
 use crate::progress::Progress;
-use crate::results::Cell;
 use crate::scenario::budget::Need;
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::PEOPLE;
@@ -19,7 +15,6 @@ use crate::simulator::calibration::sensor::SETTLE_SLOTS;
 use crate::simulator::dataset::{Set, beats, recording};
 use indicatif::HumanDuration;
 use sdp3_core::dims::ROWS;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Products that a processor trains in a second: 27e9 with AVX-512 (docs/benchmarks.md), fewer in narrow networks.
@@ -48,7 +43,7 @@ pub enum Work {
 
 /// Seconds that a sensing slot takes on one processor.
 #[derive(Debug, Clone, Copy)]
-struct Slot {
+pub(super) struct Slot {
     beats_s: f64,
     /// Simulated as raw samples, and made an image.
     raw_s: f64,
@@ -107,36 +102,13 @@ fn need(work: Work, scenario: &Scenario, seconds: f64) -> Need {
     }
 }
 
-/// The same for the cells of a shard, as if none were there yet.
-///
-/// # Errors
-///
-/// More memory or time than the budget has.
-pub(super) fn check_sweep_cost(sweep: &Sweep, shard: Shard, context: RunContext) -> Result<(), Invalid> {
-    let cells: Vec<&(Cell, Arc<Scenario>)> =
-        sweep.cells.iter().filter(|(cell, _)| shard.has(cell.index)).collect();
-    let Some((first, scenario)) = cells.first() else { return Ok(()) };
-    for (_, scenario) in &cells {
-        let tested = scenario.learning.test_per_class;
-        context.budget.check_memory(&budget::training(scenario, tested, context.workers))?;
-    }
-    let slot = slot(scenario, first.rho, first.seed);
-    let one = |(_, scenario): &(Cell, Arc<Scenario>)| {
-        seconds(scenario, Work::Study(1), slot, context.workers) + budget::links_s(scenario)
-    };
-    let what = format!("{} cells, a training each", cells.len());
-    let seconds = cells.iter().copied().map(one).sum();
-    say(context.progress, seconds, context.workers, &what);
-    context.budget.check_time(&[Need::new("cells of the shard", cells.len(), seconds)])
-}
-
-fn say(progress: Progress, seconds: f64, workers: usize, what: &str) {
+pub(super) fn say(progress: Progress, seconds: f64, workers: usize, what: &str) {
     let time = HumanDuration(Duration::from_secs_f64(seconds.ceil()));
     progress.note("expected", &format!("about {time} on {workers} processors, a rough estimate: {what}"));
 }
 
 /// Timed on one short recording; the faster of two, as the first one fills caches.
-fn slot(scenario: &Scenario, rho: f64, seed: u64) -> Slot {
+pub(super) fn slot(scenario: &Scenario, rho: f64, seed: u64) -> Slot {
     let mut short = scenario.clone();
     short.frame.sensing_slots.truncate(1);
     let slots = short.largest_sensing_slots();
@@ -159,7 +131,7 @@ fn slot(scenario: &Scenario, rho: f64, seed: u64) -> Slot {
     }
 }
 
-fn seconds(scenario: &Scenario, work: Work, slot: Slot, workers: usize) -> f64 {
+pub(super) fn seconds(scenario: &Scenario, work: Work, slot: Slot, workers: usize) -> f64 {
     let l = &scenario.learning;
     let classes = Class::ALL.len() as f64;
     let largest = scenario.largest_sensing_slots();

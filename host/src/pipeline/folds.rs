@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// # Errors
 ///
 /// A class that is in one fold alone.
-pub fn folds(labelled: &[Labelled], most: usize, seed: u64, folder: &str) -> Result<Vec<usize>, Invalid> {
+pub fn folds(labelled: &[Labelled], most: usize, seed: u64, origin: &str) -> Result<Vec<usize>, Invalid> {
     let mut groups: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for l in labelled {
         groups.entry(l.group()).or_default().insert(&l.class);
@@ -27,7 +27,7 @@ pub fn folds(labelled: &[Labelled], most: usize, seed: u64, folder: &str) -> Res
             labelled.iter().filter(|other| other.class == l.class).map(fold_of).collect();
         let legal = "at least 2 recordings, or persons: one to learn from, one to test with";
         Invalid::unless(of_class.len() >= 2, format!("class {}", l.class), "1 recording or person", legal)
-            .map_err(|invalid| invalid.at(folder))?;
+            .map_err(|invalid| invalid.at(origin))?;
     }
     Ok(labelled.iter().map(fold_of).collect())
 }

@@ -15,6 +15,7 @@ use crate::network::tuning::quantize_tuned;
 use crate::results::{Accuracy, Confusion, Epoch, Training};
 use crate::scenario::Class;
 use crate::store::record::{self, Fault};
+use std::sync::atomic::Ordering;
 
 /// Float networks of every N_s.
 pub struct Trained {
@@ -131,7 +132,7 @@ impl Job {
                     .say(&format!("N_s {n} epoch {k}: loss {:.3} accuracy {:.3}{words}", e.loss, e.accuracy));
             }
             stage.step(total);
-            Ok(())
+            if self.stop.load(Ordering::Relaxed) { Err("stopped".to_owned()) } else { Ok(()) }
         };
         let trained =
             train_all(&train.images, &jobs, &s.learning, how.classes.len(), self.workers, &after_epoch)?;

@@ -4,33 +4,46 @@
 //! made a request elsewhere; what is done for it, and which files it leaves, is decided here.
 
 mod budget;
+#[cfg(feature = "cli")]
 pub mod classes_over_time;
 #[cfg(feature = "train")]
 mod expected;
 #[cfg(feature = "train")]
 mod folds;
+#[cfg(feature = "cli")]
 mod inspect;
 #[cfg(feature = "train")]
 mod labelled_recordings;
 #[cfg(feature = "train")]
 mod learn;
-#[cfg(feature = "train")]
+#[cfg(all(feature = "cli", feature = "train"))]
 pub(crate) mod main_job;
 mod notes;
+#[cfg(feature = "cli")]
 mod optimize;
-#[cfg(feature = "train")]
+#[cfg(all(feature = "cli", feature = "train"))]
+mod quantize;
+#[cfg(all(feature = "cli", feature = "train"))]
 pub(crate) mod reproduce;
+#[cfg(feature = "cli")]
 mod schedule;
+#[cfg(feature = "cli")]
 mod simulate;
+#[cfg(feature = "cli")]
 mod stored;
-#[cfg(feature = "train")]
+#[cfg(all(feature = "cli", feature = "train"))]
 pub(crate) mod study;
+#[cfg(feature = "cli")]
 pub(crate) mod sweep;
+#[cfg(all(feature = "cli", feature = "train"))]
+mod sweep_cost;
+#[cfg(feature = "cli")]
 mod targets;
 #[cfg(feature = "train")]
 pub(crate) mod train;
 #[cfg(feature = "train")]
 pub(crate) mod train_recordings;
+#[cfg(feature = "cli")]
 pub(crate) mod verify;
 
 use crate::error::Failure;
@@ -38,11 +51,15 @@ use crate::network::spectrograms::{Part, Recordings};
 use crate::progress::Progress;
 use crate::scenario::budget::Budget;
 use crate::scenario::{Override, Scenario};
-use crate::simulator::dataset;
+use crate::simulator::{calibration, dataset};
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "train")]
+use std::sync::{Arc, atomic::AtomicBool};
 
+#[cfg(feature = "cli")]
 pub use simulate::{Dataset, Measured, calibrate_table};
+#[cfg(feature = "cli")]
 pub use targets::{INDEX, Targets};
 
 /// What every stage needs.
@@ -59,6 +76,9 @@ pub struct Job {
     /// Threads to train on.
     #[cfg(feature = "train")]
     pub workers: usize,
+    /// Set from elsewhere to end trainings after the epochs that they are in.
+    #[cfg(feature = "train")]
+    pub stop: Arc<AtomicBool>,
     pub given: Given,
 }
 
@@ -73,6 +93,11 @@ pub struct Given {
 }
 
 impl Job {
+    /// The scenario's rho, or the stored one.
+    fn rho(&self) -> f64 {
+        calibration::rho_of(&self.scenario)
+    }
+
     /// The first `per_class` recordings of every class of a part.
     fn recordings(&self, rho: f64, part: Part, per_class: u32) -> Recordings<'_> {
         Recordings { scenario: &self.scenario, rho, seed: self.seed, part, per_class }

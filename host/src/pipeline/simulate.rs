@@ -53,11 +53,6 @@ pub fn calibrate_table(file: &Path, seed: u64, progress: Progress) -> Result<sto
 }
 
 impl Job {
-    /// The scenario's rho, or the stored one.
-    pub(super) fn rho(&self) -> f64 {
-        calibration::rho_of(&self.scenario)
-    }
-
     /// Writes a dataset, or a shard of it.
     ///
     /// # Errors

@@ -141,13 +141,6 @@ impl Job {
         self.scenario.frame.sensing_slots.iter().map(stored).collect()
     }
 
-    /// Writes the models of every N_s of the scenario.
-    #[cfg(feature = "train")]
-    pub(super) fn write_models(&self, models: &[Vec<u8>]) -> Result<Vec<PathBuf>, OutputError> {
-        let slots = &self.scenario.frame.sensing_slots;
-        models.iter().zip(slots).map(|(bytes, &n)| self.output.write(&model_file::name(n), bytes)).collect()
-    }
-
     /// Writes the scenario that a command's results are of beside them: `COMMAND-scenario.toml`.
     pub(super) fn record(&self, command: &str) -> Result<(), OutputError> {
         self.output.write(&format!("{command}-scenario.toml"), self.scenario.to_toml().as_bytes())?;

@@ -68,7 +68,7 @@ pub fn make(sweep: &Sweep, asked: Option<Shard>, out: &Path, context: RunContext
         context.progress.note("sweep", conflict);
     }
     #[cfg(feature = "train")]
-    super::expected::check_sweep_cost(sweep, choice.shard, context)?;
+    super::sweep_cost::check(sweep, choice.shard, context)?;
     run(sweep, choice.shard, out, context)
 }
 

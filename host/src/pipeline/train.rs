@@ -1,19 +1,18 @@
-//! Train and quantise as commands of their own: networks from simulated recordings or a dataset.
+//! Train as a command of its own: networks from simulated recordings or a dataset.
 
 use super::expected::Work;
 use super::learn::{How, Trained, class_names};
 use super::{Job, budget};
 use crate::dataset::Stored;
 use crate::error::Failure;
-use crate::formats::table;
-use crate::network::parameters::Parameters;
+use crate::formats::{model_file, table};
 use crate::network::recipe::Recipe;
-use crate::network::safetensors;
 use crate::network::spectrograms::{Collected, Part};
 use crate::network::training::Backend;
 use crate::results::{Epoch, Training};
 use crate::scenario::Scenario;
-use std::path::{Path, PathBuf};
+use crate::store::output::OutputError;
+use std::path::PathBuf;
 
 /// How to train, beside the scenario.
 #[derive(Debug, Clone)]
@@ -30,7 +29,7 @@ pub struct Train {
 }
 
 /// Where the folder has the float network of so many sensing slots.
-fn network_name(sensing_slots: u32) -> String {
+pub(super) fn network_name(sensing_slots: u32) -> String {
     format!("models/dsn-{sensing_slots}.json")
 }
 
@@ -113,38 +112,9 @@ impl Job {
         Ok(())
     }
 
-    /// Converts the networks of the output folder into model files, ranges measured on a dataset or simulated recordings.
-    ///
-    /// # Errors
-    ///
-    /// Networks that are not there or damaged; a dataset that does not fit; a folder that cannot be written.
-    pub fn quantize_networks(mut self, data: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
-        const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
-        self.scenario = self.run_scenario()?;
-        let networks = self
-            .scenario
-            .frame
-            .sensing_slots
-            .iter()
-            .map(|n| {
-                let name = network_name(*n);
-                let network: Parameters = self.output.read_json(&name, TRAIN_FIRST)?;
-                let checked = safetensors::check(&network);
-                checked.map_err(|e| format!("{}: {e}", self.output.path(&name).display()))?;
-                Ok(network)
-            })
-            .collect::<Result<Vec<_>, Failure>>()?;
-        self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;
-        let images = match data {
-            Some(folder) => {
-                let stored = Stored::open(folder)?;
-                stored.scenario(&self.scenario, true)?;
-                self.collect_stored(&stored)?
-            }
-            None => self.simulated(),
-        };
-        let classes = class_names();
-        let how = How::new(Backend::default(), false, &classes);
-        Ok(self.write_models(&self.quantize(&networks, &images, &how)?)?)
+    /// Writes the models of every N_s of the scenario.
+    pub(super) fn write_models(&self, models: &[Vec<u8>]) -> Result<Vec<PathBuf>, OutputError> {
+        let slots = &self.scenario.frame.sensing_slots;
+        models.iter().zip(slots).map(|(bytes, &n)| self.output.write(&model_file::name(n), bytes)).collect()
     }
 }

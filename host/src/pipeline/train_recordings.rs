@@ -10,20 +10,23 @@ use super::learn::{How, Trained, class_names};
 use super::train::Train;
 use super::{Job, budget};
 use crate::error::{Failure, Invalid};
-use crate::experiments::score::{Predictions, balanced_accuracy};
-use crate::experiments::unknown::unknown;
 use crate::formats::table;
 use crate::network::evaluation::{Networks, confusion, test};
 use crate::network::parameters::Parameters;
+use crate::network::score::{Predictions, balanced_accuracy};
 use crate::network::spectrograms::{Collected, sliding};
 use crate::network::training::architecture;
+use crate::network::unknown::unknown;
 use crate::recordings::Stated;
-use crate::recordings::labels::{self, Labelled};
+use crate::recordings::labels::Labelled;
 use crate::results::{LearnedNetwork, LearnedRecording, LearnedRecordings};
 use sdp3_core::dims::Beat;
 use sdp3_core::dsn::head::MAX_CLASSES;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::ops::RangeInclusive;
+
+/// Legal numbers of parts of a cross-validation.
+pub const FOLDS: RangeInclusive<u32> = 2..=1000;
 
 /// Windows to learn from begin a quarter of their length after one another.
 const OVERLAP: usize = 4;
@@ -56,7 +59,9 @@ impl Method {
 /// Recordings to learn from.
 #[derive(Debug, Clone)]
 pub struct Source {
-    pub folder: PathBuf,
+    pub labelled: Vec<Labelled>,
+    /// Where they are from, for errors.
+    pub origin: String,
     /// What was stated about the recordings.
     pub stated: Stated,
     pub method: Method,
@@ -76,11 +81,11 @@ struct Answers {
 }
 
 /// The classes: the user's in the order of their names, or the simulator's where these are all among them and simulation takes part.
-fn classes(labelled: &[Labelled], method: Method, folder: &str) -> Result<Vec<String>, Invalid> {
+fn classes(labelled: &[Labelled], method: Method, origin: &str) -> Result<Vec<String>, Invalid> {
     let own: BTreeSet<&str> = labelled.iter().map(|l| l.class.as_str()).collect();
     let simulated = class_names();
     let foreign = own.iter().find(|class| !simulated.iter().any(|name| name == *class));
-    let refuse = |field, value: String, legal: String| Err(Invalid::new(field, value, legal).at(folder));
+    let refuse = |field, value: String, legal: String| Err(Invalid::new(field, value, legal).at(origin));
     match (method, foreign) {
         (Method::WithSimulation, Some(class)) => {
             refuse("class", (*class).to_owned(), format!("one that is simulated: {}", simulated.join(", ")))
@@ -94,22 +99,22 @@ fn classes(labelled: &[Labelled], method: Method, folder: &str) -> Result<Vec<St
 }
 
 impl Job {
-    /// Trains networks on labelled recordings, with a cross-validation: networks, int8 models, `recordings.json` and `points.csv`.
+    /// Trains networks on labelled recordings, with a cross-validation: networks, int8 models, `recordings.json` and `points.csv`. What
+    /// was found is returned, and the models in the order of `frame.sensing_slots`.
     ///
     /// # Errors
     ///
     /// Recordings or labels that cannot be used; checkpoints of other trainings; a folder that cannot be written.
-    pub fn train_recordings(mut self, ask: &Train, from: &Source) -> Result<LearnedRecordings, Failure> {
+    pub fn train_recordings(
+        mut self,
+        ask: &Train,
+        from: Source,
+    ) -> Result<(LearnedRecordings, Vec<Vec<u8>>), Failure> {
         self.size(ask.quick)?;
         if let Some(recipe) = ask.recipe {
             recipe.apply(&mut self.scenario.learning);
         }
-        let folder = from.folder.display().to_string();
-        let (labelled, left_out) = labels::read(&from.folder)?;
-        for path in left_out {
-            self.progress.note("read", &format!("left out, it has no class: {}", path.display()));
-        }
-        let classes = classes(&labelled, from.method, &folder)?;
+        let classes = classes(&from.labelled, from.method, &from.origin)?;
         if from.hold_out_classes && (from.method != Method::Recordings || classes.len() < 3) {
             let value = format!("{} classes, --method {}", classes.len(), from.method.name());
             let legal =
@@ -120,9 +125,9 @@ impl Job {
             self.warn_of_rho();
             self.check_cost(Work::Train, self.rho())?;
         }
-        let fold = folds(&labelled, from.folds, self.seed, &folder)?;
+        let fold = folds(&from.labelled, from.folds, self.seed, &from.origin)?;
         self.budget.check_memory(&budget::training(&self.scenario, 0, self.workers))?;
-        let recordings = self.read_recordings(labelled, &fold, &classes, &from.stated)?;
+        let recordings = self.read_recordings(from.labelled, &fold, &classes, &from.stated)?;
         self.lengthen(&recordings);
         let simulated = (from.method != Method::Recordings).then(|| self.simulated());
         let start = match (&simulated, from.method) {
@@ -175,7 +180,7 @@ impl Job {
         let points = table::csv(&["sensing_slots", "accuracy", "tested"], found.networks.iter().map(point));
         self.output.write("points.csv", points.as_bytes())?;
         self.output.write_result("recordings.json", &found)?;
-        Ok(found)
+        Ok((found, models))
     }
 
     /// Takes as many epochs as make [`LEAST_STEPS`] of the largest N_s, unless the command line says how many.
@@ -324,11 +329,11 @@ impl Job {
     }
 
     fn described(&self, recording: Recording) -> LearnedRecording {
-        let Recording { labelled, fold, beats, .. } = recording;
+        let Recording { name, class, person, fold, beats, .. } = recording;
         LearnedRecording {
-            file: labelled.name,
-            class: labelled.class,
-            person: labelled.person,
+            file: name,
+            class,
+            person,
             fold: fold as u32 + 1,
             seconds: beats.len() as f64 * self.scenario.interval_s(),
         }

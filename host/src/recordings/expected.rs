@@ -37,7 +37,7 @@ impl Expected {
         let near = |value: f64, of: f64, share: f64| (value - of).abs() <= share * of;
         let interval_us = 1e6 / signal.rate_hz;
         let doppler = self.radar.samples == 1;
-        if let (Samples::Slots(slots), false) = (&signal.samples, doppler) {
+        if let Samples::Slots(slots) = &signal.samples {
             let expected = self.radar.values_per_slot();
             ensure(
                 "values a slot",
@@ -51,11 +51,11 @@ impl Expected {
                 near(interval_us, self.interval_us, Self::INTERVAL),
                 format!("{}, {owner}, within a hundredth", self.interval_us),
             )?;
-        } else {
+        } else if doppler {
             let slowest = 1e6 / self.interval_us;
-            let legal = format!("at least {slowest} Hz, {owner}, within a hundredth");
+            let legal = format!("at least {slowest}, {owner} rate of slots, within a hundredth");
             let fast = signal.rate_hz >= (1.0 - Self::INTERVAL) * slowest;
-            ensure("rate (Hz)", signal.rate_hz.to_string(), !doppler || fast, legal)?;
+            ensure("rate (Hz)", signal.rate_hz.to_string(), fast, legal)?;
         }
         ensure(
             "carrier (Hz)",
@@ -63,18 +63,14 @@ impl Expected {
             near(signal.carrier_hz, self.carrier_hz, Self::CARRIER),
             format!("{}, {owner}, within 5 %", self.carrier_hz),
         )?;
-        let slots = match &signal.samples {
-            Samples::Slots(slots) if !doppler => Cow::Borrowed(slots),
-            Samples::Real(x) if doppler && self.radar.format == SampleFormat::Real => {
+        let slots = match (&signal.samples, self.radar.format) {
+            (Samples::Slots(slots), _) => Cow::Borrowed(slots),
+            (Samples::Real(x), SampleFormat::Real) if doppler => {
                 Cow::Owned(self.sampled(x.iter().map(|&x| Complex64::new(x, 0.0)).collect(), signal.rate_hz))
             }
-            Samples::Complex(z) if doppler => Cow::Owned(self.sampled(z.clone(), signal.rate_hz)),
+            (Samples::Complex(z), _) if doppler => Cow::Owned(self.sampled(z.clone(), signal.rate_hz)),
             _ => {
-                let legal = match (doppler, self.radar.format) {
-                    (false, _) => "raw slots of a radar",
-                    (true, SampleFormat::Real) => "samples of a Doppler sensor",
-                    (true, SampleFormat::Complex) => "I and Q of a Doppler sensor",
-                };
+                let legal = if doppler { "I and Q of a Doppler sensor" } else { "raw slots of a radar" };
                 return Err(Invalid::new("samples", &signal.about.axes, legal));
             }
         };

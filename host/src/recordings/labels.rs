@@ -6,6 +6,7 @@
 
 use super::{annotations, infineon};
 use crate::error::{Failure, Invalid};
+use crate::formats::slots::Slots;
 use crate::formats::table;
 use crate::store::limited;
 use std::path::{Path, PathBuf};
@@ -18,12 +19,23 @@ const ENDINGS: [&str; 9] = ["wav", "csv", "npy", "npz", "mat", "sigmf-meta", "h5
 /// Folders within folders that are looked into.
 const DEPTH: u32 = 16;
 
+/// Where a recording is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Held {
+    /// In a file or folder that [`super::open`] reads.
+    File(PathBuf),
+    /// In memory.
+    Slots(Slots),
+}
+
 /// A recording, or a part of one, and what it shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labelled {
-    /// Its path below the folder.
+    /// Its path below the folder, or what else it is called.
     pub name: String,
-    pub path: PathBuf,
+    /// Where it is.
+    pub held: Held,
+    /// What it shows.
     pub class: String,
     /// Who is in it, if that is known.
     pub person: Option<String>,
@@ -36,7 +48,8 @@ impl Labelled {
     #[cfg(test)]
     pub fn example(name: &str, class: &str, person: Option<&str>) -> Self {
         let person = person.map(str::to_owned);
-        Labelled { name: name.into(), path: name.into(), class: class.into(), person, span_s: None }
+        let held = Held::File(name.into());
+        Labelled { name: name.into(), held, class: class.into(), person, span_s: None }
     }
 
     /// What must not be both learned from and tested with: the person, else the recording.
@@ -110,7 +123,7 @@ fn by_table(folder: &Path, path: &Path) -> Result<Vec<Labelled>, Failure> {
             };
             Ok(Labelled {
                 name: cell(file).to_owned(),
-                path: folder.join(cell(file)),
+                held: Held::File(folder.join(cell(file))),
                 class: cell(class).to_owned(),
                 person: column("person").map(|k| cell(k).to_owned()).filter(|person| !person.is_empty()),
                 span_s,
@@ -128,7 +141,7 @@ fn by_folders(folder: &Path) -> Result<(Vec<Labelled>, Vec<PathBuf>), Failure> {
         let name = below.display().to_string();
         let labelled = |class: String, span_s| Labelled {
             name: name.clone(),
-            path: path.clone(),
+            held: Held::File(path.clone()),
             class,
             person: None,
             span_s,

@@ -314,10 +314,28 @@ fn contents(source: Source, stated: &Stated) -> Result<Contents, MeasuredError> 
 ///
 /// As [`read`].
 pub fn signal(name: &str, samples: Samples, stated: &Stated) -> Result<Signal, MeasuredError> {
+    in_memory(name, samples, stated, SHORTEST_S)
+}
+
+/// Raw slots that are in memory, held to the same limits as those of a file; `name` stands for the file in errors.
+///
+/// # Errors
+///
+/// As [`open`].
+pub fn raw_slots(name: &str, slots: Slots, stated: &Stated) -> Result<Signal, MeasuredError> {
+    in_memory(name, Samples::Slots(slots), stated, 0.0)
+}
+
+fn in_memory(
+    name: &str,
+    samples: Samples,
+    stated: &Stated,
+    shortest_s: f64,
+) -> Result<Signal, MeasuredError> {
     let about = About::new("array", "", vec![samples.len()]);
     let source = Source(Path::new(name), stated.budget);
     let contents = Contents { samples, rate_hz: None, carrier_hz: None, about };
-    checked(source, contents, stated, SHORTEST_S)
+    checked(source, contents, stated, shortest_s)
 }
 
 fn checked(

@@ -34,6 +34,15 @@ impl Scenario {
         Self::preset(file, set, &QUICK, "--preset quick")
     }
 
+    /// As [`Scenario::quick`], of TOML that is in memory; errors name `file` as its origin.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong.
+    pub fn quick_text(text: &str, file: &Path, set: &[Override]) -> Result<(Self, String), ScenarioError> {
+        Self::parse_with(text, file, set)?.sized(text, set, &QUICK, "--preset quick")
+    }
+
     /// As [`Scenario::quick`], with the sizes of comparisons.
     ///
     /// # Errors
@@ -49,8 +58,19 @@ impl Scenario {
         sizes: &Sizes,
         origin: &str,
     ) -> Result<(Self, String), ScenarioError> {
-        let mut scenario = Self::resolve(file, set)?;
         let text = file.map(text_of).transpose()?.unwrap_or_default();
+        Self::resolve(file, set)?.sized(&text, set, sizes, origin)
+    }
+
+    /// This scenario of a TOML, with sizes that neither it nor `set` states.
+    fn sized(
+        self,
+        text: &str,
+        set: &[Override],
+        sizes: &Sizes,
+        origin: &str,
+    ) -> Result<(Self, String), ScenarioError> {
+        let mut scenario = self;
         let stated = text.parse::<Table>().unwrap_or_default();
         let mut words = Vec::new();
         for (section, key, value) in sizes {
@@ -84,6 +104,8 @@ mod tests {
         assert_eq!((l.epochs, l.channels, l.windows), (3, 16, 2));
         assert_eq!(found.room.size_m, [4.0, 5.0, 3.0]);
         assert_eq!(words, "train_per_class = 100, test_per_class = 60");
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(Scenario::quick_text(&text, Path::new("text"), &set).unwrap(), (found, words));
         // a built-in scenario's own sizes stay too
         let (found, _) = Scenario::quick(Some(Path::new("small-radar")), &[]).unwrap();
         assert_eq!((found.learning.blocks, found.learning.epochs), (3, 12));

@@ -24,9 +24,16 @@ impl Scenario {
     ///
     /// See [`ScenarioError`].
     pub fn parse(text: &str, file: &Path) -> Result<Self, ScenarioError> {
-        let scenario = deserialised(text, file)?;
-        scenario.check(&file.display().to_string())?;
-        Ok(scenario)
+        Self::parse_with(text, file, &[])
+    }
+
+    /// As [`Scenario::parse`], with single fields set over it.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong.
+    pub fn parse_with(text: &str, file: &Path, set: &[Override]) -> Result<Self, ScenarioError> {
+        deserialised(text, file)?.with(set, &file.display().to_string())
     }
 
     /// A file, or the built-in scenario of that name where there is no such file, or the paper's room; then `set` over it.
@@ -36,7 +43,7 @@ impl Scenario {
     /// The first thing that is wrong.
     pub fn resolve(file: Option<&Path>, set: &[Override]) -> Result<Self, ScenarioError> {
         let Some(file) = file else { return Self::default().with(set, "built in") };
-        deserialised(&text_of(file)?, file)?.with(set, &file.display().to_string())
+        Self::parse_with(&text_of(file)?, file, set)
     }
 
     /// This scenario with single fields set, checked.

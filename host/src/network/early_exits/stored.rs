@@ -26,6 +26,39 @@ pub struct EarlyExits {
     pub threshold: Option<f64>,
 }
 
+/// A model file, on disk or in memory.
+#[derive(Debug, Clone)]
+pub enum ModelFile {
+    /// Its path.
+    Path(PathBuf),
+    /// Its bytes.
+    Bytes(Vec<u8>),
+}
+
+impl From<PathBuf> for ModelFile {
+    fn from(path: PathBuf) -> Self {
+        ModelFile::Path(path)
+    }
+}
+
+impl ModelFile {
+    /// Its path, or `model` of one in memory.
+    pub(crate) fn name(&self) -> &Path {
+        match self {
+            ModelFile::Path(path) => path,
+            ModelFile::Bytes(_) => Path::new("model"),
+        }
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, Failure> {
+        match self {
+            ModelFile::Path(path) => Ok(limited::read(path, limited::NETWORK)
+                .map_err(|error| format!("{}: {error}", path.display()))?),
+            ModelFile::Bytes(bytes) => Ok(bytes.clone()),
+        }
+    }
+}
+
 /// What `sdp3 early-exits` fitted to the models of a folder.
 ///
 /// # Errors
@@ -50,9 +83,8 @@ impl StoredExits {
     /// # Errors
     ///
     /// Files that cannot be read; a model that is none of the folder's exits, or the first; no threshold.
-    pub(crate) fn read(model: &Path, exits: Option<&EarlyExits>) -> Result<Self, Failure> {
-        let read = limited::read(model, limited::NETWORK);
-        let bytes = read.map_err(|error| format!("{}: {error}", model.display()))?;
+    pub(crate) fn read(model: &ModelFile, exits: Option<&EarlyExits>) -> Result<Self, Failure> {
+        let (model, bytes) = (model.name(), model.bytes()?);
         let own = parsed(model, &bytes)?.sensing_slots() as u32;
         let file = (model.to_owned(), bytes);
         let Some(EarlyExits { folder, threshold }) = exits else {

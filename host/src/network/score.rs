@@ -4,11 +4,16 @@
 //! the networks for all of them (Davison and Hinkley, 1997, section 3.8). Where a class has one recording, the interval covers its windows
 //! alone.
 
-use crate::experiments::paired::{COVERAGE, DRAWS};
 use crate::numerics::random::Random;
 use crate::results::Estimate;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+
+/// Redrawn sets of answers.
+pub const DRAWS: u32 = 2000;
+
+/// Share of them within an interval.
+pub const COVERAGE: f64 = 0.95;
 
 /// Stream number of what is redrawn.
 const STREAM: u64 = 206;
