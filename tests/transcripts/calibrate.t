@@ -31,7 +31,7 @@ Calibration: the stored table with its self-check, and measured signals that can
 
   $ sdp3 calibrate --measured nothing.wav --motion flying
   error: invalid value 'flying' for '--motion <CLASS>'
-    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
   For more information, try '--help'.
   [2]

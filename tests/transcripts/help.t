@@ -110,7 +110,7 @@ Help: the tool and every command, with examples.
             How the person in it moves: rho is found for this motion, and a wrong one changes it
             
             [default: adult-walking]
-            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
         --targets <NAMES>
             Targets to compare
@@ -189,7 +189,7 @@ Help: the tool and every command, with examples.
         --classes <NAMES>
             Classes; absent: the paper's five
             
-            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+            [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
         --raw
             Store the raw slots in the parts too
@@ -262,7 +262,7 @@ Help: the tool and every command, with examples.
         --antenna <N>                Receive antenna of a radar module, from 1
         --chirp <N|all>              Chirp of every frame of a radar module, from 1, or all
         --config <FILE>              Description of a DCA1000 capture: the sensor's .cfg or mmWave Studio's .mmwave.json; absent: the one beside it
-        --motion <CLASS>             How the person in it moves: rho is found for this motion, and a wrong one changes it [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+        --motion <CLASS>             How the person in it moves: rho is found for this motion, and a wrong one changes it [default: adult-walking] [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
         --table <FILE.toml>          Write the look-up table of rho again, to this file
         --scenario <FILE.toml|NAME>  Scenario in TOML, or the name of one that `sdp3 scenario list` lists; absent: the paper's conference room
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it

@@ -104,7 +104,7 @@ Point targets: written, described, refused.
 
   $ sdp3 targets --classes flying
   error: invalid value 'flying' for '--classes <NAMES>'
-    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running]
+    [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
   For more information, try '--help'.
   [2]

@@ -144,7 +144,7 @@ pub(super) fn training(scenario: &Scenario, tested: u32, workers: usize) -> Vec<
     ]
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::scenario::Override;

@@ -26,6 +26,18 @@ pub enum Class {
     ChildRunning,
     /// An adult running.
     AdultRunning,
+    /// An adult sitting down on a chair.
+    SittingDown,
+    /// An adult standing up from a chair.
+    StandingUp,
+    /// An adult falling to the floor: forward, backward or sideways.
+    Falling,
+    /// An adult bending down and straightening up, again and again.
+    Bending,
+    /// An adult waving with one arm.
+    Waving,
+    /// An adult jumping on the spot, again and again.
+    Jumping,
 }
 
 impl Class {
@@ -34,7 +46,7 @@ impl Class {
         [Class::Standing, Class::ChildWalking, Class::ChildPacing, Class::AdultWalking, Class::AdultPacing];
 
     /// Every motion there is.
-    pub const EVERY: [Class; 9] = [
+    pub const EVERY: [Class; 15] = [
         Class::Standing,
         Class::ChildWalking,
         Class::ChildPacing,
@@ -44,6 +56,12 @@ impl Class {
         Class::AdultStepping,
         Class::ChildRunning,
         Class::AdultRunning,
+        Class::SittingDown,
+        Class::StandingUp,
+        Class::Falling,
+        Class::Bending,
+        Class::Waving,
+        Class::Jumping,
     ];
 
     /// Whether a child moves; standing people may be either.
@@ -53,15 +71,38 @@ impl Class {
             Class::ChildWalking | Class::ChildPacing | Class::ChildStepping | Class::ChildRunning => {
                 Some(true)
             }
-            Class::AdultWalking | Class::AdultPacing | Class::AdultStepping | Class::AdultRunning => {
-                Some(false)
-            }
+            Class::AdultWalking
+            | Class::AdultPacing
+            | Class::AdultStepping
+            | Class::AdultRunning
+            | Class::SittingDown
+            | Class::StandingUp
+            | Class::Falling
+            | Class::Bending
+            | Class::Waving
+            | Class::Jumping => Some(false),
         }
     }
 
     /// Whether the person stays where it is.
     pub fn on_the_spot(self) -> bool {
-        matches!(self, Class::Standing | Class::ChildStepping | Class::AdultStepping)
+        match self {
+            Class::ChildWalking
+            | Class::ChildPacing
+            | Class::AdultWalking
+            | Class::AdultPacing
+            | Class::ChildRunning
+            | Class::AdultRunning => false,
+            Class::Standing
+            | Class::ChildStepping
+            | Class::AdultStepping
+            | Class::SittingDown
+            | Class::StandingUp
+            | Class::Falling
+            | Class::Bending
+            | Class::Waving
+            | Class::Jumping => true,
+        }
     }
 
     /// The name used in files and pages.
@@ -76,6 +117,12 @@ impl Class {
             Class::ChildPacing => "child-pacing",
             Class::AdultWalking => "adult-walking",
             Class::AdultPacing => "adult-pacing",
+            Class::SittingDown => "sitting-down",
+            Class::StandingUp => "standing-up",
+            Class::Falling => "falling",
+            Class::Bending => "bending",
+            Class::Waving => "waving",
+            Class::Jumping => "jumping",
         }
     }
 }
@@ -103,6 +150,13 @@ pub struct Target {
     pub capture: Option<PathBuf>,
     /// Further people in the room.
     pub others: Vec<Other>,
+}
+
+impl Target {
+    /// Ground position at the start in m: the first way point, if there is one.
+    pub fn begin_m(&self) -> [f64; 2] {
+        self.waypoints_m.first().copied().unwrap_or(self.start_m)
+    }
 }
 
 /// A further person.

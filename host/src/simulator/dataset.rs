@@ -129,6 +129,8 @@ pub(crate) fn scene_people(scenario: &Scenario, class: Class, random: &mut Rando
     let (room, radar) = (scenario.room.size_m, scenario.radar.position_m);
     let mut person = Person::draw(class, &scenario.target, room, radar, random);
     if let Some(capture) = scenario.target.capture.as_ref().and_then(|file| Capture::shared(file).ok()) {
+        // a captured motion starts where the scenario says, also near a wall
+        person.truth.start_m = scenario.target.begin_m();
         person = Person::captured(person.truth, capture);
     }
     let mut people = vec![Target::new(person, random)];

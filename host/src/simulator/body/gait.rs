@@ -3,81 +3,12 @@
 //! Boulic, Thalmann, Thalmann, "A global human walking model with real-time kinematic personification" (1990), in the
 //! form of Chen's micro-Doppler model with its known slips corrected. Angles in degrees, phase t in [0, 1).
 
+pub use super::limbs::{JOINTS, Segments, joint};
+
+use super::limbs::{Turn, along, arm, leg};
 use super::number::Real;
 use super::{Vec3, add};
 use crate::numerics::pchip::Periodic;
-
-/// Joints in their order: base, neck, head, then left and right of shoulder, elbow, hand, hip, knee, ankle, toe.
-pub const JOINTS: usize = 17;
-
-/// Index of a joint; the right one is the left one plus one.
-pub mod joint {
-    /// Pelvis centre.
-    pub const BASE: usize = 0;
-    /// Upper end of the torso.
-    pub const NECK: usize = 1;
-    /// Top of the head.
-    pub const HEAD: usize = 2;
-    /// Left shoulder.
-    pub const SHOULDER: usize = 3;
-    /// Left elbow.
-    pub const ELBOW: usize = 5;
-    /// Left hand.
-    pub const HAND: usize = 7;
-    /// Left hip.
-    pub const HIP: usize = 9;
-    /// Left knee.
-    pub const KNEE: usize = 11;
-    /// Left ankle.
-    pub const ANKLE: usize = 13;
-    /// Left toe.
-    pub const TOE: usize = 15;
-}
-
-/// Segment lengths in m; fractions of the height.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segments {
-    /// Neck to top of the head.
-    pub head: f64,
-    /// Half the shoulder width.
-    pub half_shoulder: f64,
-    /// Pelvis to neck.
-    pub torso: f64,
-    /// Half the hip width.
-    pub half_hip: f64,
-    /// Hip to knee.
-    pub thigh: f64,
-    /// Knee to ankle.
-    pub shank: f64,
-    /// Ankle to toe.
-    pub foot: f64,
-    /// Shoulder to elbow.
-    pub upper_arm: f64,
-    /// Elbow to hand.
-    pub lower_arm: f64,
-}
-
-impl Segments {
-    /// Of a person of height `h` in m.
-    pub fn of_height(h: f64) -> Self {
-        Segments {
-            head: 0.130 * h,
-            half_shoulder: 0.1295 * h,
-            torso: 0.288 * h,
-            half_hip: 0.0955 * h,
-            thigh: 0.245 * h,
-            shank: 0.246 * h,
-            foot: 0.143 * h,
-            upper_arm: 0.188 * h,
-            lower_arm: 0.152 * h,
-        }
-    }
-
-    /// Thigh and shank, H_t: the model's unit of length.
-    pub fn leg(&self) -> f64 {
-        self.thigh + self.shank
-    }
-}
 
 /// One person's walk at one relative velocity.
 #[derive(Debug, Clone)]
@@ -215,7 +146,6 @@ impl Gait {
     #[inline(always)]
     pub fn pose<R: Real>(&self, t: R) -> [Vec3<R>; JOINTS] {
         let s = &self.segments;
-        let along = |length: f64| [R::of(0.0), R::of(0.0), R::of(length)];
         let aside = |width: f64, up: f64| [R::of(0.0), R::of(width), R::of(up)];
         let curve = |c: &Periodic, t: R| {
             let [angle] = t.lift(|t| {
@@ -242,57 +172,22 @@ impl Gait {
             let shoulder = Turn::degrees(swing.times(sign * amplitude).plus(3.0 - amplitude / 2.0));
             let elbow = Turn::degrees(curve(&self.elbow, phase));
             let root = aside(sign * s.half_shoulder, s.torso);
-            let upper_arm = along(-s.upper_arm);
-            let hand = shoulder.pitch(add(elbow.pitch(along(-s.lower_arm)), upper_arm));
+            let [elbow, hand] = arm(s, shoulder, elbow);
             joints[joint::SHOULDER + side] = upper(root);
-            joints[joint::ELBOW + side] = upper(add(shoulder.pitch(upper_arm), root));
+            joints[joint::ELBOW + side] = upper(add(elbow, root));
             joints[joint::HAND + side] = upper(add(hand, root));
 
             let hip = Turn::degrees(curve(&self.hip, phase));
             let knee = Turn::degrees(-curve(&self.knee, phase));
             let ankle = Turn::degrees(curve(&self.ankle, phase));
             let root = aside(sign * s.half_hip, 0.0);
-            let (thigh, shank) = (along(-s.thigh), along(-s.shank));
-            let toe = add(ankle.pitch([R::of(s.foot), R::of(0.0), R::of(0.0)]), shank);
+            let [knee, ankle, toe] = leg(s, hip, knee, ankle);
             joints[joint::HIP + side] = lower(root);
-            joints[joint::KNEE + side] = lower(add(hip.pitch(thigh), root));
-            joints[joint::ANKLE + side] = lower(add(hip.pitch(add(knee.pitch(shank), thigh)), root));
-            joints[joint::TOE + side] = lower(add(hip.pitch(add(knee.pitch(toe), thigh)), root));
+            joints[joint::KNEE + side] = lower(add(knee, root));
+            joints[joint::ANKLE + side] = lower(add(ankle, root));
+            joints[joint::TOE + side] = lower(add(toe, root));
         }
         joints
-    }
-}
-
-/// A rotation by its sine and cosine.
-#[derive(Debug, Clone, Copy)]
-struct Turn<R>(R, R);
-
-impl<R: Real> Turn<R> {
-    #[inline(always)]
-    fn degrees(angle: R) -> Self {
-        let (s, c) = angle.times(1.0 / 360.0).sin_cos_turns();
-        Turn(s, c)
-    }
-
-    /// About y: a positive angle swings a hanging limb forward.
-    #[inline(always)]
-    fn pitch(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
-        let Turn(s, c) = self;
-        [c * x - s * z, y, s * x + c * z]
-    }
-
-    /// About z, clockwise seen from above.
-    #[inline(always)]
-    fn yaw(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
-        let Turn(s, c) = self;
-        [c * x + s * y, c * y - s * x, z]
-    }
-
-    /// About x.
-    #[inline(always)]
-    fn tilt(self, [x, y, z]: Vec3<R>) -> Vec3<R> {
-        let Turn(s, c) = self;
-        [x, c * y + s * z, c * z - s * y]
     }
 }
 

@@ -1,7 +1,9 @@
 //! A human body: how its joints move and what sixteen ellipsoids stand on them.
 
+pub(crate) mod activity;
 pub mod capture;
 pub mod gait;
+mod limbs;
 pub(crate) mod motion;
 pub(crate) mod number;
 pub mod primitives;

@@ -2,8 +2,9 @@
 //!
 //! Walking is 0.5 H m/s, pacing the same gait at half that speed, running 1.3 H m/s (RV = 2.65, within the model's 3),
 //! stepping the walk's angles on the spot, standing the gait's pose at rest with sway and breathing. Whoever comes near a
-//! wall turns along an arc and walks on.
+//! wall turns along an arc and walks on. Other motions are made on the spot ([`activity`](super::activity)), far enough from walls.
 
+use super::activity::Activity;
 use super::capture::Capture;
 use super::gait::{Gait, JOINTS, Segments, joint};
 use super::number::{Dual, Real};
@@ -56,6 +57,8 @@ enum Motion {
     Walking,
     /// The gait's rest pose.
     Standing(Rest),
+    /// Another motion, with the sway of who stands.
+    Acting(Box<Activity>, Rest),
     /// Joints from a file, its first base at the start position.
     Captured {
         capture: Arc<Capture>,
@@ -83,10 +86,22 @@ const TURN_M: f64 = 0.65;
 /// Seconds for which a walk is drawn; afterwards it goes straight on.
 const DRAWN_S: f64 = 120.0;
 
+/// Distance to the walls which no joint comes nearer in a motion on the spot, in m.
+const WALL_M: f64 = 0.05;
+/// Seconds before and after the beginning of a recording in which such a motion has its whole extent, and the step between looks.
+const EXTENT_S: [f64; 2] = [-1.5, 4.5];
+const LOOK_S: f64 = 0.05;
+
 /// Walking speed of a class in heights per second.
 fn pace(class: Class) -> f64 {
     match class {
-        Class::Standing => 0.0,
+        Class::Standing
+        | Class::SittingDown
+        | Class::StandingUp
+        | Class::Falling
+        | Class::Bending
+        | Class::Waving
+        | Class::Jumping => 0.0,
         Class::ChildWalking | Class::AdultWalking | Class::ChildStepping | Class::AdultStepping => 0.5,
         Class::ChildPacing | Class::AdultPacing => 0.25,
         Class::ChildRunning | Class::AdultRunning => 1.3,
@@ -101,7 +116,7 @@ impl Person {
         let height_m = low + (high - low) * random.uniform();
         let jitter = 1.0 + target.speed_jitter * random.gaussian().clamp(-3.0, 3.0);
         let stride_m_s = jitter * pace(class) * height_m;
-        let [x, y] = target.waypoints_m.first().copied().unwrap_or(target.start_m);
+        let [x, y] = target.begin_m();
         let towards = libm::atan2(radar[1] - y, radar[0] - x) * 180.0 / PI;
         let heading_deg = towards + target.heading_spread_deg * (2.0 * random.uniform() - 1.0);
         let phase = random.uniform();
@@ -140,20 +155,38 @@ impl Person {
         });
         let trajectory =
             Trajectory::bouncing(truth.start_m, heading, truth.speed_m_s, DRAWN_S, borders, turns);
-        let motion = if stride_m_s > 0.0 {
-            Motion::Walking
-        } else {
-            Motion::Standing(Rest { sway: [first, second], breath })
+        let segments = *gait.segments();
+        let rest = Rest { sway: [first, second], breath };
+        let motion = match Activity::draw(truth.class, truth.height_m, &segments, random) {
+            Some(activity) => Motion::Acting(Box::new(activity), rest),
+            None if stride_m_s > 0.0 => Motion::Walking,
+            None => Motion::Standing(rest),
         };
-        Person {
-            // hip joints stand a leg and the ankle's height above the ground
-            pelvis: 0.53 * truth.height_m,
-            segments: *gait.segments(),
-            motion,
-            gait,
-            trajectory,
-            truth,
+        // hip joints stand a leg and the ankle's height above the ground
+        let pelvis = 0.53 * truth.height_m;
+        let person = Person { pelvis, segments, motion, gait, trajectory, truth };
+        match person.motion {
+            Motion::Acting(..) => person.away_from_walls(room),
+            _ => person,
         }
+    }
+
+    /// Starts further from a wall which a joint would touch; in the middle where there is no room.
+    fn away_from_walls(mut self, room: Vec3) -> Self {
+        let looks = ((EXTENT_S[1] - EXTENT_S[0]) / LOOK_S) as u32;
+        let joints = (0..=looks).flat_map(|k| self.joints(EXTENT_S[0] + LOOK_S * f64::from(k)));
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for at in joints {
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
+            }
+        }
+        for axis in 0..2 {
+            let [back, on] = [WALL_M - low[axis], room[axis] - WALL_M - high[axis]];
+            self.truth.start_m[axis] += if back > on { 0.5 * (back + on) } else { 0.0_f64.clamp(back, on) };
+        }
+        self.trajectory = Trajectory::standing(self.truth.start_m, self.truth.heading_deg * PI / 180.0);
+        self
     }
 
     /// A person that moves as a file says; the joints' first base stands at `truth.start_m`.
@@ -176,6 +209,10 @@ impl Person {
     pub fn joints<R: Real>(&self, t: R) -> [Vec3<R>; JOINTS] {
         let (pose, offset) = match &self.motion {
             Motion::Captured { capture, offset } => return captured(capture, *offset, t),
+            Motion::Acting(activity, rest) => {
+                let [ahead, aside, _] = rest.sway(t);
+                (activity.joints(t), [ahead, aside, R::of(-self.pelvis)])
+            }
             Motion::Walking => {
                 let phase = t.times(1.0 / self.gait.cycle_s()).plus(self.truth.phase);
                 let shift = scale(self.gait.translation(phase), R::of(self.segments.leg()));
@@ -192,15 +229,12 @@ impl Person {
     }
 
     fn resting<R: Real>(&self, rest: &Rest, t: R) -> ([Vec3<R>; JOINTS], Vec3<R>) {
-        let wave = |amplitude: f64, (hz, phase): (f64, f64)| {
-            t.times(hz).plus(phase).sin_cos_turns().0.times(amplitude)
-        };
         let mut pose = self.gait.pose(0.25).map(|p| p.map(R::of));
-        let chest = wave(BREATH_M, rest.breath);
+        let chest = wave(BREATH_M, rest.breath, t);
         for j in [joint::NECK, joint::SHOULDER, joint::SHOULDER + 1] {
             pose[j][0] = pose[j][0] + chest;
         }
-        (pose, [wave(SWAY_M, rest.sway[0]), wave(SWAY_M, rest.sway[1]), R::of(0.0)])
+        (pose, rest.sway(t))
     }
 
     /// Positions in m and velocities in m/s of the joints: the derivative of the formulas, not of samples.
@@ -215,6 +249,19 @@ impl Person {
     /// Primitives at `t` seconds.
     pub fn primitives<R: Real>(&self, t: R) -> [Primitive<R>; PRIMITIVES] {
         primitives(&self.joints(t), &self.segments, self.truth.height_m)
+    }
+}
+
+/// A sine of this amplitude, and (frequency in Hz, phase in turns).
+fn wave<R: Real>(amplitude: f64, (hz, phase): (f64, f64), t: R) -> R {
+    t.times(hz).plus(phase).sin_cos_turns().0.times(amplitude)
+}
+
+impl Rest {
+    /// Offset of the whole body in m.
+    fn sway<R: Real>(&self, t: R) -> Vec3<R> {
+        let [ahead, aside] = self.sway;
+        [wave(SWAY_M, ahead, t), wave(SWAY_M, aside, t), R::of(0.0)]
     }
 }
 
@@ -281,6 +328,9 @@ mod tests {
             (Class::AdultPacing, 0.4),
             (Class::AdultStepping, 0.0),
             (Class::AdultRunning, 2.3),
+            (Class::StandingUp, 0.0),
+            (Class::Falling, 0.0),
+            (Class::Jumping, 0.0),
         ] {
             let person = person(class, speed);
             for step in 0..400 {
