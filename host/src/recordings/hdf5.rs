@@ -2,8 +2,9 @@
 //!
 //! Complex numbers are compounds of two numbers, `real` and `imag` (or `r` and `i`), as h5py and MATLAB write them. The dataset's
 //! attributes `rate_hz` and `carrier_hz`, if there, are believed. Shapes: see [`super::array`]. In an A121 file the frames are
-//! found, their rate is that of the session, and the carrier is the sensor's 60.5 GHz (its data sheet). A MATLAB file's variables are
-//! datasets of its root, stored column by column; `rate_hz` and `carrier_hz` are variables too.
+//! found, their rate is that of the session, or of the ticks of the frames if the session states none, and the carrier is the sensor's
+//! 60.5 GHz (its data sheet). A MATLAB file's variables are datasets of its root, stored column by column; `rate_hz` and `carrier_hz` are
+//! variables too.
 
 use super::array::{Array, Numbers, checked_shape};
 use super::matlab::Variable;
@@ -13,9 +14,14 @@ use hdf5_pure::{AttrValue, Datatype, DatatypeByteOrder, File, FixedPointLayout, 
 use rustfft::num_complex::Complex64;
 
 const FORMAT: &str = "HDF5";
-/// Where an A121 file keeps its frames and how they were made.
-const A121_FRAMES: &str = "sessions/session_0/group_0/entry_0/result/frame";
-const A121_SESSION: &str = "sessions/session_0/session_config";
+/// Where an A121 file keeps its first session; those of older libraries have only one.
+const A121_SESSIONS: [&str; 2] = ["sessions/session_0", "session"];
+/// What the session's first sensor measured.
+const A121_RESULT: &str = "group_0/entry_0/result";
+/// How much the time between two frames may differ from its mean, as a share of it, besides a tick.
+const A121_UNIFORM: f64 = 0.1;
+/// What a file of the older A111 has in its root.
+const A111: [&str; 3] = ["data", "sensor_config_dump", "session_info"];
 const A121_CARRIER_HZ: f64 = 60.5e9;
 /// Deepest group searched for datasets.
 const DEPTH: usize = 8;
@@ -28,6 +34,9 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
     limited::open(source.0, limited::WHOLE).map_err(|error| source.unreadable(format, error))?;
     let file = File::open(source.0).map_err(broken)?;
     let a121 = file.dataset("generation").and_then(|d| d.read_string()).is_ok_and(|s| s == ["a121"]);
+    let frames = |session: &str| format!("{session}/{A121_RESULT}/frame");
+    let has_frames = |session: &&&str| file.dataset(&frames(session)).is_ok();
+    let session = A121_SESSIONS.iter().find(has_frames).filter(|_| a121);
     let names = || -> Result<Vec<String>, MeasuredError> {
         let mut names = Vec::new();
         datasets(&file.root(), "", if matlab { 0 } else { DEPTH }, &mut names).map_err(broken)?;
@@ -39,7 +48,18 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
     };
     let name = match name {
         Some(name) => name.to_owned(),
-        None if a121 => A121_FRAMES.to_owned(),
+        None if a121 => match session {
+            Some(session) => frames(session),
+            None => {
+                let why = file.dataset(&frames(A121_SESSIONS[0])).err().map(|e| e.to_string());
+                let reason = format!("it has no frames of an A121 session: {}", why.unwrap_or_default());
+                return Err(source.unreadable(format, reason));
+            }
+        },
+        None if A111.iter().all(|name| file.dataset(name).is_ok()) => {
+            let reason = "it is a session of Acconeer's A111, and only those of the A121 are read; --dataset data reads complex data of one sensor";
+            return Err(source.unreadable(format, reason));
+        }
         None => match names()?.as_slice() {
             [only] => only.clone(),
             all => {
@@ -78,7 +98,7 @@ pub(super) fn read(source: Source, name: Option<&str>, matlab: bool) -> Result<C
     contents.rate_hz = attribute("rate_hz");
     contents.carrier_hz = attribute("carrier_hz");
     if a121 {
-        contents.rate_hz = contents.rate_hz.or_else(|| frame_rate(&file));
+        contents.rate_hz = contents.rate_hz.or_else(|| frame_rate(&file, session?, &stored));
         contents.carrier_hz = contents.carrier_hz.or(Some(A121_CARRIER_HZ));
     }
     Ok(contents)
@@ -151,12 +171,27 @@ fn number_of(value: &AttrValue) -> Option<f64> {
     }
 }
 
-/// The frame rate an A121 session was configured with.
-fn frame_rate(file: &File) -> Option<f64> {
-    let text = file.dataset(A121_SESSION).ok()?.read_string().ok()?;
-    let session: serde_json::Value = serde_json::from_str(text.first()?).ok()?;
-    let group = session.get("groups")?.get(0)?.as_object()?;
-    group.values().next()?.get("frame_rate")?.as_f64()
+/// The frame rate that an A121 session was configured with, or that of its frames' ticks.
+fn frame_rate(file: &File, session: &str, frames: &[u64]) -> Option<f64> {
+    let json = |name: &str| -> Option<serde_json::Value> {
+        serde_json::from_str(file.dataset(name).ok()?.read_string().ok()?.first()?).ok()
+    };
+    let config = json(&format!("{session}/session_config"))?;
+    let sensor = config.get("groups")?.get(0)?.as_object()?.values().next()?;
+    sensor.get("frame_rate").and_then(serde_json::Value::as_f64).or_else(|| {
+        let ticks = file.dataset(&format!("{session}/{A121_RESULT}/tick")).ok()?;
+        // one a frame, so that no more is read than the frames that fit
+        ticks.shape().is_ok_and(|shape| shape == frames[..1]).then_some(())?;
+        rate_of(&ticks.read_i64().ok()?, json("server_info")?.get("ticks_per_second")?.as_f64()?)
+    })
+}
+
+/// The rate of frames that follow one another at the same distance.
+fn rate_of(ticks: &[i64], per_second: f64) -> Option<f64> {
+    let steps: Vec<f64> = ticks.windows(2).map(|pair| pair[1] as f64 - pair[0] as f64).collect();
+    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+    let uniform = steps.iter().all(|step| (step - mean).abs() <= A121_UNIFORM * mean + 1.0);
+    (mean > 0.0 && uniform).then_some(per_second / mean)
 }
 
 /// A scalar's layout in its bytes.

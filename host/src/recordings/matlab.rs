@@ -76,6 +76,9 @@ pub(super) fn read(source: Source, name: Option<&str>) -> Result<Contents, Measu
     let scalar = |name: &str| variables.iter().find(|v| v.name == name).and_then(|v| v.real.first().copied());
     let (rate_hz, carrier_hz) = (scalar("rate_hz"), scalar("carrier_hz"));
     let mut arrays: Vec<Variable> = variables.into_iter().filter(|v| v.real.len() > 1).collect();
+    if arrays.is_empty() {
+        return Err(broken("it holds no array of numbers"));
+    }
     let names: Vec<&str> = arrays.iter().map(|v| v.name.as_str()).collect();
     let legal = format!("one of {}", names.join(", "));
     let chosen = match name {

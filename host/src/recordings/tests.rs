@@ -225,6 +225,14 @@ fn an_antenna_and_a_chirp_are_taken_from_a_capture() {
     assert!(error.contains("--chirp is all") && error.contains("leave a pause"), "{error}");
 }
 
+#[test]
+fn a_matlab_file_without_an_array_is_refused() {
+    let folder = Folder::new();
+    let file = folder.file("one.mat");
+    std::fs::write(&file, mat(&[1.0])).unwrap();
+    assert!(refusal(&file, &Stated::default()).contains("it holds no array of numbers"));
+}
+
 /// A MATLAB file with one row of doubles.
 fn mat(values: &[f64]) -> Vec<u8> {
     let element = |kind: u32, data: &[u8]| {

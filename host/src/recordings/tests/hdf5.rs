@@ -28,6 +28,78 @@ fn hdf5_knows_complex_cells_and_attributes() {
     }
 }
 
+/// A session of Acconeer's A121 at this path, with a frame rate or `null`.
+fn a121(file: &std::path::Path, path: &str, frame_rate: &str, ticks: &[i64]) {
+    let frames: Vec<(f64, f64)> = (0..ticks.len()).map(turning).map(|z| (z.re, z.im)).collect();
+    let config = format!(r#"{{"groups": [{{"1": {{"frame_rate": {frame_rate}}}}}]}}"#);
+    let mut builder = FileBuilder::new();
+    builder.create_dataset("generation").with_vlen_strings(&["a121"]);
+    builder.create_dataset("server_info").with_vlen_strings(&[r#"{"ticks_per_second": 1000}"#]);
+    let mut result = builder.create_group("result");
+    let shape = [ticks.len() as u64, 1, 1];
+    result.create_dataset("frame").with_complex64_data(&frames).with_shape(&shape);
+    result.create_dataset("tick").with_i64_data(ticks);
+    let inside = ["entry_0", "group_0"].iter().fold(result.finish(), |inside, name| {
+        let mut group = builder.create_group(name);
+        group.add_group(inside);
+        group.finish()
+    });
+    let mut names = path.rsplit('/');
+    let mut session = builder.create_group(names.next().unwrap());
+    session.create_dataset("session_config").with_vlen_strings(&[config.as_str()]);
+    session.add_group(inside);
+    let whole = names.fold(session.finish(), |inside, name| {
+        let mut group = builder.create_group(name);
+        group.add_group(inside);
+        group.finish()
+    });
+    builder.add_group(whole);
+    builder.write(file).unwrap();
+}
+
+#[test]
+fn a121_sessions_have_the_rate_stated_or_that_of_their_ticks() {
+    let folder = Folder::new();
+    let file = folder.file("walk.h5");
+    let ticks: Vec<i64> = (0..200).map(|n| 5000 + n * 85 / 2).collect();
+    let [none, session] = ["null", "sessions/session_0"];
+    for (session, frame_rate, rate_hz) in
+        [(session, "12.0", 12.0), (session, none, 23.5), ("session", "12.0", 12.0), ("session", none, 23.5)]
+    {
+        a121(&file, session, frame_rate, &ticks);
+        let signal = open(&file, &Stated::default()).unwrap();
+        assert!((signal.rate_hz - rate_hz).abs() < 0.05, "{session}, {frame_rate}: {}", signal.rate_hz);
+        assert_eq!((signal.carrier_hz, signal.about.shape), (60.5e9, vec![200, 1, 1]));
+    }
+    let mut paused = ticks.clone();
+    paused[150..].iter_mut().for_each(|tick| *tick += 30);
+    a121(&file, session, none, &paused);
+    assert!(refusal(&file, &Stated::default()).contains("rate (Hz) is missing"));
+    a121(&file, "session_0", none, &ticks);
+    assert!(refusal(&file, &Stated::default()).contains("it has no frames of an A121 session"));
+}
+
+#[test]
+fn a111_sessions_are_refused_by_name() {
+    let folder = Folder::new();
+    let file = folder.file("walk.h5");
+    let mut builder = FileBuilder::new();
+    for name in ["sensor_config_dump", "session_info"] {
+        builder.create_dataset(name).with_vlen_strings(&["{}"]);
+    }
+    let data: Vec<(f64, f64)> = (0..400).map(turning).map(|z| (z.re, z.im)).collect();
+    builder.create_dataset("data").with_complex64_data(&data).with_shape(&[400, 1, 1]);
+    builder.write(&file).unwrap();
+    let error = refusal(&file, &Stated::default());
+    assert!(
+        error.contains("it is a session of Acconeer's A111") && error.contains("--dataset data"),
+        "{error}"
+    );
+    let (dataset, rate_hz) = (Some("data".into()), Some(80.0));
+    let stated = Stated { dataset, rate_hz, carrier_hz: Some(60.5e9), ..Stated::default() };
+    assert_eq!(open(&file, &stated).unwrap().about.shape, [400, 1, 1]);
+}
+
 /// A file of version 7.3 as MATLAB writes it: HDF5 behind 512 bytes, axes the other way round.
 #[test]
 fn matlab_7_3_is_read_column_by_column() {
