@@ -15,7 +15,7 @@ use crate::network::evaluation::{Networks, confusion, test};
 use crate::network::parameters::Parameters;
 use crate::network::score::{Predictions, balanced_accuracy};
 use crate::network::spectrograms::{Collected, sliding};
-use crate::network::training::architecture;
+use crate::network::training::{FINE_TUNING_RATE, architecture};
 use crate::network::unknown::unknown;
 use crate::recordings::Stated;
 use crate::recordings::labels::Labelled;
@@ -32,8 +32,6 @@ pub const FOLDS: RangeInclusive<u32> = 2..=1000;
 const OVERLAP: usize = 4;
 /// Least steps of a training, for a few recordings: more epochs are made where the scenario's have fewer.
 const LEAST_STEPS: usize = 400;
-/// Peak learning rate of fine-tuning over that of a training from random weights.
-const FINE_TUNING_RATE: f64 = 0.1;
 
 /// What a network learns from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

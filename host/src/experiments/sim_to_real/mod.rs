@@ -3,7 +3,8 @@
 //! The networks learn from draws of [`crate::simulator::randomised`]; no measured sample is learned from. Every second of a recording
 //! has the motion of the recording's name, pauses and changes of direction included; seconds do not overlap. Baselines are scored on the same seconds:
 //! the majority class, the same networks on white noise, networks that learned from the other recordings (leave one recording out), and
-//! with the feature `svm` a support vector machine on simulated seconds.
+//! with the feature `svm` a support vector machine on simulated seconds. Networks are also fine-tuned on the other recordings. The
+//! model of the first seed is written for each carrier and rate: `sdp3 classify` takes it.
 
 mod recogniser;
 mod seconds;
@@ -16,7 +17,7 @@ use crate::error::Failure;
 #[cfg(feature = "svm")]
 use crate::network::baselines::svm::{Machine, choose};
 use crate::network::float_network::first_maximum;
-use crate::network::parameters::Images;
+use crate::network::parameters::{Images, Parameters};
 use crate::results::Estimate;
 use crate::simulator::randomised::Motion;
 use crate::store::digest::sha256;
@@ -97,7 +98,7 @@ impl Work<'_> {
     fn network(&self, layout: &Layout, seed: u64) -> Result<Recogniser, Failure> {
         self.cells.get(&format!("network-{layout}-seed-{seed}"), || {
             let images = layout.simulated(seed, 0, training_seconds(self.request), self.context);
-            Recogniser::learn(self.request, layout, images, seed, self.context)
+            Recogniser::learn(self.request, layout, images, None, seed, self.context)
         })
     }
 
@@ -113,8 +114,15 @@ impl Work<'_> {
         })
     }
 
-    /// Predictions for a recording by a network that learned from all other recordings of its layout.
-    fn leave_out(&self, recording: &Labelled<'_>, seed: u64) -> Result<Vec<u8>, Failure> {
+    /// Predictions for a recording by a network that learned from all other recordings of its layout, after the simulated seconds
+    /// (`fine-tuned`) or alone (`leave-out`).
+    fn leave_out(
+        &self,
+        how: &str,
+        start: Option<&Parameters>,
+        recording: &Labelled<'_>,
+        seed: u64,
+    ) -> Result<Vec<u8>, Failure> {
         let layout = &recording.layout;
         let mut images = Images { labels: Vec::new(), pixels: Vec::new(), ..recording.images.clone() };
         let mut keys = vec![recording.measured.key.as_bytes()];
@@ -132,8 +140,8 @@ impl Work<'_> {
         if images.is_empty() {
             return Ok(vec![NO_MOTION; recording.images.len()]);
         }
-        self.cells.get(&format!("leave-out-{}-seed-{seed}", &sha256(keys)[..12]), || {
-            let network = Recogniser::learn(self.request, layout, images, seed, self.context)?;
+        self.cells.get(&format!("{how}-{}-seed-{seed}", &sha256(keys)[..12]), || {
+            let network = Recogniser::learn(self.request, layout, images, start, seed, self.context)?;
             network.int8(layout, &recording.images)
         })
     }
@@ -155,7 +163,7 @@ impl Work<'_> {
     /// The predictions of every method for a recording, the int8 networks first.
     fn predictions(&self, recording: &Labelled<'_>, majority: Motion) -> Result<Vec<Predicted>, Failure> {
         let (layout, images) = (&recording.layout, &recording.images);
-        let [mut int8, mut float, mut noise, mut leave_out] = [const { Vec::new() }; 4];
+        let [mut int8, mut float, mut noise, mut leave_out, mut fine_tuned] = [const { Vec::new() }; 5];
         let mut sums = vec![[0.0_f32; 3]; images.len()];
         for seed in self.request.each_seed() {
             let network = self.network(layout, seed)?;
@@ -166,7 +174,8 @@ impl Work<'_> {
             int8.push(network.int8(layout, images)?);
             float.push(logits.iter().map(|logits| first_maximum(logits)).collect());
             noise.push(network.int8(layout, &layout.noise(seed, images.len() as u32))?);
-            leave_out.push(self.leave_out(recording, seed)?);
+            leave_out.push(self.leave_out("leave-out", None, recording, seed)?);
+            fine_tuned.push(self.leave_out("fine-tuned", Some(&network.parameters), recording, seed)?);
         }
         #[allow(unused_mut, reason = "with the feature `svm` there is one more")]
         let mut all = vec![
@@ -176,6 +185,7 @@ impl Work<'_> {
             ("majority class", vec![vec![majority as u8; images.len()]]),
             ("network, int8, on white noise", noise),
             ("network, int8, leave one recording out", leave_out),
+            ("network, int8, fine-tuned, leave one recording out", fine_tuned),
         ];
         #[cfg(feature = "svm")]
         {
@@ -233,6 +243,8 @@ pub fn study(
             for seed in request.each_seed() {
                 simulated.push(work.simulated(&recording.layout, seed)?);
             }
+            let first = work.network(&recording.layout, request.seed)?;
+            cells.output.write(&format!("models/motions-{}.sdp3", recording.layout), &first.model)?;
         }
     }
     let score = |(m, (method, _)): (usize, &Predicted)| {
@@ -328,7 +340,7 @@ mod tests {
         };
         let layout = Layout::of(&signal(Motion::Still), &request.scenario).unwrap();
         let images = layout.simulated(1, 0, 100, context);
-        let network = Recogniser::learn(&request, &layout, images, 1, context).unwrap();
+        let network = Recogniser::learn(&request, &layout, images, None, 1, context).unwrap();
         for motion in [Motion::Walking, Motion::Still] {
             let images = layout.seconds(&signal(motion), layout.second(), motion as u8);
             assert_eq!(images.len(), 10);

@@ -6,7 +6,7 @@ use crate::experiments::{Request, RunContext};
 use crate::network::evaluation::Networks;
 use crate::network::float_network::{FloatNetwork, first_maximum};
 use crate::network::parameters::{Images, Parameters};
-use crate::network::training::{self, train_all};
+use crate::network::training::{self, FINE_TUNING_RATE, train_all};
 use crate::network::tuning::quantize_tuned;
 use crate::simulator::randomised::Motion;
 use sdp3_core::dims::ROWS;
@@ -23,7 +23,7 @@ pub struct Recogniser {
 }
 
 impl Recogniser {
-    /// Trains on images, by the scenario's recipe.
+    /// Trains on images, by the scenario's recipe; from a network on at a tenth of the learning rate.
     ///
     /// # Errors
     ///
@@ -32,17 +32,22 @@ impl Recogniser {
         request: &Request,
         layout: &Layout,
         images: Images,
+        start: Option<&Parameters>,
         seed: u64,
         context: RunContext,
     ) -> Result<Self, Failure> {
-        let learning = &request.scenario.learning;
+        let mut learning = request.scenario.learning.clone();
+        if start.is_some() {
+            learning.learning_rate *= FINE_TUNING_RATE;
+        }
+        let learning = &learning;
         let what = format!("three motions, {} seconds, seed {seed}", images.len());
         let stage = context.progress.stage("train", &what);
         let after_epoch = |_: usize, _: &dyn Fn() -> _, _: &[_]| {
             stage.step(u64::from(learning.epochs));
             Ok(())
         };
-        let job = training::Job { seed: seed ^ 0x0073_7472, ..Default::default() };
+        let job = training::Job { seed: seed ^ 0x0073_7472, start: start.cloned(), ..Default::default() };
         let images = [images];
         let trained = train_all(&images, &[job], learning, Motion::ALL.len(), context.workers, &after_epoch)?;
         let parameters = trained.into_iter().next().ok_or("no network was trained")?.parameters;

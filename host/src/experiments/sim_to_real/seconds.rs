@@ -6,6 +6,7 @@
 
 use crate::experiments::RunContext;
 use crate::formats::model_file::Preprocessing;
+use crate::formats::slots::Slots;
 use crate::network::interchange::header;
 use crate::network::parameters::Images;
 use crate::network::spectrograms::images_of;
@@ -69,14 +70,14 @@ impl Layout {
         self.0.spectrogram.preprocessing().frames(self.second())
     }
 
-    /// The image of one AC-coupled second.
-    fn image(&self, second: &[f64]) -> Vec<i8> {
-        let signal: Vec<_> = second.iter().map(|&y| Complex64::new(y, 0.0)).collect();
-        images_of(&self.0, &doppler::slots(&signal, SampleFormat::Real)).pop().unwrap_or_default()
+    /// The image of one second of slots.
+    fn image(&self, second: &[i16]) -> Vec<i8> {
+        let slots = Slots { values: second.to_vec(), per_slot: 1 };
+        images_of(&self.0, &slots).pop().unwrap_or_default()
     }
 
-    /// A recording at the layout's rate, AC-coupled.
-    fn coupled(&self, signal: &Signal) -> Vec<f64> {
+    /// A recording as the sensor's slots.
+    fn slots(&self, signal: &Signal) -> Vec<i16> {
         let real = |x: f64| Complex64::new(x, 0.0);
         let samples = match &signal.samples {
             Samples::Real(x) => x.iter().map(|&x| real(x)).collect(),
@@ -86,13 +87,14 @@ impl Layout {
                 slow.iter().map(|z| real(z.re)).collect()
             }
         };
-        doppler::coupled(samples, signal.rate_hz, self.rate_hz()).iter().map(|z| z.re).collect()
+        let slow = doppler::coupled(samples, signal.rate_hz, self.rate_hz());
+        doppler::slots(&slow, SampleFormat::Real).values
     }
 
     /// Images of the seconds of a recording that begin `step` samples after each other.
     pub fn seconds(&self, signal: &Signal, step: usize, label: u8) -> Images {
-        let real = self.coupled(signal);
-        let seconds: Vec<&[f64]> = real.windows(self.second()).step_by(step).collect();
+        let slots = self.slots(signal);
+        let seconds: Vec<&[i16]> = slots.windows(self.second()).step_by(step).collect();
         let each: Vec<Vec<i8>> = seconds.par_iter().map(|second| self.image(second)).collect();
         self.images(each.concat(), vec![label; seconds.len()])
     }
@@ -104,8 +106,7 @@ impl Layout {
             let mut noise: Vec<_> =
                 (0..2 * self.second()).map(|_| Complex64::new(random.gaussian(), 0.0)).collect();
             ac_couple(&mut noise, self.rate_hz());
-            let settled: Vec<f64> = noise[self.second()..].iter().map(|z| z.re).collect();
-            self.image(&settled)
+            self.image(&doppler::slots(&noise[self.second()..], SampleFormat::Real).values)
         };
         let each: Vec<Vec<i8>> = (0..count).into_par_iter().map(second).collect();
         self.images(each.concat(), vec![0; count as usize])
@@ -127,7 +128,9 @@ impl Layout {
             .map(|n| {
                 let index = n / Motion::ALL.len() as u32;
                 stage.step(u64::from(all));
-                self.image(&draw(carrier_hz, rate_hz, motion(n), seed, set, index))
+                let drawn = draw(carrier_hz, rate_hz, motion(n), seed, set, index);
+                let drawn: Vec<_> = drawn.into_iter().map(|y| Complex64::new(y, 0.0)).collect();
+                self.image(&doppler::slots(&drawn, SampleFormat::Real).values)
             })
             .collect();
         stage.finish(&format!("{all} seconds, {what}"));
@@ -168,26 +171,28 @@ mod tests {
     #[test]
     fn seconds_follow_one_another_with_the_label_of_the_file() {
         let signal = tone(300.0, 3.2);
-        let layout = Layout::of(&signal).unwrap();
+        let layout = Layout::of(&signal, &Scenario::default()).unwrap();
         let images = layout.seconds(&signal, layout.second(), Motion::Running as u8);
         // 79 frames of 64 rows
         assert_eq!((images.len(), images.frames), (3, 79));
         assert_eq!(layout.seconds(&signal, layout.second() / 2, 1).len(), 5);
         assert!(images.labels.iter().all(|&label| label == 1));
-        // 300 Hz of 0..1 kHz in 64 rows: row 19; what lies far from it is black
+        // 300 Hz in rows of 31.25 Hz about the middle, and its mirror image; what lies far from both is black
         let row = |r: usize| images.image(2)[r * 79..(r + 1) * 79].to_vec();
-        assert!(row(19).iter().all(|&p| p > 100), "{:?}", row(19));
-        assert!(row(40).iter().all(|&p| p == -128), "{:?}", row(40));
+        for bright in [32 + 9, 32 - 10] {
+            assert!(row(bright).iter().all(|&p| p > 100), "{bright}: {:?}", row(bright));
+        }
+        assert!(row(55).iter().chain(&row(5)).all(|&p| p == -128), "{:?}", row(55));
         // noise fills every row
         let noise = layout.noise(1, 2);
         assert_eq!(noise.len(), 2);
-        assert!(noise.image(1).chunks(79).skip(1).all(|row| row.iter().any(|&p| p > 0)));
+        assert!(noise.image(1).chunks(79).all(|row| row.iter().any(|&p| p > 0)));
     }
 
     #[test]
     fn level_does_not_matter_and_slow_recordings_have_no_layout() {
         let mut signal = tone(300.0, 2.0);
-        let layout = Layout::of(&signal).unwrap();
+        let layout = Layout::of(&signal, &Scenario::default()).unwrap();
         let first = layout.seconds(&signal, layout.second(), 0);
         if let Samples::Real(x) = &mut signal.samples {
             x.iter_mut().for_each(|x| *x *= 1e-3);
@@ -196,8 +201,8 @@ mod tests {
         // but for the rounding of a level at its border
         assert!(second.pixels.iter().zip(&first.pixels).all(|(a, b)| a.abs_diff(*b) <= 1));
         signal.rate_hz = 20.0;
-        assert_eq!(Layout::of(&signal), None);
+        assert_eq!(Layout::of(&signal, &Scenario::default()), None);
         (signal.rate_hz, signal.carrier_hz) = (48e3, 60e9);
-        assert_eq!(Layout::of(&signal).map(|l| l.rate_hz), Some(4000.0));
+        assert_eq!(Layout::of(&signal, &Scenario::default()).map(|l| l.second()), Some(4000));
     }
 }

@@ -130,6 +130,9 @@ impl Backend {
     }
 }
 
+/// Peak learning rate of fine-tuning over that of a training from random weights.
+pub const FINE_TUNING_RATE: f64 = 0.1;
+
 /// One training of several.
 #[derive(Debug, Clone, Default)]
 pub struct Job {
