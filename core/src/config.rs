@@ -16,8 +16,8 @@ use crate::dims::BEATS;
 pub enum SampleFormat {
     /// In-phase and quadrature, interleaved, in-phase first.
     Complex,
-    /// One value a sample; needs a sensor that dechirps. Range samples of a gate are complex, sums of blocks are real: their spectrum
-    /// over slow time has every echo at its negative frequency as well.
+    /// One value a sample; needs a sensor that dechirps. Range samples of a gate are complex. Sums of blocks are real, so that approaching
+    /// and receding are alike; see [`RadarConfig::one_sided`].
     Real,
 }
 
@@ -125,6 +125,12 @@ impl RadarConfig {
             }
         };
         sizes && bits && fits && (complex || analog)
+    }
+
+    /// Whether range samples are real: then slot n is multiplied by (-j)^n, which brings Doppler frequencies of 0 to half the slot rate to the
+    /// middle of the spectrum, so that row 0 of an image is at 0 Hz if its rows cover half of the slot rate.
+    pub const fn one_sided(&self) -> bool {
+        matches!(self.format, SampleFormat::Real) && self.gate.is_none()
     }
 
     /// Values of i16 in a slot: two a complex sample.

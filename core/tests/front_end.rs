@@ -134,3 +134,26 @@ fn a_tone_lies_in_its_row() {
         }
     }
 }
+
+#[test]
+fn one_output_has_its_frequencies_from_zero_to_half_the_slot_rate() {
+    let settings = Preprocessing { kept: EVERYTHING, bins_per_row: 2, ..Preprocessing::default() };
+    for row in [1, 5, 31, 32, 40, 62] {
+        let mut memory = Memory::of_front_end(144, 3);
+        let mut front_end =
+            FrontEnd::<FixedStft>::new(RadarConfig::DOPPLER, settings, memory.view().front_end)
+                .expect("legal");
+        for n in 0..144 {
+            let angle = core::f64::consts::TAU * (2.0 * f64::from(row) + 0.5) * f64::from(n) / 256.0;
+            assert!(front_end.push(&[(8000.0 * angle.cos()) as i16], &mut ()));
+        }
+        let mut memory = [0; 3 * ROWS];
+        let image = front_end.image(&mut memory, &mut ()).expect("three frames");
+        for frame in 0..3 {
+            let bright = (0..ROWS).max_by_key(|row| image[row * 3 + frame]);
+            assert_eq!(bright, Some(row as usize), "frame {frame}");
+        }
+    }
+    assert!(RadarConfig::DOPPLER.one_sided());
+    assert!(!RadarConfig::DOPPLER_IQ.one_sided() && !RadarConfig::BGT60.one_sided());
+}

@@ -33,5 +33,7 @@ Calibration: the stored table with its self-check, and measured signals that can
   error: invalid value 'flying' for '--motion <CLASS>'
     [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
+    tip: a similar value exists: 'falling'
+  
   For more information, try '--help'.
   [2]

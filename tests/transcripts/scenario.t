@@ -20,6 +20,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   busy-office      An office of 3GPP's TR 38.901 with eight users: throughput counts more, and sensing has to be short.
   radar-24ghz      The conference room sensed at 24 GHz, the carrier of cheap Doppler modules: every other slot may sense, so that limbs do not alias.
   radar-60ghz      The conference room at 60 GHz with IEEE 802.11ay's clusters: sensing slots follow one another, or limbs would alias.
+  doppler-24ghz    The conference room sensed by a 24 GHz Doppler sensor with one output, as sold for door openers: no sweep, so no range; a sample every 0.5 ms, behind an amplifier that blocks what stands still. 16 dBm EIRP, 8 dB antennas in the package, noise figure 12 dB: assumed. Every slot senses, or limbs would alias.
   bgt60            The conference room sensed by a 60 GHz module of the Infineon BGT60TR13C class: 1 GHz in 64 us, 128 real samples of 12 bits, range gate 0.9 to 5.7 m. 5 dBm, 5 dB antennas in the package, noise figure 12 dB: typical values of its data sheet, rounded; sampling at 2 MHz: Infineon's example configurations, with chirps 0.3 ms apart. Every slot of 0.25 ms senses, or limbs would alias.
   iwr              The conference room sensed by a 77 GHz sensor of the TI IWR1443 and IWR1843 class: 4 GHz in 51.2 us, 256 complex samples of 16 bits at 5 MHz, range gate 0.9 to 5.7 m. 12 dBm, noise figure 15 dB and slopes up to 100 MHz/us: the data sheet (TI SWRS211); 10 dB antennas: the evaluation board. Every slot of 0.2 ms senses, or limbs would alias.
 
@@ -86,7 +87,8 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Sampling rate in Hz, which is the bandwidth of the receiver's noise. Legal: 100000 to 100000000; 10000000
   # (fixed): digital dechirp samples at radar.bandwidth_hz.
   sample_rate_hz = 10000000.0
-  # Samples of a sweep. Legal: 64 to 2048; 1000 (fixed): radar.sweep_s times radar.sample_rate_hz.
+  # Samples of a sweep; 1 of a Doppler sensor, which sends a constant frequency. Legal: 64 to 2048; 1000
+  # (fixed): radar.sweep_s times radar.sample_rate_hz.
   samples = 1000
   # What a sample is. Legal: one of complex, real.
   format = "complex"
@@ -105,6 +107,9 @@ Scenarios: listed, shown, written, checked, set field by field.
   # Bins of each range sample of the gate; 0: no gate, the sweep's blocks are summed. Legal: 0 (fixed), a gate
   # needs analog dechirp.
   bins_per_sample = 0
+  # Corner in Hz of the AC coupling of a Doppler sensor, two sections of first order; 0: none. Legal: 0 (fixed),
+  # a Doppler sensor's, of radar.samples = 1, up to a quarter of the rate of sensing slots.
+  ac_coupling_hz = 0.0
   # Transmit power in W. Legal: 0.000000000001 to 1000.
   power_w = 0.1
   # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10 to 60.
@@ -339,7 +344,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `ac_coupling_hz`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -355,7 +360,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   {
     "file": "bad.toml",
     "errors": [
-      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`",
+      "bad.toml: TOML parse error at line 3, column 1\n    |\n  3 | colour = \"red\"\n    | ^^^^^^\n  unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `ac_coupling_hz`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`",
       "bad.toml: TOML parse error at line 4, column 11\n    |\n  4 | power_w = \"much\"\n    |           ^^^^^^\n  invalid type: string \"much\", expected f64",
       "bad.toml: radar.carrier_hz is 1, must be 500000000 to 100000000000",
       "bad.toml: channel.rho is 1.5, must be 0 to 1",
@@ -367,7 +372,7 @@ Scenarios: listed, shown, written, checked, set field by field.
       |
     3 | colour = "red"
       | ^^^^^^
-    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
+    unknown field `colour`, expected one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `ac_coupling_hz`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   sdp3: bad.toml: TOML parse error at line 4, column 11
       |
     4 | power_w = "much"
@@ -392,7 +397,7 @@ Scenarios: listed, shown, written, checked, set field by field.
   [2]
 
   $ sdp3 scenario show --set radar.carier_hz=1e9
-  sdp3: command line: --set: radar.carier_hz is no field, must be one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
+  sdp3: command line: --set: radar.carier_hz is no field, must be one of `position_m`, `carrier_hz`, `bandwidth_hz`, `sweep_s`, `sample_rate_hz`, `samples`, `format`, `converter_bits`, `left_justified`, `dechirp`, `range_samples`, `first_bin`, `bins_per_sample`, `ac_coupling_hz`, `power_w`, `antenna_gain_db`, `antenna_pattern`, `antenna_table`, `boresight_m`, `sidelobe_db`, `noise_figure_db`, `headroom_db`, `front_end`, `phase_noise_dbc_hz`, `phase_noise_loop_hz`, `phase_noise_floor_dbc_hz`, `phase_noise_deg`, `isolation_db`, `compression_dbm`, `iq_gain_db`, `iq_phase_deg`, `dc_offset`
   [2]
 
   $ sdp3 scenario show --set channel.rho

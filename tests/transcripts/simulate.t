@@ -37,6 +37,8 @@ Datasets: made, complete, refused.
   error: invalid value 'flying' for '--classes <NAMES>'
     [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
+    tip: a similar value exists: 'falling'
+  
   For more information, try '--help'.
   [2]
 

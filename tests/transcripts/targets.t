@@ -106,6 +106,8 @@ Point targets: written, described, refused.
   error: invalid value 'flying' for '--classes <NAMES>'
     [possible values: standing, child-walking, child-pacing, adult-walking, adult-pacing, child-stepping, adult-stepping, child-running, adult-running, sitting-down, standing-up, falling, bending, waving, jumping]
   
+    tip: a similar value exists: 'falling'
+  
   For more information, try '--help'.
   [2]
 

@@ -231,6 +231,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         let places = if self.waiting { waiting } else { &mut *self.beats };
         let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
+        let beat = if self.fast_time.config().one_sided() { turned(beat, self.taken) } else { beat };
         self.gram.add(&beat);
         *place = beat;
         self.taken += 1;
@@ -365,6 +366,16 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             Stage::Frames { .. } | Stage::Quantize { .. } => false,
         });
     }
+}
+
+/// Range samples times (-j)^n.
+fn turned(beat: Beat, n: usize) -> Beat {
+    beat.map(|Complex { re, im }| match n & 3 {
+        0 => Complex::new(re, im),
+        1 => Complex::new(im, re.wrapping_neg()),
+        2 => Complex::new(re.wrapping_neg(), im.wrapping_neg()),
+        _ => Complex::new(im.wrapping_neg(), re),
+    })
 }
 
 /// Moves the range samples that wait in slow time to the slots' places, and the slow time in those to its own.

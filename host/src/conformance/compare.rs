@@ -177,15 +177,16 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     for (slot, found) in case.slots.iter().zip(&core.beats) {
         beat.exact(found, &signal::beat(slot, &header.radar));
     }
+    let beats = if header.radar.one_sided() { signal::turned(&core.beats) } else { core.beats.clone() };
     let mut gram = Tally::bits("gram");
-    gram.exact(&core.gram, &signal::gram(&core.beats));
+    gram.exact(&core.gram, &signal::gram(&beats));
 
     let mut weights = Tally { rule: "backward error <= 2^-17".into(), ..Tally::bits("projection") };
     let scale = f64::from(1 << 28);
     let found: Vec<_> =
         core.projection.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
     // a decision too near its threshold may be either
-    let errors = signal::first_kept(&core.beats, &core.gram, header.first, header.last)
+    let errors = signal::first_kept(&beats, &core.gram, header.first, header.last)
         .into_iter()
         .map(|first| signal::backward_error(&core.gram, first, header.last, &found))
         .min_by(|a, b| largest(a).total_cmp(&largest(b)))
@@ -195,7 +196,7 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     }
 
     let mut slow_time = Tally::bits("slow-time");
-    slow_time.exact(&core.slow_time, &signal::slow_time(&core.beats, &core.projection));
+    slow_time.exact(&core.slow_time, &signal::slow_time(&beats, &core.projection));
 
     let frame = match case.transform {
         Transform::Float => compare_frames(&core, &header),

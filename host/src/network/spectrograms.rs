@@ -326,11 +326,12 @@ pub fn example(scenario: &Scenario, title: &str, class: Class, seed: u64) -> Spe
 /// An image with its axes.
 pub fn picture(scenario: &Scenario, title: &str, image: &[i8]) -> Spectrogram {
     let row_hz = f64::from(scenario.spectrogram.bins_per_row) / (FFT_LEN as f64 * scenario.interval_s());
+    let middle_hz = if scenario.radar.config().one_sided() { 0.25 / scenario.interval_s() } else { 0.0 };
     Spectrogram {
         title: title.to_owned(),
         rows: ROWS as u32,
         frames: (image.len() / ROWS) as u32,
-        first_row_hz: -(ROWS as f64 / 2.0) * row_hz,
+        first_row_hz: middle_hz - (ROWS as f64 / 2.0) * row_hz,
         row_hz,
         frame_s: f64::from(scenario.spectrogram.hop) * scenario.interval_s(),
         carrier_hz: scenario.radar.carrier_hz,

@@ -7,3 +7,4 @@ pub(crate) mod filter;
 pub(crate) mod fresnel;
 pub(crate) mod pchip;
 pub mod random;
+pub(crate) mod resample;

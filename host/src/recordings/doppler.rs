@@ -4,8 +4,8 @@
 //! room above its mean power. The spectrogram is on its own level anyway.
 
 use crate::formats::slots::Slots;
-use crate::simulator::calibration::conditioning::ac_couple;
-use crate::simulator::calibration::resample::resample;
+use crate::numerics::filter::ac_couple;
+use crate::numerics::resample::resample;
 use rustfft::num_complex::Complex64;
 use sdp3_core::config::SampleFormat;
 
@@ -19,7 +19,8 @@ pub fn coupled(samples: Vec<Complex64>, rate_hz: f64, slot_rate_hz: f64) -> Vec<
         let part = |of: fn(&Complex64) -> f64| {
             resample(&slow.iter().map(of).collect::<Vec<_>>(), rate_hz, slot_rate_hz)
         };
-        slow = part(|z| z.re).into_iter().zip(part(|z| z.im)).map(|(re, im)| Complex64::new(re, im)).collect();
+        slow =
+            part(|z| z.re).into_iter().zip(part(|z| z.im)).map(|(re, im)| Complex64::new(re, im)).collect();
     }
     ac_couple(&mut slow, slot_rate_hz);
     slow

@@ -68,6 +68,13 @@ pub struct Radar {
     pub first_bin: usize,
 }
 
+impl Radar {
+    /// Whether range samples are real.
+    pub fn one_sided(&self) -> bool {
+        self.real && self.bins == 0
+    }
+}
+
 pub fn header(model: &[u8]) -> Header {
     let half = |at: usize| usize::from(model[at]) + 256 * usize::from(model[at + 1]);
     let radar = match half(48) {

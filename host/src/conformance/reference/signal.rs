@@ -80,6 +80,13 @@ pub fn beat(slot: &[i16], radar: &Radar) -> Vec<Int> {
     kept
 }
 
+/// Slot n times exp(-2 pi j n / 4).
+pub fn turned(beats: &[Vec<Int>]) -> Vec<Vec<Int>> {
+    let once = |&(re, im): &Int| (im, -re);
+    let times = |beat: &Vec<Int>, n: usize| (0..n).fold(beat.clone(), |b, _| b.iter().map(once).collect());
+    beats.iter().enumerate().map(|(n, beat)| times(beat, n % 4)).collect()
+}
+
 /// Upper triangle of the sum over slots of b b^H, row by row.
 pub fn gram(beats: &[Vec<Int>]) -> Vec<Int> {
     let mut upper = Vec::new();

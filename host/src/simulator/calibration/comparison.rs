@@ -3,13 +3,13 @@
 use super::conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
 use super::divergence::{Counts, divergence};
 use super::intensity::{Intensity, LEVELS, histogram};
-use super::resample::resample;
 use super::room_fit::{DRAWS, FEWEST_WINDOWS, RoomFit as SpectralFits, STREAM, fit, interval};
 use super::sensor::SensorSimulation;
 use super::spectrum::{Bands, Conditioning, Spectrum};
 use super::{PEOPLE, beats_of};
 use crate::error::Invalid;
 use crate::numerics::random::Random;
+use crate::numerics::resample::resample;
 use crate::recordings::{Samples, Signal};
 use crate::results::{Interval, RoomFit, RoomModel};
 use crate::scenario::{ArMode, Class, Model, Radar, Scenario};

@@ -3,22 +3,11 @@
 //! CW sensors are AC-coupled and real; pulsed and FMCW radars lose their clutter to the truncated SVD, or, with a single range
 //! cell, their mean.
 
-use crate::numerics::filter::high_pass;
+pub use crate::numerics::filter::ac_couple;
 use crate::simulator::channel::{BLOCKS, Blocks, Complex64};
 
-/// Corner of the AC coupling in Hz: 0.12 m/s at 24 GHz, far below a walker's torso. CW sensors block what does not move; their
-/// own corners are rarely published.
-pub const CORNER_HZ: f64 = 20.0;
 /// Least energy of a window with motion, as a share of the median window's.
 const MOTION_SHARE: f64 = 0.5;
-
-/// Two single-pole high-pass filters, one after the other, at rest before the first sample.
-pub fn ac_couple(y: &mut [Complex64], rate_hz: f64) {
-    let keep = libm::exp(-std::f64::consts::TAU * CORNER_HZ / rate_hz);
-    for _ in 0..2 {
-        high_pass(y, keep);
-    }
-}
 
 /// Takes the mean off.
 pub fn remove_mean(y: &mut [Complex64]) {

@@ -10,7 +10,6 @@ pub(crate) mod conditioning;
 pub(crate) mod divergence;
 pub mod doppler;
 pub(crate) mod intensity;
-pub(crate) mod resample;
 pub(crate) mod room_fit;
 pub(crate) mod sensor;
 pub(crate) mod spectrum;
@@ -145,12 +144,12 @@ pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::resample::resample;
     use crate::recordings::Samples;
     use crate::simulator::channel::BLOCKS;
     use crate::simulator::dataset::Simulation;
     use comparison::{MEASURED_PRF_HZ, fit_spectra};
     use rayon::prelude::*;
-    use resample::resample;
 
     #[test]
     fn a_walker_behind_a_real_sensor_is_found() {

@@ -3,8 +3,8 @@
 //! A window of n samples is multiplied by a Kaiser taper (beta = 6, side lobes 44 dB down) and transformed. Its power is averaged over
 //! bands of Doppler: single bins up to the 16th, then bands of 8 %.
 
-use super::conditioning::CORNER_HZ;
 use crate::numerics::bessel::kaiser;
+use crate::numerics::filter::CORNER_HZ;
 use crate::simulator::channel::Complex64;
 use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::TAU;

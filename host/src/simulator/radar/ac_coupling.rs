@@ -16,7 +16,8 @@ pub struct AcCoupling {
 impl AcCoupling {
     /// With a corner in Hz; `None` for 0.
     pub fn new(corner_hz: f64, interval_s: f64) -> Option<Self> {
-        (corner_hz > 0.0).then(|| AcCoupling { keep: libm::exp(-TAU * corner_hz * interval_s), sections: None })
+        (corner_hz > 0.0)
+            .then(|| AcCoupling { keep: libm::exp(-TAU * corner_hz * interval_s), sections: None })
     }
 
     /// The next sample.
@@ -38,8 +39,9 @@ mod tests {
 
     #[test]
     fn samples_one_by_one_pass_as_a_whole_signal_does() {
-        let signal: Vec<Complex64> =
-            (0..500).map(|n| Complex64::new(7.0, -3.0) + Complex64::from_polar(1.0, 0.2 * f64::from(n))).collect();
+        let signal: Vec<Complex64> = (0..500)
+            .map(|n| Complex64::new(7.0, -3.0) + Complex64::from_polar(1.0, 0.2 * f64::from(n)))
+            .collect();
         let mut coupling = AcCoupling::new(20.0, 0.5e-3).unwrap();
         let found: Vec<Complex64> = signal.iter().map(|&z| coupling.pass(z)).collect();
         let mut expected = signal;
