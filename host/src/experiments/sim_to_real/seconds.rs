@@ -35,7 +35,7 @@ const NOISE_STREAM: u64 = 0x6e6f_6973;
 pub struct Layout(Scenario);
 
 impl Layout {
-    /// For a recording, of a scenario whose sensor this one replaces; `None` if it is too slow.
+    /// For a recording, in place of the sensor of `base`; `None` if it is too slow.
     pub fn of(signal: &Signal, base: &Scenario) -> Option<Self> {
         let target_hz = RATE_HZ * (signal.carrier_hz / RATE_CARRIER_HZ).clamp(1.0, 2.0);
         let rate_hz = signal.rate_hz.min(target_hz).round();
