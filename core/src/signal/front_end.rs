@@ -231,9 +231,12 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         let places = if self.waiting { waiting } else { &mut *self.beats };
         let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
-        let beat = if self.fast_time.config().one_sided() { turned(beat, self.taken) } else { beat };
+        // a turn of all range samples leaves b b^H as it is
         self.gram.add(&beat);
         *place = beat;
+        if self.fast_time.config().one_sided() {
+            turn(place, self.taken);
+        }
         self.taken += 1;
         true
     }
@@ -368,14 +371,17 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     }
 }
 
-/// Range samples times (-j)^n.
-fn turned(beat: Beat, n: usize) -> Beat {
-    beat.map(|Complex { re, im }| match n & 3 {
-        0 => Complex::new(re, im),
-        1 => Complex::new(im, re.wrapping_neg()),
-        2 => Complex::new(re.wrapping_neg(), im.wrapping_neg()),
-        _ => Complex::new(im.wrapping_neg(), re),
-    })
+/// Multiplies range samples by (-j)^n.
+fn turn(beat: &mut Beat, n: usize) {
+    for value in beat {
+        let Complex { re, im } = *value;
+        *value = match n & 3 {
+            0 => Complex::new(re, im),
+            1 => Complex::new(im, re.wrapping_neg()),
+            2 => Complex::new(re.wrapping_neg(), im.wrapping_neg()),
+            _ => Complex::new(im.wrapping_neg(), re),
+        };
+    }
 }
 
 /// Moves the range samples that wait in slow time to the slots' places, and the slow time in those to its own.

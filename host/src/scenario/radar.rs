@@ -339,6 +339,8 @@ mod tests {
                 r.samples = [papers.samples, 64, 63, 1, 2048, 2049][pick(1, 6) as usize];
                 match r.dechirp {
                     Dechirp::Digital => r.sweep_s = f64::from(r.samples) / r.sample_rate_hz,
+                    // one sample needs no more than the lowest rate
+                    Dechirp::Analog if r.samples == 1 => (r.sample_rate_hz, r.sweep_s) = (1e5, 1e-5),
                     Dechirp::Analog => r.sample_rate_hz = f64::from(r.samples) / r.sweep_s,
                 }
                 r.range_samples = [papers.range_samples, 0, 1, 5, 9][pick(6, 5) as usize];
