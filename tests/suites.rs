@@ -59,14 +59,16 @@ fn random_networks(count: u64) -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// Random networks for the wide-band sensors: recordings of the scenarios of their names, and extreme inputs.
-fn wide_band_sensors() -> Result<Vec<Case>> {
+/// Random networks for other sensors: recordings of the scenarios of their names, and extreme inputs.
+fn other_sensors() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
-    for (name, seed) in [("bgt60", 100), ("iwr", 101)] {
+    for (name, seed) in [("bgt60", 100), ("iwr", 101), ("doppler-24ghz", 102)] {
         let scenario = named(Path::new(name)).ok_or_else(|| format!("no scenario {name}"))?.scenario();
         let architecture = Architecture { channels: 8, blocks: 1, stem_stride: 2, classes: 5 };
         let mut network = quantized(architecture, 6, seed);
         network.preprocessing.radar = scenario.radar.config();
+        // there are as many components as range samples
+        network.preprocessing.first_kept = network.preprocessing.first_kept.min(scenario.radar.range_samples);
         let slots = u32::from(network.preprocessing.sensing_slots);
         let model = network.to_bytes()?;
         let take = |(index, class): (usize, Class)| Case {
@@ -107,10 +109,10 @@ fn adaptive_clutter() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// The paper's radar with 200 recordings if `count = 200`, then the wide-band sensors and adaptive clutter.
+/// The paper's radar with 200 recordings if `count = 200`, then other sensors and adaptive clutter.
 pub fn suite(count: u32) -> Result<Suite> {
     let mut suite = paper_suite(count)?;
-    suite.cases.extend(wide_band_sensors()?);
+    suite.cases.extend(other_sensors()?);
     suite.cases.extend(adaptive_clutter()?);
     Ok(suite)
 }

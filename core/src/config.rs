@@ -106,7 +106,7 @@ impl RadarConfig {
     pub const DOPPLER_IQ: Self = RadarConfig { format: SampleFormat::Complex, ..Self::DOPPLER };
 
     /// Fewest samples of a sweep.
-    const LEAST_SAMPLES: usize = 64;
+    pub(crate) const LEAST_SAMPLES: u16 = 64;
 
     /// Whether every field is within its range and they fit together.
     pub const fn is_valid(&self) -> bool {
@@ -114,7 +114,7 @@ impl RadarConfig {
         let complex = matches!(self.format, SampleFormat::Complex);
         let analog = matches!(self.dechirp, Dechirp::Analog);
         let least = if analog && self.gate.is_none() { 1 } else { Self::LEAST_SAMPLES };
-        let sizes = samples >= least && samples <= 2048 && kept >= 1 && kept <= BEATS;
+        let sizes = self.samples >= least && samples <= 2048 && kept >= 1 && kept <= BEATS;
         let bits = self.converter_bits >= 8 && self.converter_bits <= 16;
         let fits = match self.gate {
             None => kept > 0 && samples.is_multiple_of(kept),

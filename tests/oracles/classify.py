@@ -11,33 +11,18 @@ import math
 import random
 import re
 import shutil
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from collections import defaultdict
 from pathlib import Path
 
-SDP3, WORK = sys.argv[1], Path(sys.argv[2])
+import checks
+from checks import WORK, check, run
+
 RECORDINGS = WORK / "recordings"
 SMALL = [
     "--set", "frame.sensing_slots=[200,400]", "--set", "learning.channels=8", "--set", "learning.blocks=2",
     "--set", "learning.train_per_class=40", "--set", "learning.windows=2", "--set", "learning.epochs=60",
 ]
-checks = 0
-
-
-def check(holds, what):
-    global checks
-    checks += 1
-    if not holds:
-        sys.exit(f"FAILED: {what}")
-
-
-def run(*arguments, legal=(0,), stdin=None):
-    done = subprocess.run([SDP3, *map(str, arguments)], capture_output=True, input=stdin)
-    out, err = done.stdout.decode(), done.stderr.decode()
-    check(done.returncode in legal, f"{arguments}: exit {done.returncode}: {err[-600:]}")
-    return out if done.returncode == 0 else err
 
 
 def train(name, folder, *options):
@@ -351,4 +336,4 @@ for arguments, field in [
     said = run("classify", *arguments, legal=(2,))
     check(field in said, said)
 check(not list(WORK.glob("refused.*")), "a picture of a refused command")
-print(f"{checks} checks passed")
+print(f"{checks.count} checks passed")

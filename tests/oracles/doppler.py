@@ -7,29 +7,15 @@ a folder of recordings of a 24.125 GHz sensor with the motion in their names.
 import array
 import json
 import math
-import subprocess
 import sys
 import wave
 from pathlib import Path
 
-SDP3, WORK = sys.argv[1], Path(sys.argv[2])
+import checks
+from checks import WORK, check, run
+
 RATE, CARRIER, CORNER = 2000, 24.125e9, 20.0
 CLASSES = ["adult-walking", "standing"]
-checks = 0
-
-
-def check(holds, what):
-    global checks
-    checks += 1
-    if not holds:
-        sys.exit(f"FAILED: {what}")
-
-
-def run(*arguments, legal=(0,), stdin=None):
-    done = subprocess.run([SDP3, *map(str, arguments)], capture_output=True, input=stdin)
-    out, err = done.stdout.decode(), done.stderr.decode()
-    check(done.returncode in legal, f"{arguments}: exit {done.returncode}: {err[-600:]}")
-    return out if done.returncode == 0 else err
 
 
 def write(path, samples, rate):
@@ -115,4 +101,4 @@ if len(sys.argv) > 3:
         check(len(of_file) == recording["seconds"] and abs(right / len(of_file) - share) < 1e-12, f"{recording}: {right}, {share}")
 else:
     print("  measured recordings: not run; tests/classify --measured FOLDER has some")
-print(f"{checks} checks of a Doppler sensor passed")
+print(f"{checks.count} checks of a Doppler sensor passed")

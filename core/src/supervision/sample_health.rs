@@ -3,16 +3,13 @@
 //! A received chirp swings about zero with more than a few LSB: every bit of a working converter is sometimes 0 and sometimes 1,
 //! the sign's copies above the amplitude included. A beat signal may lie on one side of zero: there only bits below the largest
 //! one that moves can be known to be stuck. About 125 samples of a sweep are looked at, at unequal distances, so that the check
-//! costs less than taking the slot; faults of single samples are not found. A slot of fewer than 64 samples, as a Doppler sensor's, is
-//! too short to show more than values at an end of the range.
+//! costs less than taking the slot; faults of single samples are not found. A slot of fewer samples than a sweep has, as a Doppler
+//! sensor's, is too short to show more than values at an end of the range.
 
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 
 /// Samples of a sweep that are looked at, about.
 const LOOKED_AT: usize = 125;
-
-/// Fewest samples that show whether bits move and where their mean is.
-const LEAST_SAMPLES: u16 = 64;
 
 /// Of so many values that are looked at one may be at an end of the converter's range.
 pub const CLIPPED_ONE_IN: u16 = 100;
@@ -99,7 +96,7 @@ pub fn check(slot: &[i16], config: &RadarConfig) -> Result<(), SampleFault> {
     } else {
         (i16::MIN >> (16 - bits), i16::MAX >> (16 - bits))
     };
-    if config.samples < LEAST_SAMPLES {
+    if config.samples < RadarConfig::LEAST_SAMPLES {
         let values = slot.iter().filter(|&&x| x == ends.0 || x == ends.1).count() as u16;
         return if values == 0 { Ok(()) } else { Err(SampleFault::Saturated { values }) };
     }

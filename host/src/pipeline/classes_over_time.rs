@@ -6,7 +6,6 @@ use crate::network::classify::Classify;
 use crate::report::classes_over_time::{self, MOST_RECORDINGS, MOST_WINDOWS};
 use crate::results::Classified;
 use crate::simulator::calibration::slots_without_clutter;
-use sdp3_core::config::RadarConfig;
 use std::path::PathBuf;
 
 /// Classifies recordings, and draws class and confidence over time below their spectrograms, as SVG.
@@ -24,8 +23,7 @@ pub fn picture(request: &Classify, files: &[PathBuf]) -> Result<(Classified, Str
     let mut spectrograms = Vec::new();
     let found = request.each_file(files, &mut |signal, slots, model| {
         let slow = slots_without_clutter(slots, model.radar()).unwrap_or_default();
-        let rate_hz = signal.rate_hz * slots.len() as f64 / signal.samples.len() as f64;
-        let real = model.radar() == RadarConfig::DOPPLER;
+        let (real, rate_hz) = (model.radar().one_sided(), signal.slot_rate_hz(slots));
         spectrograms.push(doppler_over_time(&signal.title, slow, real, rate_hz, signal.carrier_hz));
     })?;
     let windows = found.recordings.iter().map(|recording| recording.windows.len()).sum();

@@ -20,6 +20,8 @@ const GATE_SAMPLES: u32 = 8;
 /// Seconds of sensing slots that a matching scenario studies, and of its period.
 const SENSING_S: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8];
 const PERIOD_S: f64 = 2.0;
+/// Most slots a second of a Doppler sensor's scenario: limbs at 60 GHz take no more.
+const FASTEST_SLOTS_HZ: f64 = 4000.0;
 
 impl Job {
     /// Reads a recording and draws it: `doppler-time.*`, and of a radar module's chirps `range-time.*`.
@@ -149,29 +151,39 @@ fn range_time(title: &str, signal: &Signal, profiles: &[Vec<Complex64>]) -> Spec
 
 /// The scenario in TOML that has this sensor as its radar, with slots at this rate; else why there is none.
 fn matching(sensor: &Sensor, rate_hz: f64) -> Result<String, String> {
-    if sensor.bandwidth_hz == 0.0 {
-        return Err("a Doppler module sweeps no frequency: there is no range to gate".to_owned());
-    }
-    let cell_m = SPEED_OF_LIGHT / (2.0 * sensor.bandwidth_hz);
-    let bins = |metres: f64| (metres / cell_m).round();
-    let slots = |seconds: f64| (seconds * rate_hz).round();
-    let [near, far] = GATE_M;
-    let sensing: Vec<String> = SENSING_S.iter().map(|&s| slots(s).to_string()).collect();
     let format = if sensor.complex { "complex" } else { "real" };
+    let (radar, slot_rate_hz, spectrogram) = if sensor.bandwidth_hz == 0.0 {
+        // a slot is a sample, as in `doppler-24ghz`; of one output the rows are half of the frequencies
+        let rows = if sensor.complex { 4 } else { 2 };
+        (
+            "bandwidth_hz = 1e6\nsweep_s = 1e-5\nsample_rate_hz = 1e5\nsamples = 1\nrange_samples = 1\nac_coupling_hz = 20.0\n".to_owned(),
+            rate_hz / (rate_hz / FASTEST_SLOTS_HZ).ceil().max(1.0),
+            format!("bins_per_row = {rows}\nfirst_kept = 1\n"),
+        )
+    } else {
+        let cell_m = SPEED_OF_LIGHT / (2.0 * sensor.bandwidth_hz);
+        let bins = |metres: f64| (metres / cell_m).round();
+        let [near, far] = GATE_M;
+        let radar = format!(
+            "bandwidth_hz = {:e}\nsweep_s = {:e}\nsample_rate_hz = {:e}\nsamples = {}\nconverter_bits = {}\n\
+             range_samples = {GATE_SAMPLES}\nfirst_bin = {}\nbins_per_sample = {}\n",
+            sensor.bandwidth_hz,
+            f64::from(sensor.samples) / sensor.sample_rate_hz,
+            sensor.sample_rate_hz,
+            sensor.samples,
+            sensor.converter_bits,
+            bins(near).max(1.0),
+            bins((far - near) / f64::from(GATE_SAMPLES)).max(1.0),
+        );
+        (radar, rate_hz, "bins_per_row = 4\n".to_owned())
+    };
+    let slots = |seconds: f64| (seconds * slot_rate_hz).round();
+    let sensing: Vec<String> = SENSING_S.iter().map(|&s| slots(s).to_string()).collect();
     let text = format!(
-        "name = \"sensor\"\n\n[radar]\ncarrier_hz = {:e}\nbandwidth_hz = {:e}\nsweep_s = {:e}\nsample_rate_hz = {:e}\nsamples = {}\n\
-         format = \"{format}\"\nconverter_bits = {}\ndechirp = \"analog\"\nrange_samples = {GATE_SAMPLES}\nfirst_bin = {}\n\
-         bins_per_sample = {}\n\n[frame]\nslot_s = {:e}\nperiod_slots = {}\nspacing_slots = 0\nsensing_slots = [{}]\n\n\
-         [spectrogram]\nbins_per_row = 4\n",
+        "name = \"sensor\"\n\n[radar]\ncarrier_hz = {:e}\nformat = \"{format}\"\ndechirp = \"analog\"\n{radar}\n[frame]\n\
+         slot_s = {:e}\nperiod_slots = {}\nspacing_slots = 0\nsensing_slots = [{}]\n\n[spectrogram]\n{spectrogram}",
         sensor.carrier_hz,
-        sensor.bandwidth_hz,
-        f64::from(sensor.samples) / sensor.sample_rate_hz,
-        sensor.sample_rate_hz,
-        sensor.samples,
-        sensor.converter_bits,
-        bins(near).max(1.0),
-        bins((far - near) / f64::from(GATE_SAMPLES)).max(1.0),
-        1.0 / rate_hz,
+        1.0 / slot_rate_hz,
         slots(PERIOD_S),
         sensing.join(", "),
     );

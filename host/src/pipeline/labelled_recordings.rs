@@ -69,8 +69,7 @@ impl Job {
             let slots = expected.slots(&signal, longest).map_err(refuse)?;
             let mut beats = slots.beats(radar).ok_or("a radar that the core refuses")?;
             if let Some((from_s, to_s)) = span_s {
-                // of a Doppler sensor the slots are fewer than the samples
-                let slot_rate_hz = signal.rate_hz * slots.len() as f64 / signal.samples.len() as f64;
+                let slot_rate_hz = signal.slot_rate_hz(&slots);
                 let slot = |t: f64| (t * slot_rate_hz).round() as usize;
                 let (first, end) = (slot(from_s), slot(to_s));
                 let length = signal.samples.len() as f64 / signal.rate_hz;

@@ -57,6 +57,13 @@ pub struct Signal {
     pub about: About,
 }
 
+impl Signal {
+    /// The rate in Hz of slots made of its samples ([`Expected::slots`]): of a Doppler sensor they are fewer than these.
+    pub fn slot_rate_hz(&self, slots: &Slots) -> f64 {
+        self.rate_hz * slots.len() as f64 / self.samples.len() as f64
+    }
+}
+
 /// Samples.
 #[derive(Debug, Clone)]
 pub enum Samples {

@@ -210,7 +210,7 @@ pub fn study(
 ) -> Result<SimToReal, Failure> {
     let mut labelled = Vec::new();
     for measured in &recordings {
-        let layout = Layout::of(&measured.signal, &request.scenario);
+        let layout = Layout::of(&measured.signal);
         let images = layout.map(|l| {
             let images = l.seconds(&measured.signal, l.second(), measured.motion as u8);
             (l, images)
@@ -338,7 +338,7 @@ mod tests {
                 about: Default::default(),
             }
         };
-        let layout = Layout::of(&signal(Motion::Still), &request.scenario).unwrap();
+        let layout = Layout::of(&signal(Motion::Still)).unwrap();
         let images = layout.simulated(1, 0, 100, context);
         let network = Recogniser::learn(&request, &layout, images, None, 1, context).unwrap();
         for motion in [Motion::Walking, Motion::Still] {

@@ -12,7 +12,8 @@ use crate::network::parameters::Images;
 use crate::network::spectrograms::images_of;
 use crate::numerics::random::Random;
 use crate::recordings::{Samples, Signal, doppler};
-use crate::scenario::{Dechirp, Format, Scenario};
+use crate::scenario::Scenario;
+use crate::scenario::builtin::named;
 use crate::simulator::calibration::conditioning::ac_couple;
 use crate::simulator::calibration::intensity::{BETA, RANGE_DB};
 use crate::simulator::calibration::slots_without_clutter;
@@ -21,6 +22,7 @@ use crate::simulator::randomised::{Motion, draw};
 use rayon::prelude::*;
 use sdp3_core::config::{RadarConfig, SampleFormat};
 use sdp3_core::dims::ROWS;
+use std::path::Path;
 
 /// Rate of comparison in Hz, up to this carrier in Hz.
 const RATE_HZ: f64 = 2000.0;
@@ -35,22 +37,18 @@ const NOISE_STREAM: u64 = 0x6e6f_6973;
 pub struct Layout(Scenario);
 
 impl Layout {
-    /// For a recording, in place of the sensor of `base`; `None` if it is too slow.
-    pub fn of(signal: &Signal, base: &Scenario) -> Option<Self> {
+    /// For a recording; `None` if it is too slow.
+    pub fn of(signal: &Signal) -> Option<Self> {
         let target_hz = RATE_HZ * (signal.carrier_hz / RATE_CARRIER_HZ).clamp(1.0, 2.0);
         let rate_hz = signal.rate_hz.min(target_hz).round();
-        let mut scenario = base.clone();
-        let radar = &mut scenario.radar;
-        radar.carrier_hz = signal.carrier_hz;
-        (radar.dechirp, radar.format) = (Dechirp::Analog, Format::Real);
-        (radar.samples, radar.range_samples, radar.first_bin, radar.bins_per_sample) = (1, 1, 0, 0);
+        let mut scenario = named(Path::new("doppler-24ghz"))?.scenario();
+        scenario.radar.carrier_hz = signal.carrier_hz;
         scenario.frame.slot_s = 1.0 / rate_hz;
-        (scenario.frame.spacing_slots, scenario.frame.sensing_slots) = (0, vec![rate_hz as u32]);
-        // windows of 64 ms every 12 ms; all frequencies there are, 0 to half the rate
+        scenario.frame.sensing_slots = vec![rate_hz as u32];
+        // windows of 64 ms every 12 ms
         let slots = |seconds: f64| (seconds * rate_hz).round() as u16;
         let spectrogram = &mut scenario.spectrogram;
         (spectrogram.window, spectrogram.hop) = (slots(0.064).clamp(64, 256), slots(0.012).max(4));
-        (spectrogram.bins_per_row, spectrogram.first_kept, spectrogram.last_kept) = (2, 1, 8);
         (spectrogram.range_db, spectrogram.beta) = (RANGE_DB, BETA as f32);
         (rate_hz >= SLOWEST_HZ).then_some(Layout(scenario))
     }
@@ -171,7 +169,7 @@ mod tests {
     #[test]
     fn seconds_follow_one_another_with_the_label_of_the_file() {
         let signal = tone(300.0, 3.2);
-        let layout = Layout::of(&signal, &Scenario::default()).unwrap();
+        let layout = Layout::of(&signal).unwrap();
         let images = layout.seconds(&signal, layout.second(), Motion::Running as u8);
         // 79 frames of 64 rows
         assert_eq!((images.len(), images.frames), (3, 79));
@@ -190,7 +188,7 @@ mod tests {
     #[test]
     fn level_does_not_matter_and_slow_recordings_have_no_layout() {
         let mut signal = tone(300.0, 2.0);
-        let layout = Layout::of(&signal, &Scenario::default()).unwrap();
+        let layout = Layout::of(&signal).unwrap();
         let first = layout.seconds(&signal, layout.second(), 0);
         if let Samples::Real(x) = &mut signal.samples {
             x.iter_mut().for_each(|x| *x *= 1e-3);
@@ -199,8 +197,8 @@ mod tests {
         // but for the rounding of a level at its border
         assert!(second.pixels.iter().zip(&first.pixels).all(|(a, b)| a.abs_diff(*b) <= 1));
         signal.rate_hz = 20.0;
-        assert_eq!(Layout::of(&signal, &Scenario::default()), None);
+        assert_eq!(Layout::of(&signal), None);
         (signal.rate_hz, signal.carrier_hz) = (48e3, 60e9);
-        assert_eq!(Layout::of(&signal, &Scenario::default()).map(|l| l.second()), Some(4000));
+        assert_eq!(Layout::of(&signal).map(|l| l.second()), Some(4000));
     }
 }

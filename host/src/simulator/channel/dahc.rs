@@ -228,7 +228,6 @@ mod tests {
                 // whoever sits, bends or lies has limbs before the torso, which echoes less: the series in the delays is as exact,
                 // relative to less power
                 let most = if class as usize <= Class::AdultRunning as usize { -80.0 } else { -65.0 };
-                println!("{class:?}, {}: {db:.1} dB", scenario.name);
                 assert!(
                     db < most,
                     "{class:?}, {}, {:e} Hz: {db} dB",

@@ -123,7 +123,7 @@ pub trait ChannelModel: Send {
 
     /// The range samples of consecutive slots by a radar's antenna and response, added to `beats`; `scene` is the first, the others follow
     /// `interval_s` apart. Models with sums that can be formed faster than path by path do so; the result agrees with
-    /// [`ChannelModel::paths`] to -80 dB. A model keeps to the sensor it is first asked for.
+    /// [`ChannelModel::paths`] to -80 dB, of people with limbs far from the torso to -65 dB. A model keeps to the sensor it is first asked for.
     fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {

@@ -9,7 +9,6 @@
 //! an offset, thermal noise (referred to the input by its level), the converter. Each is a field of [`Radar`]; docs/theory.md has the
 //! equations. Compression follows phase noise here: it takes magnitudes, which a phase leaves alone.
 
-mod ac_coupling;
 mod impairments;
 mod interpolation;
 mod oscillator;
@@ -22,9 +21,9 @@ use super::channel::{
     BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, accumulate, node_time, phasor, tone,
 };
 use crate::numerics::differentiation;
+use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
-use ac_coupling::AcCoupling;
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
@@ -153,7 +152,8 @@ pub struct Receiver<'a> {
     response: Response,
     impairments: Impairments,
     oscillator: Option<Oscillator>,
-    ac_coupling: Option<AcCoupling>,
+    /// The two sections of a Doppler sensor's AC coupling, over slow time.
+    ac_coupling: Option<[HighPass<Complex64>; 2]>,
     /// The front end on range samples; none where it adds nothing.
     front_end: Option<RangeFrontEnd>,
     /// The offset in range samples: of the paper's radar in LSB, of others in LSB of range samples.
@@ -178,7 +178,9 @@ impl<'a> Receiver<'a> {
         let filters = effects.spectrum.map(|spectrum| Filters::new(&spectrum, radar.sample_rate_hz));
         let mut receiver = Receiver {
             oscillator: filters.map(|filters| Oscillator::new(filters, streams(Draws::Oscillator))),
-            ac_coupling: AcCoupling::new(radar.ac_coupling_hz, scenario.interval_s()),
+            ac_coupling: (radar.ac_coupling_hz > 0.0).then(|| {
+                [(); 2].map(|()| HighPass::new(pole(radar.ac_coupling_hz, 1.0 / scenario.interval_s())))
+            }),
             front_end: RangeFrontEnd::of(scenario, &response, &impairments, filters),
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
@@ -315,7 +317,7 @@ impl<'a> Receiver<'a> {
         self.beat.fill(tones, radar);
         let Samples { re, im, .. } = &self.beat;
         let beat = re.iter().zip(im.iter()).map(|(&re, &im)| Complex64::new(re, im));
-        let mut coupled = |z| ac_coupling.as_mut().map_or(z, |one| one.pass(z));
+        let mut coupled = |z| ac_coupling.iter_mut().flatten().fold(z, |z, section| section.pass(z));
         let mut digitise = |x: f64| values.push(converter.convert(x + noise_lsb * random.gaussian()));
         let mut complex = |z: Complex64| {
             digitise(z.re);
