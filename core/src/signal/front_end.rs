@@ -374,13 +374,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 /// Multiplies range samples by (-j)^n.
 fn turn(beat: &mut Beat, n: usize) {
     for value in beat {
-        let Complex { re, im } = *value;
-        *value = match n & 3 {
-            0 => Complex::new(re, im),
-            1 => Complex::new(im, re.wrapping_neg()),
-            2 => Complex::new(re.wrapping_neg(), im.wrapping_neg()),
-            _ => Complex::new(im.wrapping_neg(), re),
-        };
+        for _ in 0..n & 3 {
+            *value = Complex::new(value.im, value.re.wrapping_neg());
+        }
     }
 }
 
