@@ -93,11 +93,11 @@ pub fn requantize<S: SimdI32>(
     // results of negative sums are below the zero point: where that is the least output, their rounding is no matter
     if quant.act_min >= quant.out_zp {
         for value in &mut values {
-            *value = simd.requantize::<false>(*value, by);
+            *value = simd.requantize::<false>(simd.add(*value, *value), by);
         }
     } else {
         for value in &mut values {
-            *value = simd.requantize::<true>(*value, by);
+            *value = simd.requantize::<true>(simd.add(*value, *value), by);
         }
     }
     simd.narrow(values, quant.act_min, quant.act_max)

@@ -16,8 +16,9 @@ use std::array::from_fn;
 /// Sixteen successive values of a batch normalisation.
 #[derive(Debug)]
 pub struct ChannelPhase {
-    /// What the sums start with.
+    /// What the doubled sums start with.
     pub start: I32x16,
+    /// Twice the weights, as i16 with zeros above.
     pub weights: I32x16,
     pub requantizer: Requantizer,
 }
@@ -103,8 +104,8 @@ pub fn batch_norm(layer: &BatchNormRelu<'_>) -> Option<Vec<ChannelPhase>> {
         let mut requantizer = Requantizer::ZERO;
         for lane in 0..LANES {
             let channel = (phase * LANES + lane) % quant.channels;
-            start.0[lane] = first_sum(quant, channel, &quant.weights[channel..][..1], quant.in_zp.into())?;
-            weights.0[lane] = i32::from(quant.weights[channel] as i8);
+            start.0[lane] = 2 * first_sum(quant, channel, &quant.weights[channel..][..1], quant.in_zp.into())?;
+            weights.0[lane] = 2 * i32::from(quant.weights[channel] as i8) & 0xffff;
             let (multiplier, shift) = quant.scale(channel);
             requantizer.set_lane(lane, multiplier, shift, quant.out_zp)?;
         }
@@ -122,7 +123,7 @@ pub fn add(add: &Add) -> Option<PackedAdd> {
     let term = |k: usize| {
         let (multiplier, shift) = (add.multiplier[k], add.shift[k]);
         let half = (multiplier, shift) == (1 << 30, 0);
-        let guard_bits = if half { 19 } else { 20 };
+        let guard_bits = if half { 19 } else { 21 }; // what is requantised is doubled
         let offset = I32x16([-(i32::from(add.in_zp[k]) << guard_bits); LANES]);
         let requantizer = if half { Requantizer::ZERO } else { requantizer(multiplier, shift, 0)? };
         Some(PackedTerm { offset, half, requantizer })

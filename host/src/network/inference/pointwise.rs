@@ -104,7 +104,7 @@ fn term<S: SimdI32, const HALF: bool>(simd: S, v: S::I32, packed: &PackedTerm) -
     if HALF {
         simd.add(simd.shift_left::<19>(v), offset)
     } else {
-        simd.requantize::<true>(simd.add(simd.shift_left::<20>(v), offset), &packed.requantizer)
+        simd.requantize::<true>(simd.add(simd.shift_left::<21>(v), offset), &packed.requantizer)
     }
 }
 
@@ -117,7 +117,8 @@ impl PointwiseAdd<'_> {
             let (mut u, v) = (widen(simd, &load(self.x, k)), widen(simd, &load(self.branch, k)));
             for i in 0..4 {
                 let (left, right) = (term::<S, A>(simd, u[i], a), term::<S, B>(simd, v[i], b));
-                u[i] = simd.requantize::<true>(simd.add(left, right), sum);
+                let both = simd.add(left, right);
+                u[i] = simd.requantize::<true>(simd.add(both, both), sum);
             }
             store(self.x, k, &simd.narrow(u, low, high));
         }

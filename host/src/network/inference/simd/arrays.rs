@@ -135,15 +135,15 @@ impl<const INPUTS: usize> SimdI32 for Arrays<INPUTS> {
     }
 
     #[inline(always)]
-    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32 {
-        let mut out = acc;
+    fn requantize<const SIGNED: bool>(self, twice: Self::I32, by: &Requantizer) -> Self::I32 {
+        let mut out = twice;
         for (lane, out) in out.iter_mut().enumerate() {
             let even = lane & !1;
             let offsets = if lane == even { &by.even_offsets } else { &by.odd_offsets };
             let offset = i64::from(offsets.0[even + 1]) << 32 | i64::from(offsets.0[even] as u32);
             let product = i64::from(*out) * i64::from(by.multipliers.0[lane]) + offset;
             let away = if SIGNED { *out >> 31 } else { 0 };
-            *out = ((product >> 31) as i32).wrapping_add(away) >> (by.shifts.0[lane] & 31);
+            *out = ((product >> 32) as i32).wrapping_add(away) >> (by.shifts.0[lane] & 31);
         }
         out
     }

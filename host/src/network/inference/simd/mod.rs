@@ -34,7 +34,7 @@ pub struct Requantizer {
     pub multipliers: I32x16,
     /// Multipliers of the odd lanes, in the even lanes.
     pub odd_multipliers: I32x16,
-    /// 64-bit offsets of the even lanes.
+    /// 64-bit offsets of the even lanes, of doubled products.
     pub even_offsets: I32x16,
     /// 64-bit offsets of the odd lanes.
     pub odd_offsets: I32x16,
@@ -54,7 +54,8 @@ impl Requantizer {
 
     /// Sets one lane: `y = requantize(acc, multiplier, shift) + zero`; `None` if the shift is not in -20 to -1.
     ///
-    /// The rule of [`sdp3_core::fixed::requantize`] for |acc| < 2^30 with one floor less. With m the multiplier and
+    /// The rule of [`sdp3_core::fixed::requantize`] for |acc| < 2^30 with one floor less. Accumulators come doubled, so that
+    /// `m acc / 2^31` is the upper word of a 64-bit lane. With m the multiplier and
     /// e = -shift, `round(m acc / 2^31)` is `(m acc + 2^30) >> 31` as m is not negative. Rounding halves away from zero
     /// is `(x + 2^(e-1) - [acc < 0]) >> e`, where for x = 0 the last term changes nothing. The zero point goes in as
     /// `zero 2^e`.
@@ -64,7 +65,7 @@ impl Requantizer {
         }
         let exponent = u32::from(shift.unsigned_abs());
         let after = (1_i64 << (exponent - 1)) + (i64::from(zero) << exponent);
-        let offset = (1_i64 << 30) + (after << 31);
+        let offset = (1_i64 << 31) + (after << 32);
         let even = lane & !1;
         let offsets = if lane == even { &mut self.even_offsets } else { &mut self.odd_offsets };
         (offsets.0[even], offsets.0[even + 1]) = (offset as i32, (offset >> 32) as i32);
@@ -118,7 +119,7 @@ pub trait SimdI32: Copy {
     fn shift_right(self, a: Self::I32, by: u32) -> Self::I32;
     /// Lower half of the product.
     fn multiply_low(self, a: Self::I32, b: Self::I32) -> Self::I32;
-    /// Product of two values that fit in i16.
+    /// Product of two values that fit in i16; the upper halves of b's lanes are zeros.
     fn multiply(self, a: Self::I32, b: Self::I32) -> Self::I32;
     /// Reads sixteen i16.
     fn load16(self, words: &[i32; LANES / 2]) -> Self::I16;
@@ -133,8 +134,8 @@ pub trait SimdI32: Copy {
     /// `acc + sum_i input_i weight_i`: one word of inputs for all lanes, each lane with its own word of weights
     /// (i16 pairs, or int8 quadruples).
     fn dot(self, acc: Self::I32, word: i32, weights: Self::I32) -> Self::I32;
-    /// Requantises; without `SIGNED` only results of accumulators that are not negative count.
-    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32;
+    /// Requantises accumulators that are given doubled; without `SIGNED` only results of those that are not negative count.
+    fn requantize<const SIGNED: bool>(self, twice: Self::I32, by: &Requantizer) -> Self::I32;
     /// Four vectors to 64 int8 values in order, saturated and clamped to `low..=high`.
     fn narrow(self, v: [Self::I32; 4], low: i8, high: i8) -> [i8; 4 * LANES];
     /// Int8 values, a multiple of 4, to words for [`SimdI32::dot`].

@@ -55,9 +55,10 @@ impl Kernel for Requantisation {
                     let acc: [i32; LANES] = std::array::from_fn(|lane| {
                         step(lane).clamp(-(MAX_ACCUMULATOR as i32) + 1, MAX_ACCUMULATOR as i32 - 1)
                     });
+                    let twice = simd.load(&I32x16(acc.map(|acc| 2 * acc)));
                     let both = [
-                        simd.store(simd.requantize::<true>(simd.load(&I32x16(acc)), &by)),
-                        simd.store(simd.requantize::<false>(simd.load(&I32x16(acc)), &by)),
+                        simd.store(simd.requantize::<true>(twice, &by)),
+                        simd.store(simd.requantize::<false>(twice, &by)),
                     ];
                     for lane in 0..LANES {
                         let expected = requantize(acc[lane], multiplier, shift) + i32::from(zero);
@@ -157,7 +158,7 @@ impl Kernel for Simple {
             }
             let shifted = simd.store(simd.shift_left::<19>(a)).0;
             let (x, y) = (v[0].map(|v| v as i8), v[1].map(|v| v as i8));
-            let product = simd.store(simd.multiply(simd.widen(&x), simd.widen(&y))).0;
+            let product = simd.store(simd.multiply(simd.widen(&x), simd.load(&I32x16(y.map(|y| i32::from(y) & 0xffff))))).0;
             let (least, most) = (x[0].min(y[0]), x[0].max(y[0]));
             let narrow = simd.narrow(v.map(|v| simd.load(&I32x16(v))), least, most);
             for lane in 0..LANES {

@@ -30,20 +30,13 @@ fn dispatch_avx_vnni<S: SimdI32>(simd: S, kernel: impl Kernel) {
 /// Eight lanes of [`SimdI32::requantize`]: 64-bit products of the even and the odd lanes, then one shift each.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn requantize_ymm<const SIGNED: bool>(acc: __m256i, [m, m_odd, even, odd, shift]: [__m256i; 5]) -> __m256i {
-    let high = _mm256_srli_epi64::<32>(acc);
-    let even = _mm256_srli_epi64::<31>(_mm256_add_epi64(_mm256_mul_epi32(acc, m), even));
-    let odd = _mm256_slli_epi64::<1>(_mm256_add_epi64(_mm256_mul_epi32(high, m_odd), odd));
+fn requantize_ymm<const SIGNED: bool>(twice: __m256i, [m, m_odd, even, odd, shift]: [__m256i; 5]) -> __m256i {
+    let high = _mm256_srli_epi64::<32>(twice);
+    let even = _mm256_srli_epi64::<32>(_mm256_add_epi64(_mm256_mul_epi32(twice, m), even));
+    let odd = _mm256_add_epi64(_mm256_mul_epi32(high, m_odd), odd);
     let x = _mm256_blend_epi32::<0b1010_1010>(even, odd);
-    let x = if SIGNED { _mm256_add_epi32(x, _mm256_srai_epi32::<31>(acc)) } else { x };
+    let x = if SIGNED { _mm256_add_epi32(x, _mm256_srai_epi32::<31>(twice)) } else { x };
     _mm256_srav_epi32(x, shift)
-}
-
-/// Eight lanes of [`SimdI32::multiply`]; the upper half of b's lanes is cleared, so that its sign adds nothing.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn multiply_ymm(a: __m256i, b: __m256i) -> __m256i {
-    _mm256_madd_epi16(a, _mm256_and_si256(b, _mm256_set1_epi32(0xffff)))
 }
 
 /// Half of [`SimdI32::narrow`].
@@ -140,7 +133,7 @@ impl<const VNNI: bool> SimdI32 for Ymm<VNNI> {
     #[inline(always)]
     fn multiply(self, a: Self::I32, b: Self::I32) -> Self::I32 {
         // SAFETY: `self` proves AVX2.
-        unsafe { [multiply_ymm(a[0], b[0]), multiply_ymm(a[1], b[1])] }
+        unsafe { [_mm256_madd_epi16(a[0], b[0]), _mm256_madd_epi16(a[1], b[1])] }
     }
 
     #[inline(always)]
@@ -159,15 +152,15 @@ impl<const VNNI: bool> SimdI32 for Ymm<VNNI> {
     }
 
     #[inline(always)]
-    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32 {
+    fn requantize<const SIGNED: bool>(self, twice: Self::I32, by: &Requantizer) -> Self::I32 {
         let (m, m_odd) = (self.load(&by.multipliers), self.load(&by.odd_multipliers));
         let (even, odd) = (self.load(&by.even_offsets), self.load(&by.odd_offsets));
         let shift = self.load(&by.shifts);
         // SAFETY: `self` proves AVX2.
         unsafe {
             [
-                requantize_ymm::<SIGNED>(acc[0], [m[0], m_odd[0], even[0], odd[0], shift[0]]),
-                requantize_ymm::<SIGNED>(acc[1], [m[1], m_odd[1], even[1], odd[1], shift[1]]),
+                requantize_ymm::<SIGNED>(twice[0], [m[0], m_odd[0], even[0], odd[0], shift[0]]),
+                requantize_ymm::<SIGNED>(twice[1], [m[1], m_odd[1], even[1], odd[1], shift[1]]),
             ]
         }
     }

@@ -99,8 +99,8 @@ impl SimdI32 for Zmm {
 
     #[inline(always)]
     fn multiply(self, a: Self::I32, b: Self::I32) -> Self::I32 {
-        // SAFETY: `self` proves AVX-512 BW. The upper half of b's lanes is cleared, so its sign adds nothing.
-        unsafe { _mm512_madd_epi16(a, _mm512_and_si512(b, _mm512_set1_epi32(0xffff))) }
+        // SAFETY: `self` proves AVX-512 BW.
+        unsafe { _mm512_madd_epi16(a, b) }
     }
 
     #[inline(always)]
@@ -110,19 +110,15 @@ impl SimdI32 for Zmm {
     }
 
     #[inline(always)]
-    fn requantize<const SIGNED: bool>(self, acc: Self::I32, by: &Requantizer) -> Self::I32 {
+    fn requantize<const SIGNED: bool>(self, twice: Self::I32, by: &Requantizer) -> Self::I32 {
         // SAFETY: `self` proves AVX-512 F.
         unsafe {
-            let high = _mm512_srli_epi64::<32>(acc);
+            let high = _mm512_srli_epi64::<32>(twice);
             let (even_m, odd_m) = (self.load(&by.multipliers), self.load(&by.odd_multipliers));
-            let even = _mm512_add_epi64(_mm512_mul_epi32(acc, even_m), self.load(&by.even_offsets));
+            let even = _mm512_add_epi64(_mm512_mul_epi32(twice, even_m), self.load(&by.even_offsets));
             let odd = _mm512_add_epi64(_mm512_mul_epi32(high, odd_m), self.load(&by.odd_offsets));
-            let x = _mm512_mask_blend_epi32(
-                0b1010_1010_1010_1010,
-                _mm512_srli_epi64::<31>(even),
-                _mm512_slli_epi64::<1>(odd),
-            );
-            let x = if SIGNED { _mm512_add_epi32(x, _mm512_srai_epi32::<31>(acc)) } else { x };
+            let x = _mm512_mask_shuffle_epi32::<_MM_PERM_CDAB>(odd, 0b0101_0101_0101_0101, even);
+            let x = if SIGNED { _mm512_add_epi32(x, _mm512_srai_epi32::<31>(twice)) } else { x };
             _mm512_srav_epi32(x, self.load(&by.shifts))
         }
     }
