@@ -158,7 +158,9 @@ impl Kernel for Simple {
             }
             let shifted = simd.store(simd.shift_left::<19>(a)).0;
             let (x, y) = (v[0].map(|v| v as i8), v[1].map(|v| v as i8));
-            let product = simd.store(simd.multiply(simd.widen(&x), simd.load(&I32x16(y.map(|y| i32::from(y) & 0xffff))))).0;
+            let product = simd
+                .store(simd.multiply(simd.widen(&x), simd.load(&I32x16(y.map(|y| i32::from(y) & 0xffff)))))
+                .0;
             let (least, most) = (x[0].min(y[0]), x[0].max(y[0]));
             let narrow = simd.narrow(v.map(|v| simd.load(&I32x16(v))), least, most);
             for lane in 0..LANES {
