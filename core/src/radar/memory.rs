@@ -25,15 +25,13 @@ pub struct SlotBuffer<const VALUES: usize>(pub [i16; VALUES]);
 pub struct RadarMemory<
     const VALUES: usize,
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
     T: Stft + 'static = NativeStft,
 > {
-    pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
+    pipeline: PipelineMemory<REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS>,
     /// The pipeline, once it is made. Not an `Option`, so that the whole memory is zeros and takes no flash.
     made: Vec<Made<T>, 1>,
     buffers: [SlotBuffer<VALUES>; SLOT_BUFFERS],
@@ -56,9 +54,7 @@ macro_rules! radar_memory {
             { $shape.slot_values() },
             { $shape.radar.reference_len() },
             { $shape.sensing_slots },
-            { $shape.sensing_slots },
-            { $shape.frames },
-            { $shape.scratch_bytes() },
+            { $shape.workspace_len() },
             { $shape.winograd_sizes().vectors },
             { $shape.winograd_sizes().words },
         >
@@ -159,14 +155,12 @@ impl<T: Stft> PipelinePlace<T> {
 impl<
     const VALUES: usize,
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
     T: Stft,
-> RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>
+> RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>
 {
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();

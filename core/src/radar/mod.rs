@@ -110,16 +110,14 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
     /// [`Error`] names what does not fit: models, memory, plan, or time.
     pub fn new<
         const REFERENCE: usize,
-        const BEATS: usize,
         const SLOTS: usize,
-        const FRAMES: usize,
-        const SCRATCH: usize,
+        const WORKSPACE: usize,
         const I16X8S: usize,
         const WORDS: usize,
     >(
         exits: &[EarlyExit<'static>],
         settings: Settings,
-        memory: &'static mut RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>,
+        memory: &'static mut RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>,
         retained: &'static Retained,
     ) -> Result<Self, Error> {
         let (pipeline, links) = memory.split();
@@ -143,16 +141,14 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
     /// As [`RadarModule::new`], and [`Error::Model`].
     pub fn single<
         const REFERENCE: usize,
-        const BEATS: usize,
         const SLOTS: usize,
-        const FRAMES: usize,
-        const SCRATCH: usize,
+        const WORKSPACE: usize,
         const I16X8S: usize,
         const WORDS: usize,
     >(
         model: &'static [u8],
         settings: Settings,
-        memory: &'static mut RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>,
+        memory: &'static mut RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>,
         retained: &'static Retained,
     ) -> Result<Self, Error> {
         Self::new(&[EarlyExit::single(Model::parse(model)?)], settings, memory, retained)

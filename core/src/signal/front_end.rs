@@ -16,6 +16,7 @@ use crate::areas::{Area, range};
 use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
+use bytemuck::{must_cast_mut, must_cast_slice, must_cast_slice_mut};
 use core::ops::Range;
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was trained on.
@@ -79,12 +80,33 @@ pub struct FrontEndBuffers<'b> {
     pub reference: &'b mut [ComplexI16],
     /// Range samples, `[slow_time]`: as many as a recording has slots.
     pub beats: &'b mut [Beat],
-    /// The slow-time signal, as long as a recording. Before it is made the next recording's first slots, one in eight, wait here.
-    pub slow_time: &'b mut [Complex<i32>],
-    /// Log magnitudes of the image, at least 64 x frames.
-    pub levels: &'b mut [i16],
-    /// Spectrum of the transform in integers.
-    pub spectrum: &'b mut FixedSpectrum,
+    /// [`workspace_len`] words; others may use it while no image is in the making.
+    ///
+    /// At its beginning slow time, as long as `beats`: before it is made the next recording's first slots, one in eight, wait there. Then a
+    /// spectrum. At its end the log magnitudes, `[64, frames]` of i16, which become the image in their second half.
+    pub workspace: &'b mut [Complex<i32>],
+}
+
+/// Words of a spectrum in the workspace.
+const SPECTRUM: usize = size_of::<FixedSpectrum>() / size_of::<Complex<i32>>();
+
+/// Words of a frame's log magnitudes.
+const FRAME: usize = ROWS * size_of::<i16>() / size_of::<Complex<i32>>();
+
+/// Words of 8 bytes that the images of recordings of at most `slots` slots and `frames` frames take.
+pub const fn workspace_len(slots: usize, frames: usize) -> usize {
+    slots + SPECTRUM + FRAME * frames
+}
+
+/// Slow time of at most `slots` slots, a spectrum, and the log magnitudes of so many frames.
+fn parts(
+    workspace: &mut [Complex<i32>],
+    slots: usize,
+    frames: usize,
+) -> Option<(&mut [Complex<i32>], &mut FixedSpectrum, &mut [Complex<i32>])> {
+    let (rest, levels) = workspace.split_at_mut_checked(workspace.len().checked_sub(FRAME * frames)?)?;
+    let (slow_time, rest) = rest.split_at_mut_checked(slots)?;
+    Some((slow_time, must_cast_mut(rest.first_chunk_mut::<SPECTRUM>()?), levels))
 }
 
 /// Slots of one step over slow time, so that a step is short.
@@ -116,8 +138,8 @@ enum Stage {
     Project { from: usize, shift: u32 },
     /// Frames from this one on, and the largest level so far.
     Frames { next: usize, largest: i16 },
-    /// Rows of the image from this one on.
-    Quantize { row: usize, largest: i16 },
+    /// Rows of the image before this one, the last of them first.
+    Quantize { rows: usize, largest: i16 },
 }
 
 /// An image in the making.
@@ -143,7 +165,6 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
-    spectrum: T::Spectrum<'b>,
     gram: Gram,
     taken: usize,
     /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
@@ -151,30 +172,28 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     capacity: usize,
     job: Option<Job>,
     beats: &'b mut [Beat],
-    slow_time: &'b mut [Complex<i32>],
-    levels: &'b mut [i16],
+    workspace: &'b mut [Complex<i32>],
 }
 
 impl<'b, T: Stft> FrontEnd<'b, T> {
-    /// A front end for a sensor with `settings`, or `None` if either is not valid or the reference does not fit its memory.
+    /// A front end for a sensor with `settings`, or `None` if either is not valid, or the reference or slow time and a
+    /// spectrum do not fit their memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
-        let FrontEndBuffers { reference, beats, slow_time, levels, spectrum } = buffers;
-        if settings.illegal().is_some() {
+        let FrontEndBuffers { reference, beats, workspace } = buffers;
+        if settings.illegal().is_some() || workspace.len() < workspace_len(beats.len(), 0) {
             return None;
         }
         Some(FrontEnd {
             fast_time: FastTime::new(config, reference)?,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
-            spectrum: T::spectrum(spectrum),
             gram: Gram::new(),
             taken: 0,
             waiting: false,
-            capacity: beats.len().min(slow_time.len()).min(GRAM_SLOTS),
+            capacity: beats.len().min(GRAM_SLOTS),
             job: None,
             beats,
-            slow_time,
-            levels,
+            workspace,
         })
     }
 
@@ -195,12 +214,16 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// Where some of its data lie; empty for those of others.
     pub(crate) fn area(&self, area: Area) -> Range<*const u8> {
+        let part = match (area, &self.job) {
+            (Area::SlowTime, Some(_)) => self.workspace.get(..self.beats.len()),
+            (Area::LogMagnitudes, Some(_)) => self.workspace.get(self.beats.len() + SPECTRUM..),
+            (Area::Activations, None) => Some(&*self.workspace),
+            _ => None,
+        };
         match area {
             Area::Beats => range(self.beats),
             Area::Gram => range(core::slice::from_ref(&self.gram)),
-            Area::SlowTime => range(self.slow_time),
-            Area::LogMagnitudes => range(self.levels),
-            _ => range::<u8>(&[]),
+            _ => range(part.unwrap_or_default()),
         }
     }
 
@@ -214,7 +237,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// Whether [`FrontEnd::push`] would find room.
     pub fn has_room(&self) -> bool {
         let room = match &self.job {
-            _ if self.waiting => self.slow_time.len() / BEATS,
+            _ if self.waiting => self.beats.len() / BEATS,
             // a recording behind the job's takes the places that the job has left
             Some(Job { slots, stage: Stage::Project { from, .. }, .. }) if self.taken < *slots => *from,
             _ => self.capacity,
@@ -227,7 +250,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         if !self.has_room() {
             return false;
         }
-        let (waiting, _) = self.slow_time.as_chunks_mut();
+        let (waiting, _) = self.workspace.as_chunks_mut();
         let places = if self.waiting { waiting } else { &mut *self.beats };
         let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
@@ -242,10 +265,10 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     }
 
     /// Begins the image of the slots taken so far; [`FrontEnd::step`] makes it. `false` if an image is in the making, the slots do
-    /// not fill one window, or the levels do not fit their memory.
+    /// not fill one window, or its log magnitudes do not fit the workspace.
     pub fn begin_image(&mut self, probe: &mut impl Probe) -> bool {
         let frames = self.stft.frames(self.taken);
-        let fits = frames > 0 && ROWS * frames <= self.levels.len();
+        let fits = frames > 0 && workspace_len(self.beats.len(), frames) <= self.workspace.len();
         if !fits || self.job.is_some() || self.waiting {
             return false;
         }
@@ -260,17 +283,17 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         true
     }
 
-    /// One bounded step of the image; `true` when `image`, `[64, frames]` row-major and as long, is done. Steps before the last
-    /// four leave `image` as it is.
+    /// One bounded step of the image; `true` when it is done: `[64, frames]` row-major, the last bytes of [`FrontEnd::workspace`].
     ///
     /// A step is seven rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
-    pub fn step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> bool {
-        self.try_step(image, probe).is_some()
+    pub fn step(&mut self, probe: &mut impl Probe) -> bool {
+        self.try_step(probe).is_some()
     }
 
-    fn try_step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> Option<()> {
+    fn try_step(&mut self, probe: &mut impl Probe) -> Option<()> {
         let job = self.job.as_mut()?;
         let cells = ROWS * job.frames;
+        let (slow_time, spectrum, levels) = parts(self.workspace, self.beats.len(), job.frames)?;
         job.stage = match job.stage {
             Stage::Solve => {
                 if job.solver.step() {
@@ -306,57 +329,69 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                         [beat[0]] = value;
                     }
                 } else {
-                    project(beats, &job.projection, shift, self.slow_time.get_mut(from..end)?);
+                    project(beats, &job.projection, shift, slow_time.get_mut(from..end)?);
                 }
                 if end < job.slots {
                     Stage::Project { from: end, shift }
                 } else {
                     if core::mem::take(&mut self.waiting) {
-                        change_places(self.beats, self.slow_time);
+                        change_places(self.beats, slow_time);
                     }
-                    probe.slow_time(self.slow_time.get(..end)?);
+                    probe.slow_time(slow_time.get(..end)?);
+                    spectrum.as_flattened_mut().fill(Complex::new(0, 0)); // bins that become no row are never written
                     Stage::Frames { next: 0, largest: FLOOR }
                 }
             }
             Stage::Frames { next, largest } => {
                 let bins = self.settings.bins_per_row;
-                let grid = self.levels.get_mut(..cells)?;
-                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut self.spectrum);
-                T::probe(&self.spectrum, next, probe);
-                let largest = largest.max(log_magnitudes::<T>(&self.spectrum, bins, next, job.frames, grid));
+                let spectrum = T::spectrum(spectrum);
+                self.stft.frame(slow_time.get(..job.slots)?, next, bins, spectrum);
+                T::probe(spectrum, next, probe);
+                let levels = must_cast_slice_mut(levels);
+                let largest = largest.max(log_magnitudes::<T>(spectrum, bins, next, job.frames, levels));
                 if next + 1 < job.frames {
                     Stage::Frames { next: next + 1, largest }
                 } else {
-                    Stage::Quantize { row: 0, largest }
+                    Stage::Quantize { rows: ROWS, largest }
                 }
             }
-            Stage::Quantize { row, largest } => {
-                let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
-                let (rows, levels) = (image.get_mut(part.clone())?, self.levels.get(part)?);
-                let range = self.settings.range;
-                for (pixel, &level) in rows.iter_mut().zip(levels) {
-                    *pixel = quantize_db(level, largest, range);
+            Stage::Quantize { rows, largest } => {
+                let left = rows.saturating_sub(ROWS_A_STEP);
+                for cell in (left * job.frames..rows * job.frames).rev() {
+                    let level = *must_cast_slice(levels).get(cell)?;
+                    // behind the levels of all cells before
+                    let pixel = must_cast_slice_mut(levels).get_mut(cells + cell)?;
+                    *pixel = quantize_db(level, largest, self.settings.range);
                 }
-                if row + ROWS_A_STEP >= ROWS {
+                if left == 0 {
                     self.job = None;
-                    probe.image(image.get(..cells)?);
+                    probe.image(must_cast_slice(levels).get(cells..)?);
                     return Some(());
                 }
-                Stage::Quantize { row: row + ROWS_A_STEP, largest }
+                Stage::Quantize { rows: left, largest }
             }
         };
         None
     }
 
-    /// The image of the slots taken so far, at once, in the beginning of this memory; `None` if it is too short, or as
-    /// [`FrontEnd::begin_image`] says. More slots may be taken afterwards.
-    pub fn image<'i>(&mut self, memory: &'i mut [i8], probe: &mut impl Probe) -> Option<&'i [i8]> {
-        let image = memory.get_mut(..ROWS * self.stft.frames(self.taken))?;
+    /// The image of the slots taken so far, at once; `None` as [`FrontEnd::begin_image`] says. More slots may be taken afterwards.
+    pub fn image(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
         if !self.begin_image(probe) {
             return None;
         }
-        while !self.step(image, probe) {}
-        Some(image)
+        while !self.step(probe) {}
+        let bytes: &[i8] = must_cast_slice(self.workspace);
+        bytes.get(bytes.len().checked_sub(ROWS * self.stft.frames(self.taken))?..)
+    }
+
+    /// Range samples and workspace, for [`selftest`](crate::selftest) before the first slot.
+    pub(crate) fn memory(&mut self) -> (&mut [Beat], &mut [Complex<i32>]) {
+        (self.beats, self.workspace)
+    }
+
+    /// What others may use while no image is in the making; the last one lies in its last bytes.
+    pub fn workspace(&mut self) -> &mut [Complex<i32>] {
+        self.workspace
     }
 
     /// Begins a recording. An image in the making goes on.

@@ -7,7 +7,7 @@
 
 mod twiddles;
 
-use super::{FloatStft, Stft};
+use super::{Stft, kaiser};
 use crate::dims::{Complex, FFT_LEN, FixedBins, ROWS};
 use crate::probe::Probe;
 use crate::signal::logarithm::{FLOOR, level_u64};
@@ -43,20 +43,10 @@ const fn places() -> [u8; PART] {
     table
 }
 
-/// A spectrum and the parts it is made of.
-#[derive(Debug, Clone)]
-pub struct FixedSpectrum {
-    bins: FixedBins,
-    parts: [Part; PARTS],
-}
+/// A spectrum, and the parts it is made of.
+pub type FixedSpectrum = [FixedBins; 2];
 
-impl FixedSpectrum {
-    /// Zeros.
-    pub const ZERO: Self =
-        FixedSpectrum { bins: [Complex::new(0, 0); FFT_LEN], parts: [[Complex::new(0, 0); PART]; PARTS] };
-}
-
-/// [`FloatStft`] in integers.
+/// [`FloatStft`](super::FloatStft) in integers.
 ///
 /// Error against exact arithmetic: below 40 LSB a part, of up to 2^30, for a slow-time signal of at most 23 bits, which
 /// also keeps every sum within 31 bits.
@@ -226,20 +216,16 @@ impl FixedStft {
 }
 
 impl Stft for FixedStft {
-    type Spectrum<'b> = &'b mut FixedSpectrum;
+    type Spectrum = FixedSpectrum;
 
     fn spectrum(memory: &mut FixedSpectrum) -> &mut FixedSpectrum {
-        *memory = FixedSpectrum::ZERO; // bins that become no row are never written
         memory
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let float = FloatStft::new(length, beta, hop);
         let mut window = [0; FFT_LEN];
-        for (fixed, &value) in window.iter_mut().zip(float.window()) {
-            *fixed = to_q31(f64::from(value));
-        }
-        FixedStft { window, length: float.length, hop: float.hop }
+        let length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = to_q31(f64::from(value)));
+        FixedStft { window, length, hop: usize::from(hop).max(1) }
     }
 
     fn frames(&self, slots: usize) -> usize {
@@ -247,8 +233,9 @@ impl Stft for FixedStft {
     }
 
     /// Cost: 48 butterflies of radix 4 with 3 products each, 3 more products a bin.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut &mut FixedSpectrum) {
-        let FixedSpectrum { bins, parts } = &mut **spectrum;
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut FixedSpectrum) {
+        let [bins, parts] = spectrum;
+        let parts = bytemuck::must_cast_mut(parts);
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         if self.first(signal, parts).is_none() {
             self.stage1_padded(signal, parts);
@@ -260,10 +247,10 @@ impl Stft for FixedStft {
         combine(parts, (ROWS * usize::from(per_row)).min(FFT_LEN), bins);
     }
 
-    fn level(spectrum: &&mut FixedSpectrum, first: usize, count: usize) -> i16 {
+    fn level([bins, _]: &FixedSpectrum, first: usize, count: usize) -> i16 {
         let mut power = 0_u64;
         for k in 0..count {
-            let z = spectrum.bins[first.wrapping_add(k) % FFT_LEN];
+            let z = bins[first.wrapping_add(k) % FFT_LEN];
             let (re, im) = (i64::from(z.re), i64::from(z.im));
             // a magnitude is below 2^30.5
             power = power.wrapping_add((re * re + im * im) as u64);
@@ -271,7 +258,7 @@ impl Stft for FixedStft {
         if power == 0 { FLOOR } else { level_u64(power) }
     }
 
-    fn probe(spectrum: &&mut FixedSpectrum, k: usize, probe: &mut impl Probe) {
-        probe.fixed_frame(k, &spectrum.bins);
+    fn probe([bins, _]: &FixedSpectrum, k: usize, probe: &mut impl Probe) {
+        probe.fixed_frame(k, bins);
     }
 }
