@@ -13,7 +13,10 @@ use crate::error::Error;
 use crate::probe::Probe;
 use crate::selftest;
 use crate::signal::dechirp::WordAligned;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers, image_steps, workspace_len};
+use crate::signal::fast_time::FastTime;
+use crate::signal::front_end::{
+    Clutter, FrontEnd, FrontEndBuffers, Preprocessing, image_steps, workspace_len,
+};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
 use bytemuck::must_cast_slice_mut;
@@ -29,7 +32,8 @@ impl Shape {
         let sum = kernels.vectors * size_of::<I16x8>()
             + words
             + self.sensing_slots * size_of::<Beat>()
-            + self.workspace_len() * size_of::<Complex<i32>>();
+            + self.workspace_len() * size_of::<Complex<i32>>()
+            + size_of::<Clutter>();
         sum.next_multiple_of(size_of::<I16x8>())
     }
 
@@ -56,6 +60,7 @@ pub struct PipelineMemory<
     reference: WordAligned<REFERENCE>,
     beats: [Beat; SLOTS],
     workspace: [Complex<i32>; WORKSPACE],
+    clutter: Clutter,
 }
 
 /// The [`PipelineMemory`] type for a constant [`Shape`](crate::dsn::Shape).
@@ -92,6 +97,7 @@ impl<
             reference: WordAligned([[0; 2]; REFERENCE]),
             beats: [ZERO_BEAT; SLOTS],
             workspace: [Complex::new(0, 0); WORKSPACE],
+            clutter: Clutter::new(),
         }
     }
 
@@ -102,6 +108,7 @@ impl<
                 reference: &mut self.reference.0,
                 beats: &mut self.beats,
                 workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
@@ -115,6 +122,71 @@ pub struct PipelineBuffers<'b> {
     pub front_end: FrontEndBuffers<'b>,
     /// Of the kernels of [`Pipeline::new`]; others bring their own.
     pub kernels: WinogradMemory<'b>,
+}
+
+/// At most [`EXITS`] exits.
+fn collect<'m>(exits: impl IntoIterator<Item = EarlyExit<'m>>) -> Result<Vec<EarlyExit<'m>, EXITS>, Error> {
+    let mut all = Vec::new();
+    for exit in exits {
+        all.push(exit).map_err(|_| Error::Exits)?;
+    }
+    Ok(all)
+}
+
+/// The first of these buffers that is too short, each with its name, what is needed and what there is.
+fn check<const N: usize>(buffers: [(&'static str, usize, usize); N]) -> Result<(), Error> {
+    match buffers.into_iter().find(|(_, need, have)| have < need) {
+        Some((buffer, need, have)) => Err(Error::Memory { buffer, need, have }),
+        None => Ok(()),
+    }
+}
+
+/// The kernels of these exits in their memory.
+pub(crate) fn shared_kernels<'b>(
+    exits: &[EarlyExit<'_>],
+    buffers: &mut PipelineBuffers<'b>,
+) -> Result<WinogradF2<'b>, Error> {
+    let memory = core::mem::take(&mut buffers.kernels);
+    for exit in exits {
+        let sizes = exit.model.shape().winograd_sizes();
+        check([
+            ("vectors", sizes.vectors, memory.vectors.len()),
+            ("words", sizes.words, memory.words.len()),
+        ])?;
+    }
+    Ok(WinogradF2::shared(memory))
+}
+
+/// The first stage of exits that go together and fit their memory, of which as much is left as a recording needs.
+pub(crate) fn fast_time<'b>(
+    exits: &[EarlyExit<'_>],
+    buffers: &mut PipelineBuffers<'b>,
+) -> Result<FastTime<'b>, Error> {
+    let last = exits.last().filter(|_| exits.len() <= EXITS).ok_or(Error::Exits)?.model;
+    let agrees = |exit: &EarlyExit<'_>| {
+        let model = &exit.model;
+        model.preprocessing() == last.preprocessing()
+            && model.classes() == last.classes()
+            && model.radar() == last.radar()
+    };
+    let ascending = exits.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
+    // the only exit's class is its network's, whatever a step is worth
+    let weighs = |number: usize, exit: &EarlyExit<'_>| exits.len() == 1 || exit.is_valid(number);
+    let valid = exits.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
+    if !(ascending && valid) {
+        return Err(Error::Exits);
+    }
+    let workspace = exits.iter().map(|exit| exit.model.shape().workspace_len()).max().unwrap_or(0);
+    let slots = last.sensing_slots();
+    let front_end = &mut buffers.front_end;
+    check([
+        ("reference", last.radar().reference_len(), front_end.reference.len()),
+        ("beats", slots, front_end.beats.len()),
+        ("workspace", workspace, front_end.workspace.len()),
+    ])?;
+    front_end.beats = core::mem::take(&mut front_end.beats).get_mut(..slots).unwrap_or_default();
+    // valid: the parser has checked it
+    FastTime::new(last.radar(), core::mem::take(&mut front_end.reference)).ok_or(Error::Exits)
 }
 
 /// A recognition under way.
@@ -154,18 +226,10 @@ impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
         threshold: f32,
         mut buffers: PipelineBuffers<'b>,
     ) -> Result<Self, Error> {
-        let memory = core::mem::take(&mut buffers.kernels);
-        let (vectors, words) = (memory.vectors.len(), memory.words.len());
-        let pipeline = Self::with_kernels(exits, threshold, buffers, WinogradF2::shared(memory))?;
-        for exit in &pipeline.exits {
-            let sizes = exit.model.shape().winograd_sizes();
-            for (buffer, need, have) in [("vectors", sizes.vectors, vectors), ("words", sizes.words, words)] {
-                if have < need {
-                    return Err(Error::Memory { buffer, need, have });
-                }
-            }
-        }
-        Ok(pipeline)
+        let all = collect(exits)?;
+        let kernels = shared_kernels(&all, &mut buffers)?;
+        let fast_time = fast_time(&all, &mut buffers)?;
+        Ok(Self::assemble(&all, threshold, fast_time, buffers, kernels))
     }
 
     /// Where some of its data lie; empty for those of others, and where there are none.
@@ -194,52 +258,36 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         mut buffers: PipelineBuffers<'b>,
         kernels: K,
     ) -> Result<Self, Error> {
-        let mut all: Vec<EarlyExit<'m>, EXITS> = Vec::new();
-        for exit in exits {
-            all.push(exit).map_err(|_| Error::Exits)?;
-        }
-        let last = all.last().ok_or(Error::Exits)?.model;
-        let agrees = |exit: &EarlyExit<'_>| {
-            let model = &exit.model;
-            model.preprocessing() == last.preprocessing()
-                && model.classes() == last.classes()
-                && model.radar() == last.radar()
-        };
-        let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
-        // the only exit's class is its network's, whatever a step is worth
-        let weighs = |number: usize, exit: &EarlyExit<'_>| all.len() == 1 || exit.is_valid(number);
-        let valid = all.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
-        if !(ascending && valid) {
-            return Err(Error::Exits);
-        }
-        let workspace = all.iter().map(|exit| exit.model.shape().workspace_len()).max().unwrap_or(0);
-        let slots = last.sensing_slots();
-        let f = &mut buffers.front_end;
-        for (buffer, need, have) in [
-            ("reference", last.radar().reference_len(), f.reference.len()),
-            ("beats", slots, f.beats.len()),
-            ("workspace", workspace, f.workspace.len()),
-        ] {
-            if have < need {
-                return Err(Error::Memory { buffer, need, have });
-            }
-        }
-        f.beats = core::mem::take(&mut f.beats).get_mut(..slots).unwrap_or_default();
-        // valid: the parser has checked both
-        let front_end =
-            FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
-        Ok(Pipeline {
-            front_end,
+        let all = collect(exits)?;
+        let fast_time = fast_time(&all, &mut buffers)?;
+        Ok(Self::assemble(&all, threshold, fast_time, buffers, kernels))
+    }
+
+    /// Of what has been checked: made where it stays.
+    #[inline(always)]
+    pub(crate) fn assemble(
+        exits: &[EarlyExit<'m>],
+        threshold: f32,
+        fast_time: FastTime<'b>,
+        buffers: PipelineBuffers<'b>,
+        kernels: K,
+    ) -> Self {
+        let FrontEndBuffers { beats, workspace, clutter, .. } = buffers.front_end;
+        let settings = exits.last().map_or_else(Preprocessing::default, |last| last.model.preprocessing());
+        let mut pipeline = Pipeline {
+            front_end: FrontEnd::with(fast_time, settings, beats, workspace, clutter),
             kernels,
             network: Network::new(),
-            exits: all,
+            exits: Vec::new(),
             threshold,
             next_exit: 0,
             logits: Vec::new(),
             recognition: None,
             stopped: false,
             period: 0,
-        })
+        };
+        pipeline.exits.extend(exits.iter().copied()); // collected, or checked: as many as there are places
+        pipeline
     }
 
     /// The exits.
@@ -377,8 +425,9 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     /// [`selftest::run`] in the memory of this pipeline, before the first slot: 5 kB of stack less. Zeros where that is smaller than 40 slots
     /// and two frames.
     pub fn test_signal_chain(&mut self, rng: &mut impl Rng) -> [u64; 2] {
-        let (beats, workspace) = self.front_end.memory();
-        selftest::run_in(beats, workspace, rng)
+        let known = selftest::run_in(&mut self.front_end.buffers(), rng);
+        self.front_end.reset();
+        known
     }
 
     /// Whether every operator of every exit's network gives what the plain loops give: [`selftest::network`]. Before the first slot.

@@ -10,7 +10,7 @@ use crate::dsn::format::MAX_BLOCKS;
 use crate::dsn::{Kernels, Model, Network, Portable, image_mut};
 use crate::probe::Probe;
 use crate::signal::fast_time::FastTime;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers, Preprocessing, workspace_len};
+use crate::signal::front_end::{Clutter, FrontEnd, FrontEndBuffers, Preprocessing, workspace_len};
 use crate::signal::stft::{FixedStft, FloatStft, Stft};
 use bytemuck::must_cast_slice_mut;
 use heapless::Vec;
@@ -30,18 +30,21 @@ pub const KNOWN_ANSWERS: [u64; 2] = [0xc02c_8aa4_477d_951a, 0x6d0a_a8e9_1e4f_49b
 pub fn run(rng: &mut impl Rng) -> [u64; 2] {
     let mut beats: [Beat; SLOTS] = [ZERO_BEAT; SLOTS];
     let mut workspace = [Complex::new(0, 0); workspace_len(SLOTS, 2)];
-    run_in(&mut beats, &mut workspace, rng)
+    let mut clutter = Clutter::new();
+    let (beats, workspace, clutter) = (&mut beats[..], &mut workspace[..], &mut clutter);
+    run_in(&mut FrontEndBuffers { reference: &mut [], beats, workspace, clutter }, rng)
 }
 
 /// [`run`] in memory of at least 40 slots and two frames; else zeros.
-pub(crate) fn run_in(beats: &mut [Beat], workspace: &mut [Complex<i32>], rng: &mut impl Rng) -> [u64; 2] {
-    [signal_chain::<FloatStft>(beats, workspace, rng), signal_chain::<FixedStft>(beats, workspace, rng)]
+pub(crate) fn run_in(buffers: &mut FrontEndBuffers<'_>, rng: &mut impl Rng) -> [u64; 2] {
+    [signal_chain::<FloatStft>(buffers, rng), signal_chain::<FixedStft>(buffers, rng)]
 }
 
 #[inline(never)] // one after the other on the same stack
-fn signal_chain<T: Stft>(beats: &mut [Beat], workspace: &mut [Complex<i32>], rng: &mut impl Rng) -> u64 {
+fn signal_chain<T: Stft>(buffers: &mut FrontEndBuffers<'_>, rng: &mut impl Rng) -> u64 {
+    let FrontEndBuffers { beats, workspace, clutter, .. } = buffers;
     let Some(beats) = beats.get_mut(..SLOTS) else { return 0 };
-    let buffers = FrontEndBuffers { reference: &mut [], beats, workspace };
+    let buffers = FrontEndBuffers { reference: &mut [], beats, workspace, clutter };
     let settings = Preprocessing { window: WINDOW, ..Preprocessing::default() };
     let mut made = FrontEnd::<T>::new(RadarConfig::PAPER, settings, buffers);
     let Some(front_end) = &mut made else { return 0 };
@@ -88,6 +91,7 @@ impl Probe for Operators {
 /// The first operator, from 0, with an output by `kernels` other than that of the plain loops, on an image of noise; `None` if all agree.
 ///
 /// Scratch as of [`Network::step`]; what it holds is lost. Cost: one recognition and one by the plain loops, some four times as long.
+#[inline(never)] // its digests do not lie under what else its caller does
 pub fn network(
     model: &Model<'_>,
     scratch: &mut [i8],

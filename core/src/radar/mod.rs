@@ -34,6 +34,7 @@ use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
 use heapless::Vec;
+use memory::{Made, ProcessingEnds, SlotEnds};
 use processing_context::CHECK_BYTES;
 
 /// Slot buffers of a module: one that is being filled, and the others waiting.
@@ -121,8 +122,17 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
         retained: &'static Retained,
     ) -> Result<Self, Error> {
         let (pipeline, links) = memory.split();
-        let exits = exits.iter().copied();
-        let pipeline = pipeline.make(|buffers| Pipeline::new(exits, settings.threshold, buffers))?;
+        Self::join(pipeline.make(exits, settings.threshold)?, links, settings, retained)
+    }
+
+    /// Contexts for a pipeline.
+    #[inline(never)] // they do not lie under the pipeline's making
+    fn join(
+        pipeline: &'static mut Made<T>,
+        links: (SlotEnds<VALUES>, ProcessingEnds<VALUES>),
+        settings: Settings,
+        retained: &'static Retained,
+    ) -> Result<Self, Error> {
         let values = pipeline.config().values_per_slot();
         if values != VALUES {
             return Err(Error::Memory { buffer: "slot buffer", need: values, have: VALUES });

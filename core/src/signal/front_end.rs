@@ -73,6 +73,21 @@ impl Default for Preprocessing {
     }
 }
 
+/// Sums of the recording, and eigenvectors of the one whose image is made: of a front end alone.
+#[derive(Debug, Clone)]
+pub struct Clutter {
+    gram: Gram,
+    solver: ClutterSolver,
+}
+
+#[allow(clippy::new_without_default)] // a default would be made on the stack
+impl Clutter {
+    /// Zeros.
+    pub const fn new() -> Self {
+        Clutter { gram: Gram::new(), solver: ClutterSolver::new() }
+    }
+}
+
 /// Memory the front end works in; the caller's.
 #[derive(Debug)]
 pub struct FrontEndBuffers<'b> {
@@ -85,6 +100,8 @@ pub struct FrontEndBuffers<'b> {
     /// At its beginning slow time, as long as `beats`: before it is made the next recording's first slots, one in eight, wait there. Then a
     /// spectrum. At its end the log magnitudes, `[64, frames]` of i16, which become the image in their second half.
     pub workspace: &'b mut [Complex<i32>],
+    /// Sums and eigenvectors.
+    pub clutter: &'b mut Clutter,
 }
 
 /// Words of a spectrum in the workspace.
@@ -147,14 +164,13 @@ enum Stage {
 struct Job {
     slots: usize,
     frames: usize,
-    solver: ClutterSolver,
     projection: Projection,
     stage: Stage,
 }
 
 impl Job {
-    fn project(&mut self, sum: &Sum, probe: &mut impl Probe) -> Stage {
-        self.projection = self.solver.projection(self.slots, sum);
+    fn project(&mut self, solver: &ClutterSolver, sum: &Sum, probe: &mut impl Probe) -> Stage {
+        self.projection = solver.projection(self.slots, sum);
         probe.projection(&self.projection);
         Stage::Scale { from: 0, largest: 0 }
     }
@@ -165,7 +181,7 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
-    gram: Gram,
+    clutter: &'b mut Clutter,
     taken: usize,
     /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
     waiting: bool,
@@ -179,22 +195,34 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// A front end for a sensor with `settings`, or `None` if either is not valid, or the reference or slow time and a
     /// spectrum do not fit their memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
-        let FrontEndBuffers { reference, beats, workspace } = buffers;
-        if settings.illegal().is_some() || workspace.len() < workspace_len(beats.len(), 0) {
-            return None;
-        }
-        Some(FrontEnd {
-            fast_time: FastTime::new(config, reference)?,
+        let FrontEndBuffers { reference, beats, workspace, clutter } = buffers;
+        let fits = workspace.len() >= workspace_len(beats.len(), 0);
+        let fast_time = FastTime::new(config, reference).filter(|_| fits && settings.illegal().is_none())?;
+        Some(Self::with(fast_time, settings, beats, workspace, clutter))
+    }
+
+    /// [`FrontEnd::new`] of what has been checked: made where it stays.
+    #[inline(always)]
+    pub(crate) fn with(
+        fast_time: FastTime<'b>,
+        settings: Preprocessing,
+        beats: &'b mut [Beat],
+        workspace: &'b mut [Complex<i32>],
+        clutter: &'b mut Clutter,
+    ) -> Self {
+        clutter.gram = Gram::new();
+        FrontEnd {
+            fast_time,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
-            gram: Gram::new(),
+            clutter,
             taken: 0,
             waiting: false,
             capacity: beats.len().min(GRAM_SLOTS),
             job: None,
             beats,
             workspace,
-        })
+        }
     }
 
     /// Most slots a recording may have.
@@ -222,7 +250,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         };
         match area {
             Area::Beats => range(self.beats),
-            Area::Gram => range(core::slice::from_ref(&self.gram)),
+            Area::Gram => range(core::slice::from_ref(&self.clutter.gram)),
             _ => range(part.unwrap_or_default()),
         }
     }
@@ -255,7 +283,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
         // a turn of all range samples leaves b b^H as it is
-        self.gram.add(&beat);
+        self.clutter.gram.add(&beat);
         *place = beat;
         if self.fast_time.config().one_sided() {
             turn(place, self.taken);
@@ -272,14 +300,9 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         if !fits || self.job.is_some() || self.waiting {
             return false;
         }
-        probe.gram(&self.gram);
-        self.job = Some(Job {
-            slots: self.taken,
-            frames,
-            solver: ClutterSolver::new(&self.gram, self.settings.kept),
-            projection: UNIT_PROJECTION,
-            stage: Stage::Solve,
-        });
+        probe.gram(&self.clutter.gram);
+        self.clutter.solver.begin(&self.clutter.gram, self.settings.kept);
+        self.job = Some(Job { slots: self.taken, frames, projection: UNIT_PROJECTION, stage: Stage::Solve });
         true
     }
 
@@ -292,22 +315,22 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     fn try_step(&mut self, probe: &mut impl Probe) -> Option<()> {
         let job = self.job.as_mut()?;
-        let cells = ROWS * job.frames;
+        let (cells, solver) = (ROWS * job.frames, &mut self.clutter.solver);
         let (slow_time, spectrum, levels) = parts(self.workspace, self.beats.len(), job.frames)?;
         job.stage = match job.stage {
             Stage::Solve => {
-                if job.solver.step() {
+                if solver.step() {
                     return None;
                 }
                 match self.settings.kept.first {
                     ADAPTIVE => Stage::Sum { from: 0, sum: Sum::default() },
-                    _ => job.project(&Sum::default(), probe),
+                    _ => job.project(solver, &Sum::default(), probe),
                 }
             }
             Stage::Sum { from, mut sum } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
                 add_slots(&mut sum, self.beats.get(from..end)?);
-                if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(&sum, probe) }
+                if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(solver, &sum, probe) }
             }
             Stage::Scale { from, largest } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
@@ -384,9 +407,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         bytes.get(bytes.len().checked_sub(ROWS * self.stft.frames(self.taken))?..)
     }
 
-    /// Range samples and workspace, for [`selftest`](crate::selftest) before the first slot.
-    pub(crate) fn memory(&mut self) -> (&mut [Beat], &mut [Complex<i32>]) {
-        (self.beats, self.workspace)
+    /// Its memory but the reference, for [`selftest`](crate::selftest) before the first slot.
+    pub(crate) fn buffers(&mut self) -> FrontEndBuffers<'_> {
+        self.reset();
+        FrontEndBuffers {
+            reference: &mut [],
+            beats: self.beats,
+            workspace: self.workspace,
+            clutter: self.clutter,
+        }
     }
 
     /// What others may use while no image is in the making; the last one lies in its last bytes.
@@ -396,7 +425,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// Begins a recording. An image in the making goes on.
     pub fn reset(&mut self) {
-        self.gram = Gram::new();
+        self.clutter.gram = Gram::new();
         self.taken = 0;
         self.waiting = self.job.as_ref().is_some_and(|job| match job.stage {
             Stage::Solve | Stage::Sum { .. } | Stage::Scale { .. } | Stage::Project { from: 0, .. } => true,

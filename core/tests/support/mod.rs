@@ -9,7 +9,7 @@ use sdp3_core::dims::{Beat, Complex, ZERO_BEAT};
 use sdp3_core::dsn::Model;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::PipelineBuffers;
-use sdp3_core::signal::front_end::{FrontEndBuffers, workspace_len};
+use sdp3_core::signal::front_end::{Clutter, FrontEndBuffers, workspace_len};
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{self, Numbers, Size};
 use sdp3_testkit::signals::noise;
@@ -51,6 +51,7 @@ pub fn noise_slots(count: usize, seed: u64) -> Vec<[i16; VALUES]> {
 pub struct Memory {
     pub beats: Vec<Beat>,
     pub workspace: Vec<Complex<i32>>,
+    pub clutter: Box<Clutter>,
     pub vectors: Vec<I16x8>,
     pub words: Vec<i32>,
 }
@@ -72,6 +73,7 @@ impl Memory {
         Memory {
             beats: vec![ZERO_BEAT; slots],
             workspace: vec![Complex::new(0, 0); workspace_len(slots, frames)],
+            clutter: Box::new(Clutter::new()),
             vectors: Vec::new(),
             words: Vec::new(),
         }
@@ -83,6 +85,7 @@ impl Memory {
                 reference: &mut [],
                 beats: &mut self.beats,
                 workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }

@@ -8,7 +8,7 @@ use sdp3_core::dsn::winograd::WinogradMemory;
 use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::{Pipeline, PipelineBuffers};
-use sdp3_core::signal::front_end::FrontEndBuffers;
+use sdp3_core::signal::front_end::{Clutter, FrontEndBuffers};
 use sdp3_core::signal::stft::{NativeStft, Stft};
 
 /// A pipeline that computes by this processor's vectors.
@@ -19,6 +19,7 @@ pub struct OwnedMemory {
     reference: Vec<[i16; 2]>,
     beats: Vec<Beat>,
     workspace: Vec<Complex<i32>>,
+    clutter: Box<Clutter>,
 }
 
 impl OwnedMemory {
@@ -28,6 +29,7 @@ impl OwnedMemory {
             reference: vec![[0; 2]; radar.reference_len()],
             beats: vec![ZERO_BEAT; slots],
             workspace: vec![Complex::new(0, 0); workspace],
+            clutter: Box::new(Clutter::new()),
         }
     }
 
@@ -66,6 +68,7 @@ impl OwnedMemory {
                 reference: &mut self.reference,
                 beats: &mut self.beats,
                 workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
             kernels: WinogradMemory::default(),
         }
