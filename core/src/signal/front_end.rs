@@ -115,15 +115,18 @@ pub const fn workspace_len(slots: usize, frames: usize) -> usize {
     slots + SPECTRUM + FRAME * frames
 }
 
-/// Slow time of at most `slots` slots, a spectrum, and the log magnitudes of so many frames.
-fn parts(
-    workspace: &mut [Complex<i32>],
-    slots: usize,
-    frames: usize,
-) -> Option<(&mut [Complex<i32>], &mut FixedSpectrum, &mut [Complex<i32>])> {
+/// What lies in the workspace.
+struct Parts<'w> {
+    slow_time: &'w mut [Complex<i32>],
+    spectrum: &'w mut FixedSpectrum,
+    levels: &'w mut [Complex<i32>],
+}
+
+/// Parts for recordings of at most `slots` slots and an image of so many frames.
+fn parts(workspace: &mut [Complex<i32>], slots: usize, frames: usize) -> Option<Parts<'_>> {
     let (rest, levels) = workspace.split_at_mut_checked(workspace.len().checked_sub(FRAME * frames)?)?;
     let (slow_time, rest) = rest.split_at_mut_checked(slots)?;
-    Some((slow_time, must_cast_mut(rest.first_chunk_mut::<SPECTRUM>()?), levels))
+    Some(Parts { slow_time, spectrum: must_cast_mut(rest.first_chunk_mut::<SPECTRUM>()?), levels })
 }
 
 /// Slots of one step over slow time, so that a step is short.
@@ -316,7 +319,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     fn try_step(&mut self, probe: &mut impl Probe) -> Option<()> {
         let job = self.job.as_mut()?;
         let (cells, solver) = (ROWS * job.frames, &mut self.clutter.solver);
-        let (slow_time, spectrum, levels) = parts(self.workspace, self.beats.len(), job.frames)?;
+        let Parts { slow_time, spectrum, levels } = parts(self.workspace, self.beats.len(), job.frames)?;
         job.stage = match job.stage {
             Stage::Solve => {
                 if solver.step() {

@@ -67,9 +67,10 @@ impl Stft for FloatStft {
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let mut window = [0.0; FFT_LEN];
-        let length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = value);
-        FloatStft { window, length, hop: usize::from(hop).max(1) }
+        let mut stft = FloatStft { window: [0.0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let window = &mut stft.window;
+        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = value);
+        stft
     }
 
     fn frames(&self, slots: usize) -> usize {

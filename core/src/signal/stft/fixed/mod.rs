@@ -181,15 +181,6 @@ fn combine(parts: &[Part; PARTS], kept: usize, bins: &mut FixedBins) {
     }
 }
 
-/// The beginning of a signal, with zeros behind its end.
-fn padded(signal: &[Complex<i32>], length: usize) -> [Complex<i32>; FFT_LEN] {
-    let mut whole = [Complex::new(0, 0); FFT_LEN];
-    for (to, from) in whole.iter_mut().zip(signal.iter().take(length)) {
-        *to = *from;
-    }
-    whole
-}
-
 impl FixedStft {
     /// The window in Q1.31, `[slow_time]`, zeros behind its length.
     pub fn window(&self) -> &[i32; FFT_LEN] {
@@ -208,10 +199,13 @@ impl FixedStft {
         Some(())
     }
 
-    /// [`Self::first`] where the signal ends before.
+    /// [`Self::first`] where the signal ends before: it lies in `bins` for that time, with zeros behind its end.
     #[inline(never)]
-    fn stage1_padded(&self, signal: &[Complex<i32>], parts: &mut [Part; PARTS]) {
-        let _ = self.first(&padded(signal, self.length), parts); // long enough
+    fn stage1_padded(&self, signal: &[Complex<i32>], bins: &mut FixedBins, parts: &mut [Part; PARTS]) {
+        bins.fill(Complex::new(0, 0));
+        bins.iter_mut().zip(signal.iter().take(self.length)).for_each(|(to, from)| *to = *from);
+        let _ = self.first(bins, parts); // long enough
+        bins.fill(Complex::new(0, 0));
     }
 }
 
@@ -223,9 +217,10 @@ impl Stft for FixedStft {
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let mut window = [0; FFT_LEN];
-        let length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = to_q31(f64::from(value)));
-        FixedStft { window, length, hop: usize::from(hop).max(1) }
+        let mut stft = FixedStft { window: [0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let window = &mut stft.window;
+        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = to_q31(f64::from(value)));
+        stft
     }
 
     fn frames(&self, slots: usize) -> usize {
@@ -238,7 +233,7 @@ impl Stft for FixedStft {
         let parts = bytemuck::must_cast_mut(parts);
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         if self.first(signal, parts).is_none() {
-            self.stage1_padded(signal, parts);
+            self.stage1_padded(signal, bins, parts);
         }
         for part in parts.iter_mut() {
             second(part);
