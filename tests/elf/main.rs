@@ -53,14 +53,14 @@ const CONFIGURATIONS: [Configuration; 4] = [
         program: "station-small",
         words: "small: N_s = 200, C = 8",
         slots: 200,
-        ram_limit: 48 * 1024,
+        ram_limit: 56 * 1024,
         flash_limit: 256 * 1024,
     },
     Configuration {
         program: "station-signed",
         words: "small, signed models only",
         slots: 200,
-        ram_limit: 48 * 1024,
+        ram_limit: 56 * 1024,
         flash_limit: 256 * 1024,
     },
 ];
