@@ -11,11 +11,11 @@ pub enum Area {
     Beats,
     /// Their running Gram matrix.
     Gram,
-    /// Slow time, or the first range samples of the next recording.
+    /// Slow time, or the first range samples of the next recording; while an image is in the making.
     SlowTime,
-    /// Log magnitudes.
+    /// Log magnitudes and the image they become; likewise.
     LogMagnitudes,
-    /// The image, then the network's activations.
+    /// The image, then the network's activations; while no image is in the making.
     Activations,
     /// Weights of the convolution that is packed, and its tiles.
     PackedWeights,

@@ -1,6 +1,6 @@
 //! Sizes that every configuration shares, and the types of one slot's data on its way to a spectrum.
 
-pub use nalgebra::Complex;
+pub use num_complex::Complex;
 
 /// Range samples per slot that clutter removal works on, at most: the Gram matrix is 8 x 8.
 ///

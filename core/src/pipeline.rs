@@ -5,17 +5,21 @@
 
 use crate::areas::{Area, range};
 use crate::config::RadarConfig;
-use crate::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use crate::dims::{Beat, Complex, ZERO_BEAT};
 use crate::dsn::winograd::{WinogradF2, WinogradMemory};
-use crate::dsn::{Classification, Kernels, Logits, Network, Shape, image_mut};
+use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
 use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
 use crate::probe::Probe;
 use crate::selftest;
 use crate::signal::dechirp::WordAligned;
-use crate::signal::front_end::{FrontEnd, FrontEndBuffers, image_steps};
-use crate::signal::stft::{FixedSpectrum, NativeStft, Stft};
+use crate::signal::fast_time::FastTime;
+use crate::signal::front_end::{
+    Clutter, FrontEnd, FrontEndBuffers, Preprocessing, image_steps, workspace_len,
+};
+use crate::signal::stft::{NativeStft, Stft};
 use crate::simd::dual_mac::I16x8;
+use bytemuck::must_cast_slice_mut;
 use core::ops::Range;
 use heapless::Vec;
 use rand_core::Rng;
@@ -24,40 +28,39 @@ impl Shape {
     /// Bytes of all memory of a pipeline, [`PipelineMemory::BYTES`] of these sizes.
     pub const fn required_bytes(&self) -> usize {
         let kernels = self.winograd_sizes();
-        let slow_time = self.sensing_slots * (size_of::<Beat>() + size_of::<Complex<i32>>());
-        let cells = ROWS * self.frames * size_of::<i16>();
         let words = (kernels.words + self.radar.reference_len()) * size_of::<i32>();
-        let spectrum = size_of::<FixedSpectrum>();
         let sum = kernels.vectors * size_of::<I16x8>()
             + words
-            + slow_time
-            + cells
-            + spectrum
-            + self.scratch_bytes();
+            + self.sensing_slots * size_of::<Beat>()
+            + self.workspace_len() * size_of::<Complex<i32>>()
+            + size_of::<Clutter>();
         sum.next_multiple_of(size_of::<I16x8>())
+    }
+
+    /// Words of 8 bytes of a pipeline's workspace: an image's, or its network's scratch, whichever is larger.
+    pub const fn workspace_len(&self) -> usize {
+        let image = workspace_len(self.sensing_slots, self.frames);
+        let network = self.scratch_bytes().div_ceil(size_of::<Complex<i32>>());
+        if image > network { image } else { network }
     }
 }
 
-/// All memory of a pipeline: `REFERENCE` samples of the sensor's references, `BEATS` and `SLOTS` of slow time, `FRAMES` frames,
-/// `SCRATCH` bytes for the network, `I16X8S` and `WORDS` for its kernels.
+/// All memory of a pipeline: `REFERENCE` samples of the sensor's references, range samples of `SLOTS` slots, a workspace of
+/// [`Shape::workspace_len`], `I16X8S` and `WORDS` for the kernels.
 #[derive(Debug)]
 pub struct PipelineMemory<
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
 > {
     vectors: [I16x8; I16X8S],
     words: [i32; WORDS],
     reference: WordAligned<REFERENCE>,
-    beats: [Beat; BEATS],
-    slow_time: [Complex<i32>; SLOTS],
-    levels: [[i16; FRAMES]; ROWS],
-    spectrum: FixedSpectrum,
-    scratch: [i8; SCRATCH],
+    beats: [Beat; SLOTS],
+    workspace: [Complex<i32>; WORKSPACE],
+    clutter: Clutter,
 }
 
 /// The [`PipelineMemory`] type for a constant [`Shape`](crate::dsn::Shape).
@@ -67,9 +70,7 @@ macro_rules! pipeline_memory {
         $crate::pipeline::PipelineMemory<
             { $shape.radar.reference_len() },
             { $shape.sensing_slots },
-            { $shape.sensing_slots },
-            { $shape.frames },
-            { $shape.scratch_bytes() },
+            { $shape.workspace_len() },
             { $shape.winograd_sizes().vectors },
             { $shape.winograd_sizes().words },
         >
@@ -78,13 +79,11 @@ macro_rules! pipeline_memory {
 
 impl<
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
-> PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>
+> PipelineMemory<REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS>
 {
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();
@@ -96,11 +95,9 @@ impl<
             vectors: [I16x8::ZERO; I16X8S],
             words: [0; WORDS],
             reference: WordAligned([[0; 2]; REFERENCE]),
-            beats: [ZERO_BEAT; BEATS],
-            slow_time: [Complex::new(0, 0); SLOTS],
-            levels: [[0; FRAMES]; ROWS],
-            spectrum: FixedSpectrum::ZERO,
-            scratch: [0; SCRATCH],
+            beats: [ZERO_BEAT; SLOTS],
+            workspace: [Complex::new(0, 0); WORKSPACE],
+            clutter: Clutter::new(),
         }
     }
 
@@ -110,11 +107,9 @@ impl<
             front_end: FrontEndBuffers {
                 reference: &mut self.reference.0,
                 beats: &mut self.beats,
-                slow_time: &mut self.slow_time,
-                levels: self.levels.as_flattened_mut(),
-                spectrum: &mut self.spectrum,
+                workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
-            scratch: &mut self.scratch,
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
@@ -123,12 +118,75 @@ impl<
 /// Borrowed [`PipelineMemory`], or slices of the caller's own making.
 #[derive(Debug)]
 pub struct PipelineBuffers<'b> {
-    /// Up to the image.
+    /// Up to the image. The network's scratch is its workspace.
     pub front_end: FrontEndBuffers<'b>,
-    /// The network's.
-    pub scratch: &'b mut [i8],
     /// Of the kernels of [`Pipeline::new`]; others bring their own.
     pub kernels: WinogradMemory<'b>,
+}
+
+/// At most [`EXITS`] exits.
+fn collect<'m>(exits: impl IntoIterator<Item = EarlyExit<'m>>) -> Result<Vec<EarlyExit<'m>, EXITS>, Error> {
+    let mut all = Vec::new();
+    for exit in exits {
+        all.push(exit).map_err(|_| Error::Exits)?;
+    }
+    Ok(all)
+}
+
+/// The first of these buffers that is too short, each with its name, what is needed and what there is.
+fn check<const N: usize>(buffers: [(&'static str, usize, usize); N]) -> Result<(), Error> {
+    match buffers.into_iter().find(|(_, need, have)| have < need) {
+        Some((buffer, need, have)) => Err(Error::Memory { buffer, need, have }),
+        None => Ok(()),
+    }
+}
+
+/// The kernels of these exits in their memory.
+pub(crate) fn shared_kernels<'b>(
+    exits: &[EarlyExit<'_>],
+    buffers: &mut PipelineBuffers<'b>,
+) -> Result<WinogradF2<'b>, Error> {
+    let memory = core::mem::take(&mut buffers.kernels);
+    for exit in exits {
+        let sizes = exit.model.shape().winograd_sizes();
+        check([
+            ("vectors", sizes.vectors, memory.vectors.len()),
+            ("words", sizes.words, memory.words.len()),
+        ])?;
+    }
+    Ok(WinogradF2::shared(memory))
+}
+
+/// The first stage of exits that go together and fit their memory, of which as much is left as a recording needs.
+pub(crate) fn fast_time<'b>(
+    exits: &[EarlyExit<'_>],
+    buffers: &mut PipelineBuffers<'b>,
+) -> Result<FastTime<'b>, Error> {
+    let last = exits.last().filter(|_| exits.len() <= EXITS).ok_or(Error::Exits)?.model;
+    let agrees = |exit: &EarlyExit<'_>| {
+        let model = &exit.model;
+        model.preprocessing() == last.preprocessing()
+            && model.classes() == last.classes()
+            && model.radar() == last.radar()
+    };
+    let ascending = exits.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
+    // the only exit's class is its network's, whatever a step is worth
+    let weighs = |number: usize, exit: &EarlyExit<'_>| exits.len() == 1 || exit.is_valid(number);
+    let valid = exits.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
+    if !(ascending && valid) {
+        return Err(Error::Exits);
+    }
+    let workspace = exits.iter().map(|exit| exit.model.shape().workspace_len()).max().unwrap_or(0);
+    let slots = last.sensing_slots();
+    let front_end = &mut buffers.front_end;
+    check([
+        ("reference", last.radar().reference_len(), front_end.reference.len()),
+        ("beats", slots, front_end.beats.len()),
+        ("workspace", workspace, front_end.workspace.len()),
+    ])?;
+    front_end.beats = core::mem::take(&mut front_end.beats).get_mut(..slots).unwrap_or_default();
+    // valid: the parser has checked it
+    FastTime::new(last.radar(), core::mem::take(&mut front_end.reference)).ok_or(Error::Exits)
 }
 
 /// A recognition under way.
@@ -144,7 +202,6 @@ struct Recognition {
 /// a microcontroller.
 pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     front_end: FrontEnd<'b, T>,
-    scratch: &'b mut [i8],
     kernels: K,
     network: Network,
     exits: Vec<EarlyExit<'m>, EXITS>,
@@ -169,24 +226,15 @@ impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
         threshold: f32,
         mut buffers: PipelineBuffers<'b>,
     ) -> Result<Self, Error> {
-        let memory = core::mem::take(&mut buffers.kernels);
-        let (vectors, words) = (memory.vectors.len(), memory.words.len());
-        let pipeline = Self::with_kernels(exits, threshold, buffers, WinogradF2::shared(memory))?;
-        for exit in &pipeline.exits {
-            let sizes = exit.model.shape().winograd_sizes();
-            for (buffer, need, have) in [("vectors", sizes.vectors, vectors), ("words", sizes.words, words)] {
-                if have < need {
-                    return Err(Error::Memory { buffer, need, have });
-                }
-            }
-        }
-        Ok(pipeline)
+        let all = collect(exits)?;
+        let kernels = shared_kernels(&all, &mut buffers)?;
+        let fast_time = fast_time(&all, &mut buffers)?;
+        Ok(Self::assemble(&all, threshold, fast_time, buffers, kernels))
     }
 
     /// Where some of its data lie; empty for those of others, and where there are none.
     pub(crate) fn area(&self, area: Area) -> Range<*const u8> {
         match area {
-            Area::Activations => range(self.scratch),
             Area::PackedWeights | Area::OperatorWords => self.kernels.area(area),
             Area::Weights(exit) => {
                 range(self.exits.get(usize::from(exit)).map_or(&[][..], |exit| &exit.weights))
@@ -207,57 +255,39 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
     pub fn with_kernels(
         exits: impl IntoIterator<Item = EarlyExit<'m>>,
         threshold: f32,
-        buffers: PipelineBuffers<'b>,
+        mut buffers: PipelineBuffers<'b>,
         kernels: K,
     ) -> Result<Self, Error> {
-        let mut all: Vec<EarlyExit<'m>, EXITS> = Vec::new();
-        for exit in exits {
-            all.push(exit).map_err(|_| Error::Exits)?;
-        }
-        let last = all.last().ok_or(Error::Exits)?.model;
-        let agrees = |exit: &EarlyExit<'_>| {
-            let model = &exit.model;
-            model.preprocessing() == last.preprocessing()
-                && model.classes() == last.classes()
-                && model.radar() == last.radar()
-        };
-        let ascending = all.is_sorted_by(|a, b| a.model.sensing_slots() < b.model.sensing_slots());
-        // the only exit's class is its network's, whatever a step is worth
-        let weighs = |number: usize, exit: &EarlyExit<'_>| all.len() == 1 || exit.is_valid(number);
-        let valid = all.iter().enumerate().all(|(number, exit)| weighs(number, exit) && agrees(exit));
-        if !(ascending && valid) {
-            return Err(Error::Exits);
-        }
-        let scratch = all.iter().map(|exit| exit.model.shape().scratch_bytes()).max().unwrap_or(0);
-        let (slots, cells) = (last.sensing_slots(), ROWS * last.frames());
-        let f = &buffers.front_end;
-        for (buffer, need, have) in [
-            ("reference", last.radar().reference_len(), f.reference.len()),
-            ("beats", slots, f.beats.len()),
-            ("slow_time", slots, f.slow_time.len()),
-            ("levels", cells, f.levels.len()),
-            ("scratch", scratch, buffers.scratch.len()),
-        ] {
-            if have < need {
-                return Err(Error::Memory { buffer, need, have });
-            }
-        }
-        // valid: the parser has checked both
-        let front_end =
-            FrontEnd::new(last.radar(), last.preprocessing(), buffers.front_end).ok_or(Error::Exits)?;
-        Ok(Pipeline {
-            front_end,
-            scratch: buffers.scratch,
+        let all = collect(exits)?;
+        let fast_time = fast_time(&all, &mut buffers)?;
+        Ok(Self::assemble(&all, threshold, fast_time, buffers, kernels))
+    }
+
+    /// Of what has been checked: made where it stays.
+    #[inline(always)]
+    pub(crate) fn assemble(
+        exits: &[EarlyExit<'m>],
+        threshold: f32,
+        fast_time: FastTime<'b>,
+        buffers: PipelineBuffers<'b>,
+        kernels: K,
+    ) -> Self {
+        let FrontEndBuffers { beats, workspace, clutter, .. } = buffers.front_end;
+        let settings = exits.last().map_or_else(Preprocessing::default, |last| last.model.preprocessing());
+        let mut pipeline = Pipeline {
+            front_end: FrontEnd::with(fast_time, settings, beats, workspace, clutter),
             kernels,
             network: Network::new(),
-            exits: all,
+            exits: Vec::new(),
             threshold,
             next_exit: 0,
             logits: Vec::new(),
             recognition: None,
             stopped: false,
             period: 0,
-        })
+        };
+        pipeline.exits.extend(exits.iter().copied()); // collected, or checked: as many as there are places
+        pipeline
     }
 
     /// The exits.
@@ -350,11 +380,11 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         let recognition = self.recognition.as_mut()?;
         let exit = self.exits.get(recognition.exit)?;
         if !recognition.imaged {
-            let image = image_mut(self.scratch, exit.model.frames());
-            recognition.imaged = self.front_end.step(image, probe);
+            recognition.imaged = self.front_end.step(probe);
             return None;
         }
-        let logits = self.network.step(&exit.model, self.scratch, &mut self.kernels, probe)?;
+        let scratch = must_cast_slice_mut(self.front_end.workspace());
+        let logits = self.network.step(&exit.model, scratch, &mut self.kernels, probe)?;
         let mut classification = Classification::new(&exit.model, logits, probe);
         let Recognition { exit: number, outdated, .. } = *recognition;
         if self.exits.len() > 1 {
@@ -385,15 +415,24 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
         let mut network = Network::new();
         let mut steps = image_steps(model.preprocessing().kept, model.sensing_slots(), model.frames()) + 1;
-        while network.step(model, self.scratch, &mut self.kernels, &mut ()).is_none() {
+        let scratch = must_cast_slice_mut(self.front_end.workspace());
+        while network.step(model, scratch, &mut self.kernels, &mut ()).is_none() {
             steps += 1;
         }
         steps
     }
 
+    /// [`selftest::run`] in the memory of this pipeline, before the first slot: 5 kB of stack less. Zeros where that is smaller than 40 slots
+    /// and two frames.
+    pub fn test_signal_chain(&mut self, rng: &mut impl Rng) -> [u64; 2] {
+        let known = selftest::run_in(&mut self.front_end.buffers(), rng);
+        self.front_end.reset();
+        known
+    }
+
     /// Whether every operator of every exit's network gives what the plain loops give: [`selftest::network`]. Before the first slot.
     pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
-        let (scratch, kernels) = (&mut *self.scratch, &mut self.kernels);
+        let (scratch, kernels) = (must_cast_slice_mut(self.front_end.workspace()), &mut self.kernels);
         self.exits.iter().all(|exit| selftest::network(&exit.model, scratch, kernels, rng).is_none())
     }
 

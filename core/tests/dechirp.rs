@@ -89,7 +89,7 @@ fn image<T: Stft>(config: RadarConfig, echoes: &[Echo], clutter: bool, bins_per_
         }
         assert!(front_end.push(&slot, &mut ()));
     }
-    front_end.image(&mut [0; 3 * ROWS], &mut ()).expect("three frames").to_vec()
+    front_end.image(&mut ()).expect("three frames").to_vec()
 }
 
 /// The brightest row of every frame.

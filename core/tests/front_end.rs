@@ -69,14 +69,14 @@ fn settings_have_their_ranges() {
 
 #[test]
 fn it_takes_what_the_least_buffer_holds() {
-    for (beats, slow_time, wanted) in
-        [(200, 300, 200), (300, 150, 150), (GRAM_SLOTS + 1, GRAM_SLOTS + 1, GRAM_SLOTS)]
-    {
-        let mut memory = Memory::of_front_end(beats, 1);
-        memory.slow_time.resize(slow_time, Complex::new(0, 0));
+    let mut memory = Memory::of_front_end(200, 0);
+    memory.workspace.pop();
+    let settings = Preprocessing::default();
+    assert!(FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).is_none());
+    for (beats, wanted) in [(200, 200), (GRAM_SLOTS + 1, GRAM_SLOTS)] {
+        let mut memory = Memory::of_front_end(beats, 0);
         let mut front_end =
-            FrontEnd::<FloatStft>::new(RadarConfig::PAPER, Preprocessing::default(), memory.view().front_end)
-                .expect("legal");
+            FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
         assert_eq!(front_end.capacity(), wanted);
         for n in 0..wanted {
             assert_eq!(front_end.taken(), n);
@@ -98,7 +98,7 @@ fn an_image_begins_with_one_window_and_ends_with_its_memory() {
     let mut front_end =
         FrontEnd::<FloatStft>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     for n in 0..160 {
-        let frames = front_end.image(&mut [0; 2 * ROWS], &mut ()).map(|image| image.len() / ROWS);
+        let frames = front_end.image(&mut ()).map(|image| image.len() / ROWS);
         let wanted = match n {
             0..128 => None,
             128..136 => Some(1),
@@ -117,8 +117,7 @@ fn rows<T: Stft>(settings: Preprocessing, bin: i32) -> Vec<usize> {
     let mut front_end =
         FrontEnd::<T>::new(RadarConfig::PAPER, settings, memory.view().front_end).expect("legal");
     (0..144).for_each(|n| assert!(front_end.push_beat(tone(n, bin), &mut ())));
-    let mut memory = [0; 3 * ROWS];
-    let image = front_end.image(&mut memory, &mut ()).expect("three frames");
+    let image = front_end.image(&mut ()).expect("three frames");
     let bright = |frame: usize| (0..ROWS).max_by_key(|row| image[row * 3 + frame]);
     (0..3).filter_map(bright).collect()
 }
@@ -147,8 +146,7 @@ fn one_output_has_its_frequencies_from_zero_to_half_the_slot_rate() {
             let angle = core::f64::consts::TAU * (2.0 * f64::from(row) + 0.5) * f64::from(n) / 256.0;
             assert!(front_end.push(&[(8000.0 * angle.cos()) as i16], &mut ()));
         }
-        let mut memory = [0; 3 * ROWS];
-        let image = front_end.image(&mut memory, &mut ()).expect("three frames");
+        let image = front_end.image(&mut ()).expect("three frames");
         for frame in 0..3 {
             let bright = (0..ROWS).max_by_key(|row| image[row * 3 + frame]);
             assert_eq!(bright, Some(row as usize), "frame {frame}");

@@ -7,52 +7,50 @@ use sdp3_core::dims::Complex;
 use sdp3_core::dsn::{Kernels, Model, Portable};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::Pipeline;
+use sdp3_core::signal::stft::FixedStft;
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::random_model::{Numbers, Size, write};
 use support::{Memory, VALUES, noise_slots};
 
-const BUFFERS: [&str; 6] = ["beats", "slow_time", "levels", "scratch", "vectors", "words"];
+const BUFFERS: [&str; 4] = ["beats", "workspace", "vectors", "words"];
 
 /// Of every buffer in the order of [`BUFFERS`], which elements are as in `before`.
-fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 6] {
+fn same(after: &Memory, before: &Memory) -> [Vec<bool>; 4] {
     fn each<T: PartialEq>(a: &[T], b: &[T]) -> Vec<bool> {
         a.iter().zip(b).map(|(a, b)| a == b).collect()
     }
     [
         each(&after.beats, &before.beats),
-        each(&after.slow_time, &before.slow_time),
-        each(&after.levels, &before.levels),
-        each(&after.scratch, &before.scratch),
+        each(&after.workspace, &before.workspace),
         each(&after.vectors, &before.vectors),
         each(&after.words, &before.words),
     ]
 }
 
-fn logits<K: Kernels>(pipeline: &mut Pipeline<'_, '_, K>, slots: &[[i16; VALUES]]) -> Vec<i8> {
+fn logits<K: Kernels>(pipeline: &mut Pipeline<'_, '_, K, FixedStft>, slots: &[[i16; VALUES]]) -> Vec<i8> {
     slots.iter().for_each(|slot| assert_eq!(pipeline.push(slot, &mut ()), Ok(())));
     pipeline.classify(&mut ()).expect("complete").logits.to_vec()
 }
 
 /// Recognises noise by Winograd or plain kernels in memory full of `pattern`: the logits, and what is left of the pattern.
-fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<bool>; 6]) {
+fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<bool>; 4]) {
     let word = i32::from_ne_bytes([pattern as u8; 4]);
     let complex = Complex::new(word, word);
     let mut memory = Memory::of(model);
     memory.beats.fill([complex; 8]);
-    memory.slow_time.fill(complex);
-    memory.levels.fill(word as i16);
-    memory.scratch.fill(pattern);
+    memory.workspace.fill(complex);
     memory.vectors.fill(I16x8([word as i16; 8]));
     memory.words.fill(word);
     let before = memory.clone();
     let slots = noise_slots(model.sensing_slots(), 7);
     let exit = [EarlyExit::single(*model)];
     let logits = if winograd {
-        logits(&mut Pipeline::<_>::new(exit, 2.0, memory.view()).expect("enough memory"), &slots)
+        logits(&mut Pipeline::<_, FixedStft>::new(exit, 2.0, memory.view()).expect("enough memory"), &slots)
     } else {
         logits(
-            &mut Pipeline::<_>::with_kernels(exit, 2.0, memory.view(), Portable).expect("enough memory"),
+            &mut Pipeline::<_, FixedStft>::with_kernels(exit, 2.0, memory.view(), Portable)
+                .expect("enough memory"),
             &slots,
         )
     };

@@ -7,6 +7,7 @@ use sdp3_core::config::RadarConfig;
 use sdp3_core::dsn::{Classification, Model, Portable, Shape};
 use sdp3_core::early_exit::{EXITS, EarlyExit, MAX_WEIGHT, add_evidence, decide};
 use sdp3_core::pipeline::Pipeline;
+use sdp3_core::signal::front_end::Clutter;
 use sdp3_core::signal::stft::FixedStft;
 use sdp3_core::{Error, pipeline_memory};
 use support::{CHANNELS, Memory, SHORTER, VALUES, altered, noise_slots, random_model};
@@ -252,9 +253,9 @@ fn a_shape_states_the_bytes_of_its_memory() {
     ] {
         assert_eq!(bytes, stated);
     }
-    // two tiles and weights, constants and two tables; slow time of 200 slots, ten frames of levels, 512 complex words for the
-    // spectrum; three maps of 32 x 5 x 8 and a row; whole vectors
+    // two tiles and weights, constants and two tables; range samples of 200 slots; slow time, 512 complex words for the spectrum
+    // and ten frames of log magnitudes, more than three maps of 32 x 5 x 8 and a row; whole vectors
     let kernels = 16 * (32 + 128) + 4 * (32 + 512);
-    let all = kernels + 200 * 72 + 64 * 10 * 2 + 4096 + 3 * 1280 + 40;
+    let all = kernels + 200 * (64 + 8) + 4096 + 64 * 10 * 2 + size_of::<Clutter>();
     assert_eq!(bytes!(200, 10, 8, 1, PAPER).1, (all as usize).next_multiple_of(16));
 }

@@ -73,7 +73,8 @@ pub fn fail(what: impl Display) -> ! {
     exit(2)
 }
 
-/// Opens what the emulator's arguments name, the file of slots and optionally one for defmt records, and tests the signal chain.
+/// Opens what the emulator's arguments name, the file of slots and optionally one for defmt records.
+#[inline(never)] // its buffer is gone when the station runs
 pub fn power_on() {
     paint_stack();
     let mut buffer = [0; 1024];
@@ -83,18 +84,23 @@ pub fn power_on() {
         fail("the file for records cannot be made");
     }
     SAMPLES.give(samples);
-    let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
-    if selftest::run(&mut rng) != selftest::KNOWN_ANSWERS {
-        fail("the self test of the signal chain failed");
-    }
 }
 
-/// Tests the networks, then starts the slot timer.
-pub fn start(slots: Slots, processing: &mut Processing) {
+/// Tests signal chain and networks.
+#[inline(never)] // `start` moves the slot context
+fn test(processing: &mut Processing) {
     let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(3);
+    if processing.test_signal_chain(&mut rng) != selftest::KNOWN_ANSWERS {
+        fail("the self test of the signal chain failed");
+    }
     if !processing.self_test(&mut rng) {
         fail("the self test of a network failed");
     }
+}
+
+/// Tests the module, then starts the slot timer.
+pub fn start(slots: Slots, processing: &mut Processing) {
+    test(processing);
     SLOTS.give(slots);
     start_ticks(rt::SLOT);
 }

@@ -1,8 +1,9 @@
 //! All memory of a radar module in one type that a `static` holds: made by the compiler, never on the stack.
 
 use super::{Filled, Report, SLOT_BUFFERS, Totals};
+use crate::early_exit::EarlyExit;
 use crate::error::Error;
-use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
+use crate::pipeline::{Pipeline, PipelineBuffers, PipelineMemory, fast_time, shared_kernels};
 use crate::scheduler::Plan;
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::retained::Message;
@@ -25,15 +26,13 @@ pub struct SlotBuffer<const VALUES: usize>(pub [i16; VALUES]);
 pub struct RadarMemory<
     const VALUES: usize,
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
     T: Stft + 'static = NativeStft,
 > {
-    pipeline: PipelineMemory<REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS>,
+    pipeline: PipelineMemory<REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS>,
     /// The pipeline, once it is made. Not an `Option`, so that the whole memory is zeros and takes no flash.
     made: Vec<Made<T>, 1>,
     buffers: [SlotBuffer<VALUES>; SLOT_BUFFERS],
@@ -56,9 +55,7 @@ macro_rules! radar_memory {
             { $shape.slot_values() },
             { $shape.radar.reference_len() },
             { $shape.sensing_slots },
-            { $shape.sensing_slots },
-            { $shape.frames },
-            { $shape.scratch_bytes() },
+            { $shape.workspace_len() },
             { $shape.winograd_sizes().vectors },
             { $shape.winograd_sizes().words },
         >
@@ -143,15 +140,20 @@ pub(super) struct PipelinePlace<T: Stft + 'static> {
     made: &'static mut Vec<Made<T>, 1>,
 }
 
-type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
+pub(super) type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
 
 impl<T: Stft> PipelinePlace<T> {
+    #[inline(never)] // what is moved does not lie under the rest
     pub fn make(
-        self,
-        make: impl FnOnce(PipelineBuffers<'static>) -> Result<Made<T>, Error>,
+        mut self,
+        exits: &[EarlyExit<'static>],
+        threshold: f32,
     ) -> Result<&'static mut Made<T>, Error> {
         let full = Error::Memory { buffer: "pipeline", need: 1, have: 0 };
-        self.made.push(make(self.buffers)?).map_err(|_| full)?;
+        let kernels = shared_kernels(exits, &mut self.buffers)?;
+        let fast_time = fast_time(exits, &mut self.buffers)?;
+        let made = self.made.push(Pipeline::assemble(exits, threshold, fast_time, self.buffers, kernels));
+        made.map_err(|_| full)?;
         self.made.first_mut().ok_or(full)
     }
 }
@@ -159,14 +161,12 @@ impl<T: Stft> PipelinePlace<T> {
 impl<
     const VALUES: usize,
     const REFERENCE: usize,
-    const BEATS: usize,
     const SLOTS: usize,
-    const FRAMES: usize,
-    const SCRATCH: usize,
+    const WORKSPACE: usize,
     const I16X8S: usize,
     const WORDS: usize,
     T: Stft,
-> RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>
+> RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>
 {
     /// Bytes of this memory.
     pub const BYTES: usize = size_of::<Self>();

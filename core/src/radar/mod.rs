@@ -34,6 +34,7 @@ use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
 use heapless::Vec;
+use memory::{Made, ProcessingEnds, SlotEnds};
 use processing_context::CHECK_BYTES;
 
 /// Slot buffers of a module: one that is being filled, and the others waiting.
@@ -110,21 +111,28 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
     /// [`Error`] names what does not fit: models, memory, plan, or time.
     pub fn new<
         const REFERENCE: usize,
-        const BEATS: usize,
         const SLOTS: usize,
-        const FRAMES: usize,
-        const SCRATCH: usize,
+        const WORKSPACE: usize,
         const I16X8S: usize,
         const WORDS: usize,
     >(
         exits: &[EarlyExit<'static>],
         settings: Settings,
-        memory: &'static mut RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>,
+        memory: &'static mut RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>,
         retained: &'static Retained,
     ) -> Result<Self, Error> {
         let (pipeline, links) = memory.split();
-        let exits = exits.iter().copied();
-        let pipeline = pipeline.make(|buffers| Pipeline::new(exits, settings.threshold, buffers))?;
+        Self::join(pipeline.make(exits, settings.threshold)?, links, settings, retained)
+    }
+
+    /// Contexts for a pipeline.
+    #[inline(never)] // they do not lie under the pipeline's making
+    fn join(
+        pipeline: &'static mut Made<T>,
+        links: (SlotEnds<VALUES>, ProcessingEnds<VALUES>),
+        settings: Settings,
+        retained: &'static Retained,
+    ) -> Result<Self, Error> {
         let values = pipeline.config().values_per_slot();
         if values != VALUES {
             return Err(Error::Memory { buffer: "slot buffer", need: values, have: VALUES });
@@ -143,16 +151,14 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
     /// As [`RadarModule::new`], and [`Error::Model`].
     pub fn single<
         const REFERENCE: usize,
-        const BEATS: usize,
         const SLOTS: usize,
-        const FRAMES: usize,
-        const SCRATCH: usize,
+        const WORKSPACE: usize,
         const I16X8S: usize,
         const WORDS: usize,
     >(
         model: &'static [u8],
         settings: Settings,
-        memory: &'static mut RadarMemory<VALUES, REFERENCE, BEATS, SLOTS, FRAMES, SCRATCH, I16X8S, WORDS, T>,
+        memory: &'static mut RadarMemory<VALUES, REFERENCE, SLOTS, WORKSPACE, I16X8S, WORDS, T>,
         retained: &'static Retained,
     ) -> Result<Self, Error> {
         Self::new(&[EarlyExit::single(Model::parse(model)?)], settings, memory, retained)

@@ -158,6 +158,11 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         self.pipeline.set_threshold(threshold);
     }
 
+    /// The signal chain's self test, at power-on: [`Pipeline::test_signal_chain`]. Before the first slot.
+    pub fn test_signal_chain(&mut self, rng: &mut impl Rng) -> [u64; 2] {
+        self.pipeline.test_signal_chain(rng)
+    }
+
     /// Whether the networks' kernels work, at power-on: [`Pipeline::self_test`]. Before the first slot.
     pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
         self.pipeline.self_test(rng)

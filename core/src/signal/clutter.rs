@@ -6,7 +6,7 @@
 
 use crate::dims::{BEATS, Beat, Complex};
 use crate::math::{roundf, sqrtf};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 
 /// Entries of the Gram matrix's upper triangle, row by row.
 pub const GRAM_LEN: usize = BEATS * (BEATS + 1) / 2;
@@ -47,31 +47,20 @@ impl Gram {
         &self.upper
     }
 
-    /// The matrix divided by its trace, and the trace; `None` if it is zero.
-    fn normalised(&self) -> Option<(Matrix, i128)> {
-        let mut entries = self.upper.iter();
-        let mut matrix = Matrix::zeros();
-        let mut trace = 0_i128; // eight diagonal entries of up to 2^63
-        for i in 0..BEATS {
-            for j in i..BEATS {
-                let entry = entries.next()?;
-                if i == j {
-                    trace += i128::from(entry.re);
-                }
-                let value = Complex::new(entry.re as f32, entry.im as f32);
-                matrix[(i, j)] = value;
-                matrix[(j, i)] = value.conj();
-            }
-        }
-        if trace <= 0 {
-            return None;
-        }
-        let divisor = trace as f32;
-        Some((matrix.map(|value| Complex::new(value.re / divisor, value.im / divisor)), trace))
+    /// The entries with their row and column.
+    fn entries(&self) -> impl Iterator<Item = (usize, usize, &Complex<i64>)> {
+        let places = (0..BEATS).flat_map(|i| (i..BEATS).map(move |j| (i, j)));
+        places.zip(&self.upper).map(|((i, j), entry)| (i, j, entry))
+    }
+
+    /// Eight diagonal entries of up to 2^63.
+    fn trace(&self) -> i128 {
+        self.entries().filter(|(i, j, _)| i == j).map(|(_, _, entry)| i128::from(entry.re)).sum()
     }
 }
 
 type Matrix = SMatrix<Complex<f32>, BEATS, BEATS>;
+const ZEROS: Matrix = Matrix::from_array_storage(ArrayStorage([[Complex::new(0.0, 0.0); BEATS]; BEATS]));
 type Vector = SVector<Complex<f32>, BEATS>;
 
 /// Which singular components survive: `first_kept..=last_kept`, counted from 1, strongest first.
@@ -141,17 +130,32 @@ const PAIRS: [[[usize; 2]; ROTATIONS]; BEATS * (BEATS - 1) / 2 / ROTATIONS] = {
 pub const SOLVER_STEPS: usize = SWEEPS * PAIRS.len();
 
 impl ClutterSolver {
-    /// Begins with a Gram matrix and the components to keep.
-    pub fn new(gram: &Gram, kept: SvdRange) -> Self {
-        let all = kept.first == 1 && usize::from(kept.last) >= BEATS;
-        let matrix = gram.normalised().filter(|_| !all);
-        // nothing to drop of nothing, or everything kept: the identity has no rotations to do and is not cut
-        let (steps_left, kept) = match matrix {
-            Some(_) => (SOLVER_STEPS, kept),
-            None => (0, SvdRange { first: 1, last: BEATS as u8 }),
-        };
-        let (matrix, trace) = matrix.unwrap_or((Matrix::identity(), 1));
-        ClutterSolver { matrix, vectors: Matrix::identity(), trace, steps_left, kept }
+    /// Without a matrix.
+    pub const fn new() -> Self {
+        ClutterSolver {
+            matrix: ZEROS,
+            vectors: ZEROS,
+            trace: 0,
+            steps_left: 0,
+            kept: SvdRange { first: 0, last: 0 },
+        }
+    }
+
+    /// Begins with a Gram matrix, divided by its trace, and the components to keep.
+    pub fn begin(&mut self, gram: &Gram, kept: SvdRange) {
+        (self.trace, self.steps_left, self.kept) = (gram.trace(), SOLVER_STEPS, kept);
+        self.vectors.fill_with_identity();
+        if self.trace <= 0 || (kept.first == 1 && usize::from(kept.last) >= BEATS) {
+            // nothing to drop of nothing, or everything kept: the identity has no rotations to do and is not cut
+            (self.trace, self.steps_left, self.kept) = (1, 0, SvdRange { first: 1, last: BEATS as u8 });
+            return self.matrix.fill_with_identity();
+        }
+        let divisor = self.trace as f32;
+        for (i, j, entry) in gram.entries() {
+            let value = Complex::new(entry.re as f32 / divisor, entry.im as f32 / divisor);
+            self.matrix[(i % BEATS, j % BEATS)] = value;
+            self.matrix[(j % BEATS, i % BEATS)] = value.conj();
+        }
     }
 
     /// Seven rotations; false if none is left.
@@ -237,7 +241,8 @@ pub fn clutter_projection(beats: &[Beat], kept: SvdRange) -> Projection {
     if kept.first == ADAPTIVE {
         add_slots(&mut sum, beats);
     }
-    let mut solver = ClutterSolver::new(&gram, kept);
+    let mut solver = ClutterSolver::new();
+    solver.begin(&gram, kept);
     while solver.step() {}
     solver.projection(beats.len(), &sum)
 }

@@ -7,15 +7,17 @@ use super::clutter::{
     ADAPTIVE, ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, Sum, SvdRange, UNIT_PROJECTION,
     add_slots, largest_part, project, slow_time_shift,
 };
-use super::dechirp::ComplexI16;
 use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
 use super::spectrogram::{log_magnitudes, quantize_db};
-use super::stft::{FixedSpectrum, NativeStft, Stft, frames};
+use super::stft::{NativeStft, Stft, frames};
+pub use super::workspace::{Clutter, FrontEndBuffers, workspace_len};
+use super::workspace::{Parts, SPECTRUM, change_places, parts};
 use crate::areas::{Area, range};
 use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use crate::probe::Probe;
+use bytemuck::{must_cast_slice, must_cast_slice_mut};
 use core::ops::Range;
 
 /// How slow time becomes an image. Part of every model file: a network only understands the images it was trained on.
@@ -72,21 +74,6 @@ impl Default for Preprocessing {
     }
 }
 
-/// Memory the front end works in; the caller's.
-#[derive(Debug)]
-pub struct FrontEndBuffers<'b> {
-    /// [`RadarConfig::reference_len`] reference samples.
-    pub reference: &'b mut [ComplexI16],
-    /// Range samples, `[slow_time]`: as many as a recording has slots.
-    pub beats: &'b mut [Beat],
-    /// The slow-time signal, as long as a recording. Before it is made the next recording's first slots, one in eight, wait here.
-    pub slow_time: &'b mut [Complex<i32>],
-    /// Log magnitudes of the image, at least 64 x frames.
-    pub levels: &'b mut [i16],
-    /// Spectrum of the transform in integers.
-    pub spectrum: &'b mut FixedSpectrum,
-}
-
 /// Slots of one step over slow time, so that a step is short.
 const SLOTS_A_STEP: usize = 128;
 /// Rows of the image of one step.
@@ -116,8 +103,8 @@ enum Stage {
     Project { from: usize, shift: u32 },
     /// Frames from this one on, and the largest level so far.
     Frames { next: usize, largest: i16 },
-    /// Rows of the image from this one on.
-    Quantize { row: usize, largest: i16 },
+    /// Rows of the image before this one, the last of them first.
+    Quantize { rows: usize, largest: i16 },
 }
 
 /// An image in the making.
@@ -125,14 +112,13 @@ enum Stage {
 struct Job {
     slots: usize,
     frames: usize,
-    solver: ClutterSolver,
     projection: Projection,
     stage: Stage,
 }
 
 impl Job {
-    fn project(&mut self, sum: &Sum, probe: &mut impl Probe) -> Stage {
-        self.projection = self.solver.projection(self.slots, sum);
+    fn project(&mut self, solver: &ClutterSolver, sum: &Sum, probe: &mut impl Probe) -> Stage {
+        self.projection = solver.projection(self.slots, sum);
         probe.projection(&self.projection);
         Stage::Scale { from: 0, largest: 0 }
     }
@@ -143,39 +129,48 @@ pub struct FrontEnd<'b, T: Stft = NativeStft> {
     fast_time: FastTime<'b>,
     settings: Preprocessing,
     stft: T,
-    spectrum: T::Spectrum<'b>,
-    gram: Gram,
+    clutter: &'b mut Clutter,
     taken: usize,
     /// Whether the recording's range samples wait in `slow_time`, because a job still needs those of the one before.
     waiting: bool,
     capacity: usize,
     job: Option<Job>,
     beats: &'b mut [Beat],
-    slow_time: &'b mut [Complex<i32>],
-    levels: &'b mut [i16],
+    workspace: &'b mut [Complex<i32>],
 }
 
 impl<'b, T: Stft> FrontEnd<'b, T> {
-    /// A front end for a sensor with `settings`, or `None` if either is not valid or the reference does not fit its memory.
+    /// A front end for a sensor with `settings`, or `None` if either is not valid, or the reference or slow time and a
+    /// spectrum do not fit their memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
-        let FrontEndBuffers { reference, beats, slow_time, levels, spectrum } = buffers;
-        if settings.illegal().is_some() {
-            return None;
-        }
-        Some(FrontEnd {
-            fast_time: FastTime::new(config, reference)?,
+        let FrontEndBuffers { reference, beats, workspace, clutter } = buffers;
+        let fits = workspace.len() >= workspace_len(beats.len(), 0);
+        let fast_time = FastTime::new(config, reference).filter(|_| fits && settings.illegal().is_none())?;
+        Some(Self::with(fast_time, settings, beats, workspace, clutter))
+    }
+
+    /// [`FrontEnd::new`] of what has been checked: made where it stays.
+    #[inline(always)]
+    pub(crate) fn with(
+        fast_time: FastTime<'b>,
+        settings: Preprocessing,
+        beats: &'b mut [Beat],
+        workspace: &'b mut [Complex<i32>],
+        clutter: &'b mut Clutter,
+    ) -> Self {
+        clutter.gram = Gram::new();
+        FrontEnd {
+            fast_time,
             settings,
             stft: T::new(settings.window, settings.beta, settings.hop),
-            spectrum: T::spectrum(spectrum),
-            gram: Gram::new(),
+            clutter,
             taken: 0,
             waiting: false,
-            capacity: beats.len().min(slow_time.len()).min(GRAM_SLOTS),
+            capacity: beats.len().min(GRAM_SLOTS),
             job: None,
             beats,
-            slow_time,
-            levels,
-        })
+            workspace,
+        }
     }
 
     /// Most slots a recording may have.
@@ -195,12 +190,16 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
 
     /// Where some of its data lie; empty for those of others.
     pub(crate) fn area(&self, area: Area) -> Range<*const u8> {
+        let part = match (area, &self.job) {
+            (Area::SlowTime, Some(_)) => self.workspace.get(..self.beats.len()),
+            (Area::LogMagnitudes, Some(_)) => self.workspace.get(self.beats.len() + SPECTRUM..),
+            (Area::Activations, None) => Some(&*self.workspace),
+            _ => None,
+        };
         match area {
             Area::Beats => range(self.beats),
-            Area::Gram => range(core::slice::from_ref(&self.gram)),
-            Area::SlowTime => range(self.slow_time),
-            Area::LogMagnitudes => range(self.levels),
-            _ => range::<u8>(&[]),
+            Area::Gram => range(core::slice::from_ref(&self.clutter.gram)),
+            _ => range(part.unwrap_or_default()),
         }
     }
 
@@ -214,7 +213,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// Whether [`FrontEnd::push`] would find room.
     pub fn has_room(&self) -> bool {
         let room = match &self.job {
-            _ if self.waiting => self.slow_time.len() / BEATS,
+            _ if self.waiting => self.beats.len() / BEATS,
             // a recording behind the job's takes the places that the job has left
             Some(Job { slots, stage: Stage::Project { from, .. }, .. }) if self.taken < *slots => *from,
             _ => self.capacity,
@@ -227,12 +226,12 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
         if !self.has_room() {
             return false;
         }
-        let (waiting, _) = self.slow_time.as_chunks_mut();
+        let (waiting, _) = self.workspace.as_chunks_mut();
         let places = if self.waiting { waiting } else { &mut *self.beats };
         let Some(place) = places.get_mut(self.taken) else { return false };
         probe.beat(&beat);
         // a turn of all range samples leaves b b^H as it is
-        self.gram.add(&beat);
+        self.clutter.gram.add(&beat);
         *place = beat;
         if self.fast_time.config().one_sided() {
             turn(place, self.taken);
@@ -242,49 +241,44 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     }
 
     /// Begins the image of the slots taken so far; [`FrontEnd::step`] makes it. `false` if an image is in the making, the slots do
-    /// not fill one window, or the levels do not fit their memory.
+    /// not fill one window, or its log magnitudes do not fit the workspace.
     pub fn begin_image(&mut self, probe: &mut impl Probe) -> bool {
         let frames = self.stft.frames(self.taken);
-        let fits = frames > 0 && ROWS * frames <= self.levels.len();
+        let fits = frames > 0 && workspace_len(self.beats.len(), frames) <= self.workspace.len();
         if !fits || self.job.is_some() || self.waiting {
             return false;
         }
-        probe.gram(&self.gram);
-        self.job = Some(Job {
-            slots: self.taken,
-            frames,
-            solver: ClutterSolver::new(&self.gram, self.settings.kept),
-            projection: UNIT_PROJECTION,
-            stage: Stage::Solve,
-        });
+        probe.gram(&self.clutter.gram);
+        self.clutter.solver.begin(&self.clutter.gram, self.settings.kept);
+        self.job = Some(Job { slots: self.taken, frames, projection: UNIT_PROJECTION, stage: Stage::Solve });
         true
     }
 
-    /// One bounded step of the image; `true` when `image`, `[64, frames]` row-major and as long, is done. Steps before the last
-    /// four leave `image` as it is.
+    /// One bounded step of the image; `true` when it is done: `[64, frames]` row-major, the last bytes of [`FrontEnd::workspace`].
     ///
     /// A step is seven rotations of the eigenvalue solver, 128 slots of slow time, one frame, or 16 rows.
-    pub fn step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> bool {
-        self.try_step(image, probe).is_some()
+    pub fn step(&mut self, probe: &mut impl Probe) -> bool {
+        self.try_step(probe).is_some()
     }
 
-    fn try_step(&mut self, image: &mut [i8], probe: &mut impl Probe) -> Option<()> {
+    fn try_step(&mut self, probe: &mut impl Probe) -> Option<()> {
         let job = self.job.as_mut()?;
-        let cells = ROWS * job.frames;
+        let (cells, solver) = (ROWS * job.frames, &mut self.clutter.solver);
+        let Parts { slow_time, spectrum, levels } = parts(self.workspace, self.beats.len(), job.frames)?;
         job.stage = match job.stage {
             Stage::Solve => {
-                if job.solver.step() {
+                if solver.step() {
                     return None;
                 }
                 match self.settings.kept.first {
                     ADAPTIVE => Stage::Sum { from: 0, sum: Sum::default() },
-                    _ => job.project(&Sum::default(), probe),
+                    _ => job.project(solver, &Sum::default(), probe),
                 }
             }
             Stage::Sum { from, mut sum } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
                 add_slots(&mut sum, self.beats.get(from..end)?);
-                if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(&sum, probe) }
+                if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(solver, &sum, probe) }
             }
             Stage::Scale { from, largest } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
@@ -306,62 +300,80 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                         [beat[0]] = value;
                     }
                 } else {
-                    project(beats, &job.projection, shift, self.slow_time.get_mut(from..end)?);
+                    project(beats, &job.projection, shift, slow_time.get_mut(from..end)?);
                 }
                 if end < job.slots {
                     Stage::Project { from: end, shift }
                 } else {
                     if core::mem::take(&mut self.waiting) {
-                        change_places(self.beats, self.slow_time);
+                        change_places(self.beats, slow_time);
                     }
-                    probe.slow_time(self.slow_time.get(..end)?);
+                    probe.slow_time(slow_time.get(..end)?);
+                    spectrum.as_flattened_mut().fill(Complex::new(0, 0)); // bins that become no row are never written
                     Stage::Frames { next: 0, largest: FLOOR }
                 }
             }
             Stage::Frames { next, largest } => {
                 let bins = self.settings.bins_per_row;
-                let grid = self.levels.get_mut(..cells)?;
-                self.stft.frame(self.slow_time.get(..job.slots)?, next, bins, &mut self.spectrum);
-                T::probe(&self.spectrum, next, probe);
-                let largest = largest.max(log_magnitudes::<T>(&self.spectrum, bins, next, job.frames, grid));
+                let spectrum = T::spectrum(spectrum);
+                self.stft.frame(slow_time.get(..job.slots)?, next, bins, spectrum);
+                T::probe(spectrum, next, probe);
+                let levels = must_cast_slice_mut(levels);
+                let largest = largest.max(log_magnitudes::<T>(spectrum, bins, next, job.frames, levels));
                 if next + 1 < job.frames {
                     Stage::Frames { next: next + 1, largest }
                 } else {
-                    Stage::Quantize { row: 0, largest }
+                    Stage::Quantize { rows: ROWS, largest }
                 }
             }
-            Stage::Quantize { row, largest } => {
-                let part = row * job.frames..(row + ROWS_A_STEP) * job.frames;
-                let (rows, levels) = (image.get_mut(part.clone())?, self.levels.get(part)?);
-                let range = self.settings.range;
-                for (pixel, &level) in rows.iter_mut().zip(levels) {
-                    *pixel = quantize_db(level, largest, range);
+            Stage::Quantize { rows, largest } => {
+                let left = rows.saturating_sub(ROWS_A_STEP);
+                for cell in (left * job.frames..rows * job.frames).rev() {
+                    let level = *must_cast_slice(levels).get(cell)?;
+                    // behind the levels of all cells before
+                    let pixel = must_cast_slice_mut(levels).get_mut(cells + cell)?;
+                    *pixel = quantize_db(level, largest, self.settings.range);
                 }
-                if row + ROWS_A_STEP >= ROWS {
+                if left == 0 {
                     self.job = None;
-                    probe.image(image.get(..cells)?);
+                    probe.image(must_cast_slice(levels).get(cells..)?);
                     return Some(());
                 }
-                Stage::Quantize { row: row + ROWS_A_STEP, largest }
+                Stage::Quantize { rows: left, largest }
             }
         };
         None
     }
 
-    /// The image of the slots taken so far, at once, in the beginning of this memory; `None` if it is too short, or as
-    /// [`FrontEnd::begin_image`] says. More slots may be taken afterwards.
-    pub fn image<'i>(&mut self, memory: &'i mut [i8], probe: &mut impl Probe) -> Option<&'i [i8]> {
-        let image = memory.get_mut(..ROWS * self.stft.frames(self.taken))?;
+    /// The image of the slots taken so far, at once; `None` as [`FrontEnd::begin_image`] says. More slots may be taken afterwards.
+    pub fn image(&mut self, probe: &mut impl Probe) -> Option<&[i8]> {
         if !self.begin_image(probe) {
             return None;
         }
-        while !self.step(image, probe) {}
-        Some(image)
+        while !self.step(probe) {}
+        let bytes: &[i8] = must_cast_slice(self.workspace);
+        bytes.get(bytes.len().checked_sub(ROWS * self.stft.frames(self.taken))?..)
+    }
+
+    /// Its memory but the reference, for [`selftest`](crate::selftest) before the first slot.
+    pub(crate) fn buffers(&mut self) -> FrontEndBuffers<'_> {
+        self.reset();
+        FrontEndBuffers {
+            reference: &mut [],
+            beats: self.beats,
+            workspace: self.workspace,
+            clutter: self.clutter,
+        }
+    }
+
+    /// What others may use while no image is in the making; the last one lies in its last bytes.
+    pub fn workspace(&mut self) -> &mut [Complex<i32>] {
+        self.workspace
     }
 
     /// Begins a recording. An image in the making goes on.
     pub fn reset(&mut self) {
-        self.gram = Gram::new();
+        self.clutter.gram = Gram::new();
         self.taken = 0;
         self.waiting = self.job.as_ref().is_some_and(|job| match job.stage {
             Stage::Solve | Stage::Sum { .. } | Stage::Scale { .. } | Stage::Project { from: 0, .. } => true,
@@ -378,20 +390,6 @@ fn turn(beat: &mut Beat, n: usize) {
             *value = Complex::new(value.im, value.re.wrapping_neg());
         }
     }
-}
-
-/// Moves the range samples that wait in slow time to the slots' places, and the slow time in those to its own.
-fn change_places(beats: &mut [Beat], slow_time: &mut [Complex<i32>]) {
-    let (waiting, rest) = slow_time.as_chunks_mut::<BEATS>();
-    let whole = BEATS * waiting.len();
-    for (k, eight) in waiting.iter_mut().enumerate() {
-        let beat = *eight;
-        let values = beats.iter().skip(BEATS * k).map(|beat| beat[0]);
-        eight.iter_mut().zip(values).for_each(|(to, value)| *to = value);
-        // no slow time lies here any more
-        beats.get_mut(k).into_iter().for_each(|to| *to = beat);
-    }
-    rest.iter_mut().zip(beats.iter().skip(whole)).for_each(|(to, beat)| *to = beat[0]);
 }
 
 const _: () = assert!(ROWS.is_multiple_of(ROWS_A_STEP), "steps are whole");

@@ -8,3 +8,4 @@ pub mod logarithm;
 mod range_gate;
 pub mod spectrogram;
 pub mod stft;
+mod workspace;

@@ -10,7 +10,7 @@ use crate::signal::stft::Stft;
 ///
 /// Row r holds the power of bins (r - 32) g .. (r - 32) g + g, g = `bins_per_row`.
 pub fn log_magnitudes<T: Stft>(
-    spectrum: &T::Spectrum<'_>,
+    spectrum: &T::Spectrum,
     bins_per_row: u8,
     k: usize,
     frames: usize,

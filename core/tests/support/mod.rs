@@ -5,13 +5,11 @@ use rand_core::SeedableRng;
 use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::crc32::crc32;
-use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::dims::{Beat, Complex, ZERO_BEAT};
 use sdp3_core::dsn::Model;
-use sdp3_core::dsn::network::scratch_bytes;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::pipeline::PipelineBuffers;
-use sdp3_core::signal::front_end::FrontEndBuffers;
-use sdp3_core::signal::stft::FixedSpectrum;
+use sdp3_core::signal::front_end::{Clutter, FrontEndBuffers, workspace_len};
 use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{self, Numbers, Size};
 use sdp3_testkit::signals::noise;
@@ -52,10 +50,8 @@ pub fn noise_slots(count: usize, seed: u64) -> Vec<[i16; VALUES]> {
 #[derive(Clone)]
 pub struct Memory {
     pub beats: Vec<Beat>,
-    pub slow_time: Vec<Complex<i32>>,
-    pub levels: Vec<i16>,
-    pub spectrum: Box<FixedSpectrum>,
-    pub scratch: Vec<i8>,
+    pub workspace: Vec<Complex<i32>>,
+    pub clutter: Box<Clutter>,
     pub vectors: Vec<I16x8>,
     pub words: Vec<i32>,
 }
@@ -65,7 +61,7 @@ impl Memory {
     pub fn of(model: &Model<'_>) -> Self {
         let sizes = WinogradSizes::of(model);
         Memory {
-            scratch: vec![0; scratch_bytes(model.frames(), model.channels(), model.stem_stride())],
+            workspace: vec![Complex::new(0, 0); model.shape().workspace_len()],
             vectors: vec![I16x8::ZERO; sizes.vectors],
             words: vec![0; sizes.words],
             ..Self::of_front_end(model.sensing_slots(), model.frames())
@@ -76,10 +72,8 @@ impl Memory {
     pub fn of_front_end(slots: usize, frames: usize) -> Self {
         Memory {
             beats: vec![ZERO_BEAT; slots],
-            slow_time: vec![Complex::new(0, 0); slots],
-            levels: vec![0; ROWS * frames],
-            spectrum: Box::new(FixedSpectrum::ZERO),
-            scratch: Vec::new(),
+            workspace: vec![Complex::new(0, 0); workspace_len(slots, frames)],
+            clutter: Box::new(Clutter::new()),
             vectors: Vec::new(),
             words: Vec::new(),
         }
@@ -90,11 +84,9 @@ impl Memory {
             front_end: FrontEndBuffers {
                 reference: &mut [],
                 beats: &mut self.beats,
-                slow_time: &mut self.slow_time,
-                levels: &mut self.levels,
-                spectrum: &mut self.spectrum,
+                workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
-            scratch: &mut self.scratch,
             kernels: WinogradMemory { vectors: &mut self.vectors, words: &mut self.words },
         }
     }
@@ -104,11 +96,9 @@ impl Memory {
 pub type Shorten = fn(&mut Memory);
 
 /// Every part of the memory and what shortens it; the last two are the kernels'.
-pub const SHORTER: [(&str, Shorten); 6] = [
+pub const SHORTER: [(&str, Shorten); 4] = [
     ("beats", |m| _ = m.beats.pop()),
-    ("slow_time", |m| _ = m.slow_time.pop()),
-    ("levels", |m| _ = m.levels.pop()),
-    ("scratch", |m| _ = m.scratch.pop()),
+    ("workspace", |m| _ = m.workspace.pop()),
     ("vectors", |m| _ = m.vectors.pop()),
     ("words", |m| _ = m.words.pop()),
 ];

@@ -56,15 +56,8 @@ pub trait Memory {
     fn buffers(&mut self) -> PipelineBuffers<'_>;
 }
 
-impl<
-    const A: usize,
-    const B: usize,
-    const C: usize,
-    const D: usize,
-    const E: usize,
-    const F: usize,
-    const G: usize,
-> Memory for PipelineMemory<A, B, C, D, E, F, G>
+impl<const A: usize, const B: usize, const C: usize, const D: usize, const E: usize> Memory
+    for PipelineMemory<A, B, C, D, E>
 {
     fn buffers(&mut self) -> PipelineBuffers<'_> {
         self.view()

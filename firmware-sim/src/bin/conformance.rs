@@ -22,7 +22,7 @@ mod firmware {
 
     /// The largest configuration: a slot of 2048 complex samples and as many references, 1000 slots, 110 frames, 16 channels behind a
     /// stride of 1. Places for one convolution of 32 channels, four of 16, or 16 of 8: some are packed ahead, some when they run.
-    type Memory = PipelineMemory<2048, 1000, 1000, 110, { scratch_bytes(110, 16, 1) }, 2048, 4096>;
+    type Memory = PipelineMemory<2048, 1000, { scratch_bytes(110, 16, 1).div_ceil(8) }, 2048, 4096>;
     static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
     static SLOT: ConstStaticCell<[i16; 4096]> = ConstStaticCell::new([0; 4096]);
     static MODEL: ConstStaticCell<[u8; 1 << 17]> = ConstStaticCell::new([0; 1 << 17]);

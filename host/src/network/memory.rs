@@ -3,13 +3,13 @@
 use crate::network::inference::VectorKernels;
 use sdp3_core::Error;
 use sdp3_core::config::RadarConfig;
-use sdp3_core::dims::{Beat, Complex, ROWS, ZERO_BEAT};
+use sdp3_core::dims::{Beat, Complex, ZERO_BEAT};
 use sdp3_core::dsn::winograd::WinogradMemory;
 use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::{Pipeline, PipelineBuffers};
-use sdp3_core::signal::front_end::FrontEndBuffers;
-use sdp3_core::signal::stft::{FixedSpectrum, NativeStft, Stft};
+use sdp3_core::signal::front_end::{Clutter, FrontEndBuffers};
+use sdp3_core::signal::stft::{NativeStft, Stft};
 
 /// A pipeline that computes by this processor's vectors.
 pub type HostPipeline<'m, 'b, T = NativeStft> = Pipeline<'m, 'b, VectorKernels, T>;
@@ -18,28 +18,24 @@ pub type HostPipeline<'m, 'b, T = NativeStft> = Pipeline<'m, 'b, VectorKernels, 
 pub struct OwnedMemory {
     reference: Vec<[i16; 2]>,
     beats: Vec<Beat>,
-    slow_time: Vec<Complex<i32>>,
-    levels: Vec<i16>,
-    spectrum: Box<FixedSpectrum>,
-    scratch: Vec<i8>,
+    workspace: Vec<Complex<i32>>,
+    clutter: Box<Clutter>,
 }
 
 impl OwnedMemory {
-    /// Memory for `slots` slots of a sensor and `frames` frames, and `scratch` bytes for a network.
-    pub fn new(radar: &RadarConfig, slots: usize, frames: usize, scratch: usize) -> Self {
+    /// Memory for `slots` slots of a sensor, and `workspace` words of 8 bytes.
+    pub fn new(radar: &RadarConfig, slots: usize, workspace: usize) -> Self {
         OwnedMemory {
             reference: vec![[0; 2]; radar.reference_len()],
             beats: vec![ZERO_BEAT; slots],
-            slow_time: vec![Complex::new(0, 0); slots],
-            levels: vec![0; ROWS * frames],
-            spectrum: Box::new(FixedSpectrum::ZERO),
-            scratch: vec![0; scratch],
+            workspace: vec![Complex::new(0, 0); workspace],
+            clutter: Box::new(Clutter::new()),
         }
     }
 
     /// Memory for a model.
     pub fn for_model(model: &Model) -> Self {
-        Self::new(&model.radar(), model.sensing_slots(), model.frames(), model.shape().scratch_bytes())
+        Self::new(&model.radar(), model.sensing_slots(), model.shape().workspace_len())
     }
 
     /// A pipeline in it, made by [`OwnedMemory::for_model`] for this model, with this processor's fastest kernels.
@@ -71,11 +67,9 @@ impl OwnedMemory {
             front_end: FrontEndBuffers {
                 reference: &mut self.reference,
                 beats: &mut self.beats,
-                slow_time: &mut self.slow_time,
-                levels: &mut self.levels,
-                spectrum: &mut self.spectrum,
+                workspace: &mut self.workspace,
+                clutter: &mut self.clutter,
             },
-            scratch: &mut self.scratch,
             kernels: WinogradMemory::default(),
         }
     }

@@ -12,7 +12,7 @@ use crate::simulator::calibration::stored_rho;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
-use sdp3_core::signal::front_end::FrontEnd;
+use sdp3_core::signal::front_end::{FrontEnd, workspace_len};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Labelled images of one set, one [`Images`] per number of sensing slots in the scenario, and their truth.
@@ -257,16 +257,15 @@ fn images_on_the_way(
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
     let radar = scenario.radar.config();
-    let mut memory = OwnedMemory::new(&radar, slots, settings.frames(slots), 0);
+    let mut memory = OwnedMemory::new(&radar, slots, workspace_len(slots, settings.frames(slots)));
     let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
         return Vec::new();
     };
-    let mut image = vec![0; ROWS * settings.frames(slots)];
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);
         if scenario.frame.sensing_slots.contains(&(front_end.taken() as u32)) {
-            images.push(front_end.image(&mut image, &mut ()).map(<[i8]>::to_vec).unwrap_or_default());
+            images.push(front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default());
         }
     }
     images

@@ -13,10 +13,10 @@ pub use fixed::{FixedSpectrum, FixedStft};
 
 /// A short-time Fourier transform in one arithmetic, and the logarithm of its powers.
 pub trait Stft {
-    /// Spectrum of one frame, `[doppler]`: in integers in memory of the caller, in f32 its own.
-    type Spectrum<'b>;
-    /// A spectrum of zeros in this memory.
-    fn spectrum(memory: &mut FixedSpectrum) -> Self::Spectrum<'_>;
+    /// Spectrum of one frame, `[doppler]`.
+    type Spectrum;
+    /// One in this memory, with what it holds.
+    fn spectrum(memory: &mut FixedSpectrum) -> &mut Self::Spectrum;
 
     /// A Kaiser window of `length` (2 to 256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
     ///
@@ -27,11 +27,11 @@ pub trait Stft {
     fn frames(&self, slots: usize) -> usize;
     /// Frame `k` of the slow-time signal into `spectrum`: at least the central 64 `per_row` bins. A frame beyond the
     /// end of the signal is transformed as if the signal went on with zeros.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut Self::Spectrum<'_>);
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut Self::Spectrum);
     /// `floor(64 log2 p)` of the power p of `count` bins from `first` on, modulo 256.
-    fn level(spectrum: &Self::Spectrum<'_>, first: usize, count: usize) -> i16;
+    fn level(spectrum: &Self::Spectrum, first: usize, count: usize) -> i16;
     /// Shows a spectrum to an observer.
-    fn probe(spectrum: &Self::Spectrum<'_>, k: usize, probe: &mut impl Probe);
+    fn probe(spectrum: &Self::Spectrum, k: usize, probe: &mut impl Probe);
 }
 
 /// The faster transform of the target: in integers on microcontrollers, in f32 elsewhere.
@@ -60,23 +60,17 @@ impl FloatStft {
 }
 
 impl Stft for FloatStft {
-    type Spectrum<'b> = Spectrum;
+    type Spectrum = Spectrum;
 
-    fn spectrum(_memory: &mut FixedSpectrum) -> Spectrum {
-        ZERO_SPECTRUM
+    fn spectrum([bins, _]: &mut FixedSpectrum) -> &mut Spectrum {
+        bytemuck::must_cast_mut(bins)
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let length = usize::from(length).clamp(2, FFT_LEN);
-        let mut window = [0.0; FFT_LEN];
-        let centre = (length - 1) as f32 / 2.0;
-        let peak = bessel_i0f(beta);
-        for (n, value) in window.iter_mut().enumerate().take(length) {
-            let x = (n as f32 - centre) / centre;
-            let inside = 1.0 - x * x;
-            *value = bessel_i0f(beta * sqrtf(if inside > 0.0 { inside } else { 0.0 })) / peak;
-        }
-        FloatStft { window, length, hop: usize::from(hop).max(1) }
+        let mut stft = FloatStft { window: [0.0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let window = &mut stft.window;
+        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = value);
+        stft
     }
 
     fn frames(&self, slots: usize) -> usize {
@@ -107,6 +101,19 @@ impl Stft for FloatStft {
     fn probe(spectrum: &Spectrum, k: usize, probe: &mut impl Probe) {
         probe.frame(k, spectrum);
     }
+}
+
+/// Gives every value of a Kaiser window, and its length.
+fn kaiser(length: u16, beta: f32, mut give: impl FnMut(usize, f32)) -> usize {
+    let length = usize::from(length).clamp(2, FFT_LEN);
+    let centre = (length - 1) as f32 / 2.0;
+    let peak = bessel_i0f(beta);
+    for n in 0..length {
+        let x = (n as f32 - centre) / centre;
+        let inside = 1.0 - x * x;
+        give(n, bessel_i0f(beta * sqrtf(if inside > 0.0 { inside } else { 0.0 })) / peak);
+    }
+    length
 }
 
 /// floor((slots - window) / hop) + 1, or 0 if no window fits.

@@ -16,9 +16,7 @@ pub const MODEL_BYTES: usize = 24 * 1024;
 pub type SuiteMemory = PipelineMemory<
     2048,
     { LARGEST.sensing_slots },
-    { LARGEST.sensing_slots },
-    { LARGEST.frames },
-    { LARGEST.scratch_bytes() },
+    { LARGEST.workspace_len() },
     { LARGEST.winograd_sizes().vectors },
     { LARGEST.winograd_sizes().words },
 >;

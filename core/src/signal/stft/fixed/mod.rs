@@ -7,7 +7,7 @@
 
 mod twiddles;
 
-use super::{FloatStft, Stft};
+use super::{Stft, kaiser};
 use crate::dims::{Complex, FFT_LEN, FixedBins, ROWS};
 use crate::probe::Probe;
 use crate::signal::logarithm::{FLOOR, level_u64};
@@ -43,20 +43,10 @@ const fn places() -> [u8; PART] {
     table
 }
 
-/// A spectrum and the parts it is made of.
-#[derive(Debug, Clone)]
-pub struct FixedSpectrum {
-    bins: FixedBins,
-    parts: [Part; PARTS],
-}
+/// A spectrum, and the parts it is made of.
+pub type FixedSpectrum = [FixedBins; 2];
 
-impl FixedSpectrum {
-    /// Zeros.
-    pub const ZERO: Self =
-        FixedSpectrum { bins: [Complex::new(0, 0); FFT_LEN], parts: [[Complex::new(0, 0); PART]; PARTS] };
-}
-
-/// [`FloatStft`] in integers.
+/// [`FloatStft`](super::FloatStft) in integers.
 ///
 /// Error against exact arithmetic: below 40 LSB a part, of up to 2^30, for a slow-time signal of at most 23 bits, which
 /// also keeps every sum within 31 bits.
@@ -191,15 +181,6 @@ fn combine(parts: &[Part; PARTS], kept: usize, bins: &mut FixedBins) {
     }
 }
 
-/// The beginning of a signal, with zeros behind its end.
-fn padded(signal: &[Complex<i32>], length: usize) -> [Complex<i32>; FFT_LEN] {
-    let mut whole = [Complex::new(0, 0); FFT_LEN];
-    for (to, from) in whole.iter_mut().zip(signal.iter().take(length)) {
-        *to = *from;
-    }
-    whole
-}
-
 impl FixedStft {
     /// The window in Q1.31, `[slow_time]`, zeros behind its length.
     pub fn window(&self) -> &[i32; FFT_LEN] {
@@ -218,28 +199,28 @@ impl FixedStft {
         Some(())
     }
 
-    /// [`Self::first`] where the signal ends before.
+    /// [`Self::first`] where the signal ends before: it lies in `bins` for that time, with zeros behind its end.
     #[inline(never)]
-    fn stage1_padded(&self, signal: &[Complex<i32>], parts: &mut [Part; PARTS]) {
-        let _ = self.first(&padded(signal, self.length), parts); // long enough
+    fn stage1_padded(&self, signal: &[Complex<i32>], bins: &mut FixedBins, parts: &mut [Part; PARTS]) {
+        bins.fill(Complex::new(0, 0));
+        bins.iter_mut().zip(signal.iter().take(self.length)).for_each(|(to, from)| *to = *from);
+        let _ = self.first(bins, parts); // long enough
+        bins.fill(Complex::new(0, 0));
     }
 }
 
 impl Stft for FixedStft {
-    type Spectrum<'b> = &'b mut FixedSpectrum;
+    type Spectrum = FixedSpectrum;
 
     fn spectrum(memory: &mut FixedSpectrum) -> &mut FixedSpectrum {
-        *memory = FixedSpectrum::ZERO; // bins that become no row are never written
         memory
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let float = FloatStft::new(length, beta, hop);
-        let mut window = [0; FFT_LEN];
-        for (fixed, &value) in window.iter_mut().zip(float.window()) {
-            *fixed = to_q31(f64::from(value));
-        }
-        FixedStft { window, length: float.length, hop: float.hop }
+        let mut stft = FixedStft { window: [0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let window = &mut stft.window;
+        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = to_q31(f64::from(value)));
+        stft
     }
 
     fn frames(&self, slots: usize) -> usize {
@@ -247,11 +228,12 @@ impl Stft for FixedStft {
     }
 
     /// Cost: 48 butterflies of radix 4 with 3 products each, 3 more products a bin.
-    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut &mut FixedSpectrum) {
-        let FixedSpectrum { bins, parts } = &mut **spectrum;
+    fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut FixedSpectrum) {
+        let [bins, parts] = spectrum;
+        let parts = bytemuck::must_cast_mut(parts);
         let signal = slow_time.get(k.saturating_mul(self.hop)..).unwrap_or(&[]);
         if self.first(signal, parts).is_none() {
-            self.stage1_padded(signal, parts);
+            self.stage1_padded(signal, bins, parts);
         }
         for part in parts.iter_mut() {
             second(part);
@@ -260,10 +242,10 @@ impl Stft for FixedStft {
         combine(parts, (ROWS * usize::from(per_row)).min(FFT_LEN), bins);
     }
 
-    fn level(spectrum: &&mut FixedSpectrum, first: usize, count: usize) -> i16 {
+    fn level([bins, _]: &FixedSpectrum, first: usize, count: usize) -> i16 {
         let mut power = 0_u64;
         for k in 0..count {
-            let z = spectrum.bins[first.wrapping_add(k) % FFT_LEN];
+            let z = bins[first.wrapping_add(k) % FFT_LEN];
             let (re, im) = (i64::from(z.re), i64::from(z.im));
             // a magnitude is below 2^30.5
             power = power.wrapping_add((re * re + im * im) as u64);
@@ -271,7 +253,7 @@ impl Stft for FixedStft {
         if power == 0 { FLOOR } else { level_u64(power) }
     }
 
-    fn probe(spectrum: &&mut FixedSpectrum, k: usize, probe: &mut impl Probe) {
-        probe.fixed_frame(k, &spectrum.bins);
+    fn probe([bins, _]: &FixedSpectrum, k: usize, probe: &mut impl Probe) {
+        probe.fixed_frame(k, bins);
     }
 }
