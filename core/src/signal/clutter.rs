@@ -29,17 +29,17 @@ impl Gram {
         Gram { upper: [Complex::new(0, 0); GRAM_LEN] }
     }
 
-    /// Adds one slot. Cost: 36 complex multiply-accumulates of 32 x 32 -> 64 bits.
+    /// Adds one slot. Cost: 8 squared magnitudes and 28 complex multiply-accumulates of 32 x 32 -> 64 bits.
+    #[inline(never)]
     pub fn add(&mut self, beat: &Beat) {
-        let mut entries = self.upper.iter_mut();
-        for (i, a) in beat.iter().enumerate() {
-            let (ar, ai) = (i64::from(a.re), i64::from(a.im));
-            for (b, entry) in beat.iter().skip(i).zip(&mut entries) {
-                let (br, bi) = (i64::from(b.re), i64::from(b.im));
-                entry.re = entry.re.wrapping_add(ar * br + ai * bi);
-                entry.im = entry.im.wrapping_add(ai * br - ar * bi);
-            }
-        }
+        let rows = add_row::<8>(beat, &mut self.upper);
+        let rows = add_row::<7>(beat, rows);
+        let rows = add_row::<6>(beat, rows);
+        let rows = add_row::<5>(beat, rows);
+        let rows = add_row::<4>(beat, rows);
+        let rows = add_row::<3>(beat, rows);
+        let rows = add_row::<2>(beat, rows);
+        add_row::<1>(beat, rows);
     }
 
     /// The upper triangle, row by row.
@@ -56,6 +56,33 @@ impl Gram {
     /// Eight diagonal entries of up to 2^63.
     fn trace(&self) -> i128 {
         self.entries().filter(|(i, j, _)| i == j).map(|(_, _, entry)| i128::from(entry.re)).sum()
+    }
+}
+
+/// Adds a row of the Gram matrix, the products of the first of the last `N` range samples; returns the rows behind it.
+#[inline(always)]
+fn add_row<'a, const N: usize>(beat: &Beat, rows: &'a mut [Complex<i64>]) -> &'a mut [Complex<i64>] {
+    let (Some(beat), Some((row, rows))) = (beat.last_chunk::<N>(), rows.split_first_chunk_mut::<N>()) else {
+        return &mut [];
+    };
+    add_products(beat, row);
+    rows
+}
+
+/// Adds the products of the first range sample with the conjugates of all: |a|^2 and a b^*.
+// RISC-V has too few registers for what the compiler makes of a loop of known length
+#[cfg_attr(target_arch = "riscv32", inline(never))]
+#[cfg_attr(not(target_arch = "riscv32"), inline(always))]
+fn add_products(beat: &[Complex<i32>], row: &mut [Complex<i64>]) {
+    let ([a, others @ ..], [energy, row @ ..]) = (beat, row) else { return };
+    let [re, im, minus_re] = [a.re, a.im, a.re.wrapping_neg()].map(i64::from);
+    energy.re = energy.re.wrapping_add(re * re).wrapping_add(im * im);
+    for (b, entry) in others.iter().zip(row) {
+        // loaded first, the sums are what the compiler multiplies onto: SMLAL
+        let Complex { re: sum_re, im: sum_im } = *entry;
+        let (br, bi) = (i64::from(b.re), i64::from(b.im));
+        entry.re = sum_re.wrapping_add(re * br).wrapping_add(im * bi);
+        entry.im = sum_im.wrapping_add(im * br).wrapping_add(minus_re * bi);
     }
 }
 

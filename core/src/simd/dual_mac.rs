@@ -3,6 +3,8 @@
 //! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference; `arm` has the DSP extension of Cortex-M4,
 //! M7, M33 and later, and Helium of M52, M55 and M85. All operations are integer and exact: the same bits.
 
+use core::hint::black_box;
+
 /// Eight i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
 /// other in the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,17 +70,32 @@ fn accumulate<P: DualMac, const GROUPS: usize>(
     weights: &[I16x8; GROUPS],
     sums: &mut [i32; 4],
 ) {
-    let [mut s00, mut s01, mut s10, mut s11] = *sums;
-    for group in 0..GROUPS {
-        let [(e0, k0), (e1, k1)] = [lane::<P, GROUPS>(group, 0), lane::<P, GROUPS>(group, 1)];
-        for k in 0..4 {
-            let [x0, w0] = [inputs, weights].map(|from| i32::from(from[e0 % GROUPS].0[(k0 + k) % 8]));
-            let [x1, w1] = [inputs, weights].map(|from| i32::from(from[e1 % GROUPS].0[(k1 + k) % 8]));
-            s00 = s00.wrapping_add(x0 * w0);
-            s01 = s01.wrapping_add(x1 * w0);
-            s10 = s10.wrapping_add(x0 * w1);
-            s11 = s11.wrapping_add(x1 * w1);
+    if P::WIDE && GROUPS.is_multiple_of(2) {
+        let (inputs, weights) = (inputs.as_chunks().0, weights.as_chunks().0);
+        for ([x0, x1], [w0, w1]) in inputs.iter().zip(weights) {
+            add_products([&x0.0, &x1.0], [&w0.0, &w1.0], sums);
         }
+    } else {
+        // of a short loop of known length the compiler makes more products at once than RISC-V has registers
+        let groups = if cfg!(target_arch = "riscv32") && GROUPS < 8 { black_box(GROUPS) } else { GROUPS };
+        for (I16x8(x), I16x8(w)) in inputs.iter().zip(weights).take(groups) {
+            if let ([x0, x1], [w0, w1]) = (x.as_chunks::<4>().0, w.as_chunks::<4>().0) {
+                add_products([x0, x1], [w0, w1], sums);
+            }
+        }
+    }
+}
+
+/// Adds the products of as many channels of two tiles and two outputs.
+#[inline(always)]
+fn add_products<const N: usize>([x0, x1]: [&[i16; N]; 2], [w0, w1]: [&[i16; N]; 2], sums: &mut [i32; 4]) {
+    let [mut s00, mut s01, mut s10, mut s11] = *sums;
+    for k in 0..N {
+        let [x0, x1, w0, w1] = [x0[k], x1[k], w0[k], w1[k]].map(i32::from);
+        s00 = s00.wrapping_add(x0 * w0);
+        s01 = s01.wrapping_add(x1 * w0);
+        s10 = s10.wrapping_add(x0 * w1);
+        s11 = s11.wrapping_add(x1 * w1);
     }
     *sums = [s00, s01, s10, s11];
 }

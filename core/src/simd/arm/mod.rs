@@ -58,7 +58,8 @@ impl DualMac for NativeDualMac {
 }
 
 // Sums of products with the conjugate reference: eight blocks of 125 samples, unrolled, or one block of any length, four
-// samples at a time. r0: samples, r1: reference. Sums live in r2, r3 (real) and r4, r5 (imaginary part).
+// samples at a time: four instructions with Helium, ten without. r0: samples, r1: reference. Sums live in r2, r3 (real) and
+// r4, r5 (imaginary part).
 // sdp3_conj_mac_8x125: r2: where sums go. sdp3_conj_mac_block: r2: fours of samples, r3: single ones, on the stack: where sums go.
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
@@ -67,12 +68,18 @@ global_asm!(
     "smlsldx r4, r5, \\s, \\x",
     ".endm",
     ".macro sdp3_conj_mac_four",
-    "ldmia r0!, {{r6-r9}}",
-    "ldmia r1!, {{r10-r12, lr}}",
-    "sdp3_conj_mac r6, r10",
-    "sdp3_conj_mac r7, r11",
-    "sdp3_conj_mac r8, r12",
-    "sdp3_conj_mac r9, lr",
+    #[cfg(arm_mve)]
+    "vldrw.u32 q0, [r0], #16
+    vldrw.u32 q1, [r1], #16
+    vmlaldava.s16 r2, r3, q0, q1
+    vmlsldavax.s16 r4, r5, q0, q1",
+    #[cfg(not(arm_mve))]
+    "ldmia r0!, {{r6-r9}}
+    ldmia r1!, {{r10-r12, lr}}
+    sdp3_conj_mac r6, r10
+    sdp3_conj_mac r7, r11
+    sdp3_conj_mac r8, r12
+    sdp3_conj_mac r9, lr",
     ".endm",
     ".macro sdp3_conj_mac_one",
     "ldr r6, [r0], #4",
