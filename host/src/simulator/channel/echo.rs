@@ -1,13 +1,13 @@
 //! Range samples of a person's sixteen primitives, several slots at a time.
 
 use super::antenna::Antenna;
-use super::target::{NEAREST_M, Target};
+use super::target::{NEAREST_M, SPREADING, Target};
 use super::{BLOCK_S, BLOCKS, Blocks, Complex64, MIDDLE_S, SWEEP_RATE, Sensor, boxcar};
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::body::primitives::{PRIMITIVES, primitive};
 use crate::simulator::body::{Vec3, sub};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// From where a person is seen, when, and what is left of it.
 pub(super) struct View {
@@ -48,7 +48,7 @@ pub(super) fn wide_echo(sensor: &Sensor, target: &Target, view: &View, beats: &m
     let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
     let joints = person.joints(t);
-    let front = target.gain * lambda / libm::pow(4.0 * PI, 1.5);
+    let front = target.gain * lambda / SPREADING;
     for (index, phase) in target.phases.iter().enumerate() {
         let part = primitive(&joints, person.segments(), person.truth.height_m, index);
         let (distance, amplitude) = part.echo(radar);
@@ -76,7 +76,7 @@ pub(super) fn narrow_echo(sensor: &Sensor, target: &Target, view: &View, beats: 
     let person = &target.person;
     let joints = person.joints(t);
     let part = |index| primitive(&joints, person.segments(), person.truth.height_m, index);
-    let front = target.gain * lambda / libm::pow(4.0 * PI, 1.5);
+    let front = target.gain * lambda / SPREADING;
     // turns per metre of distance: the carrier and the sweep's middle
     let turns = 2.0 / lambda + 2.0 / SPEED_OF_LIGHT * SWEEP_RATE * MIDDLE_S;
     // the sweep's phase in rad per metre and block, from the middle

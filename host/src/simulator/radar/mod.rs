@@ -18,11 +18,12 @@ mod samples;
 use super::channel::response::{Response, Table};
 use super::channel::room::expected_power;
 use super::channel::{
-    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, accumulate, node_time, phasor, tone,
+    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, node_time, phasor, sweep_of,
 };
 use crate::numerics::differentiation;
 use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
@@ -102,16 +103,21 @@ impl Converter {
         ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC).to_bits() as i16) << self.shift
     }
 
-    /// Appends real and imaginary parts by turns.
-    fn convert_all(&self, re: &[f64], im: &[f64], values: &mut Vec<i16>) {
+    /// Appends real and imaginary parts by turns, each with its noise.
+    fn convert_all(&self, re: &[f64], im: &[f64], noise: &[f64], values: &mut Vec<i16>) {
         let from = values.len();
         values.resize(from + 2 * re.len(), 0);
         let (pairs, _) = values[from..].as_chunks_mut::<2>();
-        pulp::Arch::new().dispatch(
+        let (noise, _) = noise.as_chunks::<2>();
+        vectorised(
             #[inline(always)]
             || {
-                for (pair, (&re, &im)) in pairs.iter_mut().zip(re.iter().zip(im)) {
-                    *pair = [self.convert(re), self.convert(im)];
+                for ((pair, noise), (&re, &im)) in pairs.iter_mut().zip(noise).zip(re.iter().zip(im)) {
+                    let noisy = [re + self.noise_lsb * noise[0], im + self.noise_lsb * noise[1]];
+                    *pair = noisy.map(
+                        #[inline(always)]
+                        |x| self.convert(x),
+                    );
                 }
             },
         );
@@ -162,6 +168,8 @@ pub struct Receiver<'a> {
     /// Of a radar with digital dechirp that is not the paper's.
     chirp: Vec<Complex64>,
     beat: Samples,
+    /// Draws of a slot's thermal noise, of the paper's radar.
+    noise: Vec<f64>,
 }
 
 impl<'a> Receiver<'a> {
@@ -171,6 +179,7 @@ impl<'a> Receiver<'a> {
         let samples = usize::from(radar.samples);
         let response = Response::of(radar);
         let own = matches!((&response, radar.dechirp), (Response::Table(_), Dechirp::Digital));
+        let papers = matches!(response, Response::Paper);
         let effects = radar.effects();
         let converter = Converter::of(scenario);
         let impairments =
@@ -185,6 +194,7 @@ impl<'a> Receiver<'a> {
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
             beat: Samples::new(samples, filters.is_some()),
+            noise: if papers { vec![0.0; 2 * samples] } else { Vec::new() },
             offset: Blocks::default(),
             converter,
             impairments,
@@ -284,7 +294,7 @@ impl<'a> Receiver<'a> {
             oscillator.draw(&mut self.beat.frequency);
         }
         let Impairments { direct, image, offset, limiter, leakage, .. } = self.impairments;
-        let Receiver { radar, converter, random, ac_coupling, .. } = self;
+        let Receiver { radar, converter, random, ac_coupling, noise, .. } = self;
         let noise_lsb = converter.noise_lsb;
         // in LSB from here on
         let limiter = limiter.map(|one| Limiter { steepness: one.steepness * converter.lsb * converter.lsb });
@@ -293,25 +303,36 @@ impl<'a> Receiver<'a> {
         let tones = paths.iter().map(|path| (path.gain, path.delay_s));
         let tones = tones.chain(leakage.map(|one| (one.gain, one.delay_s)));
         if matches!(self.response, Response::Paper) {
-            let mut sweep = Sweep::default();
-            tones.for_each(|(gain, delay_s)| accumulate(&mut sweep, &tone(gain, delay_s)));
-            let scaled: Sweep = sweep.map(|z| z * turn / converter.lsb);
+            let scaled: Sweep = sweep_of(tones).map(|z| z * turn / converter.lsb);
             self.beat.interpolate(&scaled, || time_shift(&scaled));
             let Samples { re, im, .. } = &mut self.beat;
-            pulp::Arch::new().dispatch(
+            let (zero, one) = (Complex64::default(), Complex64::new(1.0, 0.0));
+            let ideal = limiter.is_none() && [direct, image, offset] == [one, zero, zero];
+            let chirp = &*CHIRP;
+            vectorised(
                 #[inline(always)]
                 || {
-                    for ((re, im), chirp) in re.iter_mut().zip(im.iter_mut()).zip(CHIRP.iter()) {
-                        let z = impaired(compressed(Complex64::new(*re, *im)) * chirp);
-                        (*re, *im) = (z.re, z.im);
+                    let samples = re.iter_mut().zip(im.iter_mut()).zip(chirp);
+                    if ideal {
+                        samples.for_each(
+                            #[inline(always)]
+                            |((re, im), s)| {
+                                (*re, *im) = (*re * s.re - *im * s.im, *re * s.im + *im * s.re);
+                            },
+                        );
+                    } else {
+                        samples.for_each(
+                            #[inline(always)]
+                            |((re, im), s)| {
+                                let z = impaired(compressed(Complex64::new(*re, *im)) * s);
+                                (*re, *im) = (z.re, z.im);
+                            },
+                        );
                     }
                 },
             );
-            for (re, im) in re.iter_mut().zip(im.iter_mut()) {
-                *re += noise_lsb * random.gaussian();
-                *im += noise_lsb * random.gaussian();
-            }
-            converter.convert_all(re, im, values);
+            random.gaussians(noise);
+            converter.convert_all(re, im, noise, values);
             return;
         }
         self.beat.fill(tones, radar);
