@@ -8,7 +8,7 @@ use super::record::TruthRecord;
 use super::{Work, sigmf};
 use crate::formats::numpy;
 use crate::formats::slots::{Slots, to_le_bytes};
-use crate::network::spectrograms::images_of_beats;
+use crate::network::spectrograms::image_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
 use crate::store::file_record::FileRecord;
@@ -78,7 +78,7 @@ pub fn one(work: &Work, index: u32) -> One {
         let (beats, truth) = beats(scenario, *rho, request.seed, Set::Train, class, n, slots);
         (None, beats, truth)
     };
-    let image = images_of_beats(scenario, &beats).pop().unwrap_or_default();
+    let image = image_of_beats(scenario, &beats);
     let beat = beats.iter().flat_map(|beat| beat.map(|z| [z.re, z.im])).flatten().collect();
     One { slots, image, beat, label: (index % count) as u8, truth }
 }

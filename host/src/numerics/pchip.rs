@@ -52,6 +52,7 @@ impl Periodic {
     }
 
     /// Value and slope at phase `t`, any real number.
+    #[inline]
     pub fn at(&self, t: f64) -> (f64, f64) {
         let t = t - t.floor();
         let mut i = usize::from(self.cells[((t * CELLS as f64) as usize).min(CELLS - 1)]);

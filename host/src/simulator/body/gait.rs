@@ -23,10 +23,12 @@ pub struct Gait {
     elbow: Periodic,
 }
 
+#[inline(always)]
 fn sine<R: Real>(turns: R) -> R {
     turns.sin_cos_turns().0
 }
 
+#[inline(always)]
 fn cosine<R: Real>(turns: R) -> R {
     turns.sin_cos_turns().1
 }
@@ -109,6 +111,7 @@ impl Gait {
     }
 
     /// Translation of the pelvis at phase `t` in units of H_t (the published figures, which public code takes as m).
+    #[inline(always)]
     pub fn translation<R: Real>(&self, t: R) -> Vec3<R> {
         let rv = self.rv;
         let (lateral, forward) = if rv < 0.5 {
@@ -126,6 +129,7 @@ impl Gait {
     }
 
     /// Pelvis roll in degrees.
+    #[inline(always)]
     fn roll<R: Real>(&self, t: R) -> R {
         let a = 1.66 * self.rv;
         let [offset, sign, turns] = t.lift(|t| {

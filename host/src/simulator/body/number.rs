@@ -109,7 +109,7 @@ impl Real for Dual {
 }
 
 /// Instants side by side.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// The same number at [`LANES`] instants, which the compiler puts in vector registers. IEEE operations only (no fused
 /// multiply-add), so that the bits do not depend on the processor.

@@ -9,8 +9,12 @@ use std::sync::LazyLock;
 /// Samples worked on together: their sums stay in registers.
 const BLOCK: usize = 40;
 
-/// Values of the Lagrange polynomials of the nodes at the samples, `[block][node][fast_time]`.
-static INTERPOLATION: LazyLock<Vec<[[f64; BLOCK]; NODES]>> = LazyLock::new(|| {
+/// The polynomials at a block's samples, `[node][fast_time]`, where a vector lies within a line of the cache.
+#[repr(align(64))]
+struct Rows([[f64; BLOCK]; NODES]);
+
+/// Values of the Lagrange polynomials of the nodes at the samples, block by block.
+static INTERPOLATION: LazyLock<Vec<Rows>> = LazyLock::new(|| {
     let node = |k: usize| PI * (k as f64 + 0.5) / NODES as f64;
     let at = |k: usize, n: usize| {
         let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
@@ -19,7 +23,7 @@ static INTERPOLATION: LazyLock<Vec<[[f64; BLOCK]; NODES]>> = LazyLock::new(|| {
         let sum: f64 = (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * node(k))).sum();
         (1.0 + 2.0 * sum) / NODES as f64
     };
-    let block = |b: usize| std::array::from_fn(|k| std::array::from_fn(|n| at(k, b * BLOCK + n + 1)));
+    let block = |b: usize| Rows(std::array::from_fn(|k| std::array::from_fn(|n| at(k, b * BLOCK + n + 1))));
     (0..SAMPLES / BLOCK).map(block).collect()
 });
 
@@ -44,7 +48,7 @@ pub fn interpolate(nodes: &Sweep, re: &mut [f64], im: &mut [f64]) {
         || {
             let (re, _) = re.as_chunks_mut::<BLOCK>();
             let (im, _) = im.as_chunks_mut::<BLOCK>();
-            for (rows, (re, im)) in table.iter().zip(re.iter_mut().zip(im)) {
+            for (Rows(rows), (re, im)) in table.iter().zip(re.iter_mut().zip(im)) {
                 *re = sums(rows, &real);
                 *im = sums(rows, &imaginary);
             }

@@ -99,8 +99,11 @@ impl Converter {
     #[inline(always)]
     fn convert(&self, x: f64) -> i16 {
         const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+        let smallest = -1.0 - self.largest;
+        let x = if x < smallest { smallest } else { x };
+        let x = if x > self.largest { self.largest } else { x };
         // the integer is what the sum's mantissa ends with
-        ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC).to_bits() as i16) << self.shift
+        ((x + MAGIC).to_bits() as i16) << self.shift
     }
 
     /// Appends real and imaginary parts by turns, each with its noise.
@@ -260,12 +263,16 @@ impl<'a> Receiver<'a> {
         let Converter { lsb, noise_lsb, .. } = self.converter;
         let scale = BLOCK_SAMPLES as f64 * 32767.0 / f64::from(1_u32 << RadarConfig::PAPER.shift());
         let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
+        let mut drawn = [0.0; 2 * BLOCKS];
+        self.random.gaussians(&mut drawn);
+        let (drawn, _) = drawn.as_chunks::<2>();
         let mut beat = ZERO_BEAT;
-        for (((out, z), image), offset) in beat.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset) {
+        let places = beat.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset);
+        for ((((out, z), image), offset), drawn) in places.zip(drawn) {
             let z = z * turn / lsb;
             let z = self.impairments.direct * z + self.impairments.image * (z.conj() * image) + offset;
-            out.re = round((z.re + noise * self.random.gaussian()) * scale);
-            out.im = round((z.im + noise * self.random.gaussian()) * scale);
+            out.re = round((z.re + noise * drawn[0]) * scale);
+            out.im = round((z.im + noise * drawn[1]) * scale);
         }
         beat
     }
