@@ -30,7 +30,7 @@ use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
 use samples::Samples;
 use sdp3_core::config::RadarConfig;
-use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
+use sdp3_core::dims::{BEATS, Beat, Complex, ZERO_BEAT};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -265,16 +265,26 @@ impl<'a> Receiver<'a> {
         let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
         let mut drawn = [0.0; 2 * BLOCKS];
         self.random.gaussians(&mut drawn);
-        let (drawn, _) = drawn.as_chunks::<2>();
-        let mut beat = ZERO_BEAT;
-        let places = beat.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset);
-        for ((((out, z), image), offset), drawn) in places.zip(drawn) {
-            let z = z * turn / lsb;
-            let z = self.impairments.direct * z + self.impairments.image * (z.conj() * image) + offset;
-            out.re = round((z.re + noise * drawn[0]) * scale);
-            out.im = round((z.im + noise * drawn[1]) * scale);
-        }
-        beat
+        let ideal = self.impairments.is_ideal() && turn == Complex64::new(1.0, 0.0);
+        let Impairments { direct, image, .. } = self.impairments;
+        let (re, im) = vectorised(
+            #[inline(always)]
+            || {
+                let mut scaled = blocks.map(|z| z / lsb);
+                if !ideal {
+                    let places = scaled.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset);
+                    for (((to, z), of_image), offset) in places {
+                        let z = z * turn / lsb;
+                        *to = direct * z + image * (z.conj() * of_image) + offset;
+                    }
+                }
+                let part = |k: usize, x: f64| round((x + noise * drawn[k]) * scale);
+                let re: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b, scaled[b].re));
+                let im: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b + 1, scaled[b].im));
+                (re, im)
+            },
+        );
+        std::array::from_fn(|b| Complex::new(re[b], im[b]))
     }
 
     fn range_samples(
@@ -313,8 +323,7 @@ impl<'a> Receiver<'a> {
             let scaled: Sweep = sweep_of(tones).map(|z| z * turn / converter.lsb);
             self.beat.interpolate(&scaled, || time_shift(&scaled));
             let Samples { re, im, .. } = &mut self.beat;
-            let (zero, one) = (Complex64::default(), Complex64::new(1.0, 0.0));
-            let ideal = limiter.is_none() && [direct, image, offset] == [one, zero, zero];
+            let ideal = self.impairments.is_ideal();
             let chirp = &*CHIRP;
             vectorised(
                 #[inline(always)]
