@@ -7,8 +7,8 @@
 use super::record::TruthRecord;
 use super::{Work, sigmf};
 use crate::formats::numpy;
-use crate::formats::slots::Slots;
-use crate::network::spectrograms::images_of_beats;
+use crate::formats::slots::{Slots, to_le_bytes};
+use crate::network::spectrograms::image_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
 use crate::store::file_record::FileRecord;
@@ -23,8 +23,8 @@ use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Recordings in a part; the last may have fewer.
 pub const RECORDINGS: u32 = 100;
-/// Raw bytes that are held before they are written: what bounds the memory.
-const RAW_HELD: usize = 128 << 20;
+/// Values that are turned into bytes at a time: they stay in the cache.
+const VALUES: usize = 1 << 15;
 /// What makes a sidecar.
 pub(super) const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
 
@@ -78,7 +78,7 @@ pub fn one(work: &Work, index: u32) -> One {
         let (beats, truth) = beats(scenario, *rho, request.seed, Set::Train, class, n, slots);
         (None, beats, truth)
     };
-    let image = images_of_beats(scenario, &beats).pop().unwrap_or_default();
+    let image = image_of_beats(scenario, &beats);
     let beat = beats.iter().flat_map(|beat| beat.map(|z| [z.re, z.im])).flatten().collect();
     One { slots, image, beat, label: (index % count) as u8, truth }
 }
@@ -218,10 +218,7 @@ fn fill<W: Write + Seek>(
     let config = work.scenario.radar.config();
     let mut all = Vec::with_capacity(n);
     // the raw slots, if wanted, come first and go to the file as they are made
-    let step = match work.request.raw {
-        true => (RAW_HELD / (slots * 2 * config.values_per_slot()).max(1)).clamp(1, n),
-        false => n,
-    };
+    let step = if work.request.raw { rayon::current_num_threads() } else { n };
     let mut batch = |from: u32| -> io::Result<Vec<One>> {
         let batch = from..range.end.min(from + step as u32);
         let (ones, described): (Vec<_>, Vec<_>) =
@@ -238,8 +235,8 @@ fn fill<W: Write + Seek>(
         array(archive, "raw", ("<i2", 2), &shape, |put| {
             for from in range.clone().step_by(step) {
                 let mut ones = batch(from)?;
-                for one in &mut ones {
-                    put(&one.slots.take().as_ref().map(Slots::to_le_bytes).unwrap_or_default())?;
+                for slots in ones.iter_mut().filter_map(|one| one.slots.take()) {
+                    slots.values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))?;
                 }
                 all.extend(ones);
             }

@@ -48,8 +48,13 @@ impl Slots {
 
     /// The values as bytes, little-endian.
     pub fn to_le_bytes(&self) -> Vec<u8> {
-        self.values.iter().flat_map(|value| value.to_le_bytes()).collect()
+        to_le_bytes(&self.values)
     }
+}
+
+/// Values as bytes, little-endian.
+pub fn to_le_bytes(values: &[i16]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 impl<'a> IntoIterator for &'a Slots {

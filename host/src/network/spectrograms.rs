@@ -241,18 +241,29 @@ pub fn sliding(
 
 /// Images at every N_s of the scenario of a recording's raw slots.
 pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
-    images_on_the_way(scenario, slots.len(), |front_end, n| front_end.push(&slots[n], &mut ()))
+    let wanted = &scenario.frame.sensing_slots;
+    images_on_the_way(scenario, slots.len(), wanted, |front_end, n| front_end.push(&slots[n], &mut ()))
 }
 
 /// Images at every N_s of the scenario of a recording's beats.
 pub fn images_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<Vec<i8>> {
-    images_on_the_way(scenario, beats.len(), |front_end, n| front_end.push_beat(beats[n], &mut ()))
+    images_of_first_beats(scenario, beats, &scenario.frame.sensing_slots)
 }
 
-/// One pass: an image whenever as many slots are in as an N_s asks for.
+/// Image of all of a recording's beats; empty if they do not fill a window.
+pub fn image_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<i8> {
+    images_of_first_beats(scenario, beats, &[beats.len() as u32]).pop().unwrap_or_default()
+}
+
+fn images_of_first_beats(scenario: &Scenario, beats: &[Beat], wanted: &[u32]) -> Vec<Vec<i8>> {
+    images_on_the_way(scenario, beats.len(), wanted, |front_end, n| front_end.push_beat(beats[n], &mut ()))
+}
+
+/// One pass: an image whenever as many slots are in as one of `wanted`.
 fn images_on_the_way(
     scenario: &Scenario,
     slots: usize,
+    wanted: &[u32],
     push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
@@ -264,7 +275,7 @@ fn images_on_the_way(
     let mut images = Vec::new();
     for n in 0..slots {
         push(&mut front_end, n);
-        if scenario.frame.sensing_slots.contains(&(front_end.taken() as u32)) {
+        if wanted.contains(&(front_end.taken() as u32)) {
             images.push(front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default());
         }
     }

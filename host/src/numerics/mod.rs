@@ -8,3 +8,5 @@ pub(crate) mod fresnel;
 pub(crate) mod pchip;
 pub mod random;
 pub(crate) mod resample;
+pub(crate) mod sincos;
+pub(crate) mod vectors;

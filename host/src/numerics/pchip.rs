@@ -7,9 +7,11 @@ const CELLS: usize = 64;
 
 /// One cubic piece: from where it begins, a0 + a1 s + a2 s^2 + a3 s^3.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
-    start: f64,
-    a: [f64; 4],
+pub struct Piece {
+    /// From where on it holds.
+    pub start: f64,
+    /// a0 to a3.
+    pub a: [f64; 4],
 }
 
 /// A curve of period 1 through control points.
@@ -51,14 +53,23 @@ impl Periodic {
         Periodic { pieces, cells }
     }
 
+    /// The piece at phase `t`, 0..1, and the phase where the next one begins.
+    #[inline]
+    pub fn piece(&self, t: f64) -> (Piece, f64) {
+        let mut i = usize::from(self.cells[((t * CELLS as f64) as usize).min(CELLS - 1)]);
+        loop {
+            match self.pieces.get(i + 1) {
+                Some(next) if next.start <= t => i += 1,
+                next => return (self.pieces[i], next.map_or(f64::INFINITY, |next| next.start)),
+            }
+        }
+    }
+
     /// Value and slope at phase `t`, any real number.
+    #[inline]
     pub fn at(&self, t: f64) -> (f64, f64) {
         let t = t - t.floor();
-        let mut i = usize::from(self.cells[((t * CELLS as f64) as usize).min(CELLS - 1)]);
-        while self.pieces.get(i + 1).is_some_and(|next| next.start <= t) {
-            i += 1;
-        }
-        let Piece { start, a } = self.pieces[i];
+        let Piece { start, a } = self.piece(t).0;
         let s = t - start;
         let value = a[0] + s * (a[1] + s * (a[2] + s * a[3]));
         (value, a[1] + s * (2.0 * a[2] + 3.0 * s * a[3]))

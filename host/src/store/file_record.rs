@@ -4,7 +4,10 @@ use super::digest::{Hash, sha256};
 use super::output::{Output, OutputError};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io;
+use std::io::{self, BufReader};
+
+/// Bytes of a file that are read at a time: they stay in the cache.
+const PIECE: usize = 1 << 17;
 
 /// A file by name, length and digest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,7 +35,8 @@ impl FileRecord {
         let path = output.path(name);
         let read = || {
             let mut hash = Hash::default();
-            let bytes = io::copy(&mut File::open(&path)?, &mut hash)?;
+            let mut file = BufReader::with_capacity(PIECE, File::open(&path)?);
+            let bytes = io::copy(&mut file, &mut hash)?;
             Ok(FileRecord { name: name.to_owned(), bytes, sha256: hash.hex() })
         };
         read().map_err(|source| OutputError::Read {

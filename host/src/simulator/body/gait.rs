@@ -23,10 +23,12 @@ pub struct Gait {
     elbow: Periodic,
 }
 
+#[inline(always)]
 fn sine<R: Real>(turns: R) -> R {
     turns.sin_cos_turns().0
 }
 
+#[inline(always)]
 fn cosine<R: Real>(turns: R) -> R {
     turns.sin_cos_turns().1
 }
@@ -109,6 +111,7 @@ impl Gait {
     }
 
     /// Translation of the pelvis at phase `t` in units of H_t (the published figures, which public code takes as m).
+    #[inline(always)]
     pub fn translation<R: Real>(&self, t: R) -> Vec3<R> {
         let rv = self.rv;
         let (lateral, forward) = if rv < 0.5 {
@@ -126,6 +129,7 @@ impl Gait {
     }
 
     /// Pelvis roll in degrees.
+    #[inline(always)]
     fn roll<R: Real>(&self, t: R) -> R {
         let a = 1.66 * self.rv;
         let [offset, sign, turns] = t.lift(|t| {
@@ -147,19 +151,12 @@ impl Gait {
     pub fn pose<R: Real>(&self, t: R) -> [Vec3<R>; JOINTS] {
         let s = &self.segments;
         let aside = |width: f64, up: f64| [R::of(0.0), R::of(width), R::of(up)];
-        let curve = |c: &Periodic, t: R| {
-            let [angle] = t.lift(|t| {
-                let (value, slope) = c.at(t);
-                ([value], [slope])
-            });
-            angle
-        };
         let flex = if self.rv < 0.5 { -8.0 * self.rv * self.rv + 8.0 * self.rv } else { 2.0 };
         let flex = Turn::degrees(sine(t.times(2.0).plus(-0.1)).times(flex).plus(-flex));
         let roll = Turn::degrees(-self.roll(t));
         let swing = cosine(t);
         let torsion = Turn::degrees(swing.times(-4.0 * self.rv));
-        let thorax = Turn::degrees(curve(&self.thorax, t));
+        let thorax = Turn::degrees(t.on(&self.thorax));
         let upper = |v: Vec3<R>| thorax.yaw(flex.pitch(v));
         let lower = |v: Vec3<R>| torsion.yaw(roll.tilt(v));
 
@@ -170,16 +167,16 @@ impl Gait {
             let amplitude = 9.88 * self.rv;
             // half a cycle later the cosine has changed its sign
             let shoulder = Turn::degrees(swing.times(sign * amplitude).plus(3.0 - amplitude / 2.0));
-            let elbow = Turn::degrees(curve(&self.elbow, phase));
+            let elbow = Turn::degrees(phase.on(&self.elbow));
             let root = aside(sign * s.half_shoulder, s.torso);
             let [elbow, hand] = arm(s, shoulder, elbow);
             joints[joint::SHOULDER + side] = upper(root);
             joints[joint::ELBOW + side] = upper(add(elbow, root));
             joints[joint::HAND + side] = upper(add(hand, root));
 
-            let hip = Turn::degrees(curve(&self.hip, phase));
-            let knee = Turn::degrees(-curve(&self.knee, phase));
-            let ankle = Turn::degrees(curve(&self.ankle, phase));
+            let hip = Turn::degrees(phase.on(&self.hip));
+            let knee = Turn::degrees(-phase.on(&self.knee));
+            let ankle = Turn::degrees(phase.on(&self.ankle));
             let root = aside(sign * s.half_hip, 0.0);
             let [knee, ankle, toe] = leg(s, hip, knee, ankle);
             joints[joint::HIP + side] = lower(root);

@@ -206,6 +206,7 @@ impl Person {
     }
 
     /// Joints at `t` seconds, in the room's coordinates.
+    #[inline(always)]
     pub fn joints<R: Real>(&self, t: R) -> [Vec3<R>; JOINTS] {
         let (pose, offset) = match &self.motion {
             Motion::Captured { capture, offset } => return captured(capture, *offset, t),
@@ -222,12 +223,15 @@ impl Person {
         };
         let [x, y, c, s] = self.trajectory.at(t);
         let place = [x, y, R::of(self.pelvis)];
-        pose.map(|p| {
-            let [x, y, z] = add(p, offset);
-            add(place, [c * x - s * y, s * x + c * y, z])
-        })
+        let mut joints = pose;
+        for joint in &mut joints {
+            let [x, y, z] = add(*joint, offset);
+            *joint = add(place, [c * x - s * y, s * x + c * y, z]);
+        }
+        joints
     }
 
+    #[inline(always)]
     fn resting<R: Real>(&self, rest: &Rest, t: R) -> ([Vec3<R>; JOINTS], Vec3<R>) {
         let mut pose = self.gait.pose(0.25).map(|p| p.map(R::of));
         let chest = wave(BREATH_M, rest.breath, t);
@@ -253,12 +257,14 @@ impl Person {
 }
 
 /// A sine of this amplitude, and (frequency in Hz, phase in turns).
+#[inline(always)]
 fn wave<R: Real>(amplitude: f64, (hz, phase): (f64, f64), t: R) -> R {
     t.times(hz).plus(phase).sin_cos_turns().0.times(amplitude)
 }
 
 impl Rest {
     /// Offset of the whole body in m.
+    #[inline(always)]
     fn sway<R: Real>(&self, t: R) -> Vec3<R> {
         let [ahead, aside] = self.sway;
         [wave(SWAY_M, ahead, t), wave(SWAY_M, aside, t), R::of(0.0)]

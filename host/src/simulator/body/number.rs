@@ -3,6 +3,7 @@
 //! [`f64`] for a position, [`Dual`] for a position with its exact rate of change (forward differentiation), [`Lanes`]
 //! for several instants side by side.
 
+use crate::numerics::pchip::Periodic;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What a kinematic formula may do with a number.
@@ -15,6 +16,8 @@ pub trait Real:
     fn sin_cos_turns(self) -> (Self, Self);
     /// K functions of the number at once: `f` gives their values and slopes.
     fn lift<const K: usize>(self, f: impl Fn(f64) -> ([f64; K], [f64; K])) -> [Self; K];
+    /// A periodic curve at the number.
+    fn on(self, curve: &Periodic) -> Self;
     /// The number times a constant.
     #[inline(always)]
     fn times(self, k: f64) -> Self {
@@ -40,6 +43,9 @@ impl Real for f64 {
     }
     fn lift<const K: usize>(self, f: impl Fn(f64) -> ([f64; K], [f64; K])) -> [Self; K] {
         f(self).0
+    }
+    fn on(self, curve: &Periodic) -> Self {
+        curve.at(self).0
     }
 }
 
@@ -106,14 +112,19 @@ impl Real for Dual {
         let (values, slopes) = f(self.value);
         std::array::from_fn(|k| Dual { value: values[k], rate: slopes[k] * self.rate })
     }
+    fn on(self, curve: &Periodic) -> Self {
+        let (value, slope) = curve.at(self.value);
+        Dual { value, rate: slope * self.rate }
+    }
 }
 
 /// Instants side by side.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// The same number at [`LANES`] instants, which the compiler puts in vector registers. IEEE operations only (no fused
 /// multiply-add), so that the bits do not depend on the processor.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Lanes([f64; LANES]);
 
 impl Lanes {
@@ -211,6 +222,19 @@ impl Real for Lanes {
     fn lift<const K: usize>(self, f: impl Fn(f64) -> ([f64; K], [f64; K])) -> [Self; K] {
         let at = self.to_array().map(|x| f(x).0);
         std::array::from_fn(|k| Self::new(std::array::from_fn(|lane| at[lane][k])))
+    }
+    /// The instants mostly lie on one piece.
+    #[inline(always)]
+    fn on(self, curve: &Periodic) -> Self {
+        let t = Lanes(self.0.map(|t| t - t.floor()));
+        let (piece, until) = curve.piece(t.0[0]);
+        if t.0.iter().all(|&t| piece.start <= t && t < until) {
+            let [a0, a1, a2, a3] = piece.a;
+            let s = t.plus(-piece.start);
+            let inner = s * s.times(a3).plus(a2);
+            return (s * inner.plus(a1)).plus(a0);
+        }
+        Lanes(self.0.map(|t| curve.at(t).0))
     }
 }
 

@@ -165,6 +165,7 @@ impl Trajectory {
     }
 
     /// x, y in m, cos and sin of the heading at time `t` in s.
+    #[inline(always)]
     pub fn at<R: Real>(&self, t: R) -> [R; 4] {
         t.lift(|t| {
             let s = self.speed * t.max(0.0);

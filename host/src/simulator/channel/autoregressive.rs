@@ -4,7 +4,7 @@
 //! phases (802.11ay) or complex Gaussian taps (802.11ax), so the recursion runs on one complex number per ray.
 
 use super::ieee80211ay::Ray;
-use super::{Blocks, Complex64, Path, Sensor, phasor};
+use super::{BLOCKS, Blocks, Complex64, Path, Sensor, phasor};
 use crate::numerics::random::Random;
 use crate::scenario::{Advance, ArMode, Channel};
 use crate::simulator::body::number::{LANES, Lanes, Real};
@@ -26,8 +26,10 @@ pub struct Ar1Process {
     innovation_kind: Innovation,
     state: Vec<Complex64>,
     draw: Vec<Complex64>,
-    /// Range samples of each ray at the amplitudes 1 and j, once they are asked for.
-    parts: Vec<[Blocks; 2]>,
+    /// Gaussian numbers of a draw, two a ray.
+    numbers: Vec<f64>,
+    /// Range samples of each ray at the amplitudes 1 and j, once they are asked for: real and imaginary parts by turns.
+    parts: Vec<[[f64; 2 * BLOCKS]; 2]>,
     rho: f64,
     innovation: f64,
     mode: ArMode,
@@ -47,6 +49,7 @@ impl Ar1Process {
     ) -> Self {
         Ar1Process {
             parts: Vec::new(),
+            numbers: vec![0.0; 2 * rays.len()],
             state: vec![Complex64::default(); rays.len()],
             draw: vec![Complex64::default(); rays.len()],
             rays,
@@ -68,9 +71,13 @@ impl Ar1Process {
 
     fn draw(&mut self, random: &mut Random) {
         match self.innovation_kind {
-            Innovation::Gaussian => self.draw.iter_mut().for_each(|z| {
-                *z = Complex64::new(random.gaussian(), random.gaussian()) * FRAC_1_SQRT_2;
-            }),
+            Innovation::Gaussian => {
+                random.gaussians(&mut self.numbers);
+                let (pairs, _) = self.numbers.as_chunks::<2>();
+                for (z, [re, im]) in self.draw.iter_mut().zip(pairs) {
+                    *z = Complex64::new(re * FRAC_1_SQRT_2, im * FRAC_1_SQRT_2);
+                }
+            }
             Innovation::Phase => {
                 for group in self.draw.chunks_mut(LANES) {
                     let mut turns = [0.0; LANES];
@@ -131,15 +138,22 @@ impl Ar1Process {
         if self.parts.is_empty() {
             let parts = |ray: &Ray| {
                 let weight = sensor.antenna.amplitude(ray.departure) * sensor.antenna.amplitude(ray.arrival);
-                sensor.response.parts(ray.delay_s).map(|part| part.map(|z| z * weight))
+                sensor.response.parts(ray.delay_s).map(|part| {
+                    let part = part.map(|z| z * weight);
+                    std::array::from_fn(|k| if k % 2 == 0 { part[k / 2].re } else { part[k / 2].im })
+                })
             };
             self.parts = self.rays.iter().map(parts).collect();
         }
+        let mut sums: [f64; 2 * BLOCKS] =
+            std::array::from_fn(|k| if k % 2 == 0 { beat[k / 2].re } else { beat[k / 2].im });
         for (state, [one, j]) in self.state.iter().zip(&self.parts) {
-            for ((sum, one), j) in beat.iter_mut().zip(one).zip(j) {
-                sum.re += state.re * one.re + state.im * j.re;
-                sum.im += state.re * one.im + state.im * j.im;
+            for ((sum, one), j) in sums.iter_mut().zip(one).zip(j) {
+                *sum += state.re * one + state.im * j;
             }
+        }
+        for (beat, sum) in beat.iter_mut().zip(sums.as_chunks::<2>().0) {
+            *beat = Complex64::new(sum[0], sum[1]);
         }
     }
 }

@@ -15,6 +15,7 @@ use super::room::{StaticPath, received_power, static_paths};
 use super::target::direct;
 use super::{Blocks, ChannelModel, Path, Scene, Sensor, wavelength};
 use crate::numerics::random::Random;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{ArMode, Scenario};
 use crate::simulator::body::Vec3;
 use crate::simulator::body::number::{LANES, Lanes};
@@ -144,10 +145,6 @@ impl ChannelModel for Dahc {
         if !self.mean.is_empty() {
             self.mean_beats(scene, sensor, beats);
         }
-        let echo = match sensor.response {
-            Response::Paper => narrow_echo,
-            Response::Table(_) => wide_echo,
-        };
         for (group, beats) in beats.chunks_mut(LANES).enumerate() {
             let first = (group * LANES) as u32;
             let kept: Option<[Vec<[f64; PRIMITIVES]>; LANES]> = self.obstruction.is_on().then(|| {
@@ -161,13 +158,20 @@ impl ChannelModel for Dahc {
                 let view = View {
                     radar: scene.to,
                     lambda: self.lambda,
-                    first: scene.time_s + f64::from(first) * interval_s,
+                    begin_s: scene.time_s,
+                    first,
                     interval_s,
                     kept: kept.as_ref().map(|kept| {
                         std::array::from_fn(|k| Lanes::new(kept.each_ref().map(|kept| kept[number][k])))
                     }),
                 };
-                echo(sensor, target, &view, beats);
+                vectorised(
+                    #[inline(always)]
+                    || match sensor.response {
+                        Response::Paper => narrow_echo(sensor, target, &view, beats),
+                        Response::Table(_) => wide_echo(sensor, target, &view, beats),
+                    },
+                );
             }
         }
     }

@@ -1,28 +1,34 @@
 //! Range samples of a person's sixteen primitives, several slots at a time.
 
 use super::antenna::Antenna;
-use super::target::{NEAREST_M, Target};
+use super::target::{NEAREST_M, SPREADING, Target};
 use super::{BLOCK_S, BLOCKS, Blocks, Complex64, MIDDLE_S, SWEEP_RATE, Sensor, boxcar};
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::number::{LANES, Lanes, Real};
 use crate::simulator::body::primitives::{PRIMITIVES, primitive};
 use crate::simulator::body::{Vec3, sub};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// From where a person is seen, when, and what is left of it.
 pub(super) struct View {
     pub radar: Vec3,
     pub lambda: f64,
-    /// Time of the first of the slots in s.
-    pub first: f64,
+    /// Time in s from which slots are counted.
+    pub begin_s: f64,
+    /// The first of the slots.
+    pub first: u32,
     pub interval_s: f64,
     /// Amplitude that obstruction leaves of each primitive.
     pub kept: Option<[Lanes; PRIMITIVES]>,
 }
 
 impl View {
+    #[inline(always)]
     fn times(&self) -> Lanes {
-        Lanes::new(std::array::from_fn(|lane| self.first + lane as f64 * self.interval_s))
+        // in fours, whose rounding recordings keep
+        let four = |lane: u32| self.begin_s + f64::from(self.first + lane / 4 * 4) * self.interval_s;
+        let at = |lane: u32| four(lane) + f64::from(lane % 4) * self.interval_s;
+        Lanes::new(std::array::from_fn(|lane| at(lane as u32)))
     }
 
     /// A primitive's amplitude through the antenna, there and back, and past what hides it.
@@ -44,11 +50,12 @@ impl View {
 }
 
 /// Adds a person's range samples of up to [`LANES`] slots, every primitive at its own delay: range cells may be smaller than a body.
+#[inline(always)]
 pub(super) fn wide_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
     let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
     let joints = person.joints(t);
-    let front = target.gain * lambda / libm::pow(4.0 * PI, 1.5);
+    let front = target.gain * lambda / SPREADING;
     for (index, phase) in target.phases.iter().enumerate() {
         let part = primitive(&joints, person.segments(), person.truth.height_m, index);
         let (distance, amplitude) = part.echo(radar);
@@ -71,12 +78,13 @@ const TERMS: usize = 4;
 /// With tau_0 the torso's delay, block b at kappa_b = 2 pi S (t_b - t_mid) sees
 /// sum_p a_p exp(-j kappa_b tau_p) = exp(-j kappa_b tau_0) sum_q (-j kappa_b)^q / q! M_q with M_q = sum_p a_p (tau_p - tau_0)^q:
 /// one phasor a primitive instead of eight.
+#[inline(always)]
 pub(super) fn narrow_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
     let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
     let joints = person.joints(t);
     let part = |index| primitive(&joints, person.segments(), person.truth.height_m, index);
-    let front = target.gain * lambda / libm::pow(4.0 * PI, 1.5);
+    let front = target.gain * lambda / SPREADING;
     // turns per metre of distance: the carrier and the sweep's middle
     let turns = 2.0 / lambda + 2.0 / SPEED_OF_LIGHT * SWEEP_RATE * MIDDLE_S;
     // the sweep's phase in rad per metre and block, from the middle

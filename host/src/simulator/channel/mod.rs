@@ -43,11 +43,14 @@ pub(crate) mod tr38901;
 
 use super::body::Vec3;
 use crate::numerics::random::Random;
+use crate::numerics::sincos::sincos;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{Model, SPEED_OF_LIGHT, Scenario};
 use antenna::Antenna;
 use response::Response;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 use target::Target;
 
 pub type Complex64 = Complex<f64>;
@@ -190,10 +193,38 @@ pub fn node_time(k: usize) -> f64 {
     SWEEP_S * 0.5 * (1.0 - libm::cos(PI * (k as f64 + 0.5) / NODES as f64))
 }
 
-/// One path's beat: `amplitude` times s(t - tau) / s(t) at the nodes, the carrier's phase left to the amplitude.
-pub fn tone(amplitude: Complex64, delay_s: f64) -> Sweep {
-    let start = phasor(PI * SWEEP_RATE * delay_s * delay_s) * amplitude;
-    std::array::from_fn(|k| start * phasor(-2.0 * PI * SWEEP_RATE * delay_s * node_time(k)))
+/// Times of the nodes in s.
+static NODE_TIMES: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(node_time));
+
+/// Paths whose first phases are found together.
+const TOGETHER: usize = 8;
+
+/// Sum of paths' beats at the nodes: of each its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude. Cost:
+/// [`NODES`] phasors a path.
+pub fn sweep_of(mut paths: impl Iterator<Item = (Complex64, f64)>) -> Sweep {
+    let times = &*NODE_TIMES;
+    vectorised(
+        #[inline(always)]
+        || {
+            let (mut re, mut im) = ([0.0; NODES], [0.0; NODES]);
+            while let Some(first) = paths.next() {
+                let (mut group, mut count) = ([first; TOGETHER], 1);
+                for (place, path) in group[1..].iter_mut().zip(&mut paths) {
+                    (*place, count) = (path, count + 1);
+                }
+                let [sines, cosines] = sincos(&group.map(|(_, delay_s)| PI * SWEEP_RATE * delay_s * delay_s));
+                for (n, (amplitude, delay_s)) in group.into_iter().enumerate().take(count) {
+                    let start = Complex64::new(cosines[n], sines[n]) * amplitude;
+                    let [s, c] = sincos(&times.map(|time_s| -2.0 * PI * SWEEP_RATE * delay_s * time_s));
+                    for k in 0..NODES {
+                        re[k] += start.re * c[k] - start.im * s[k];
+                        im[k] += start.re * s[k] + start.im * c[k];
+                    }
+                }
+            }
+            std::array::from_fn(|k| Complex64::new(re[k], im[k]))
+        },
+    )
 }
 
 /// Mean over a block of 125 samples of a tone at `frequency` in Hz, relative to its value at the block's centre, to -140 dB.
@@ -221,18 +252,19 @@ pub fn phasor(angle: f64) -> Complex64 {
     Complex64::new(cosine, sine)
 }
 
+/// -2 pi length / lambda in rad, whole wavelengths taken off.
+pub fn carrier_angle(length_m: f64, lambda: f64) -> f64 {
+    let turns = length_m / lambda;
+    -2.0 * PI * (turns - turns.floor())
+}
+
 /// exp(-j 2 pi length / lambda): whole wavelengths are taken off before the cosine.
 pub fn carrier_phase(length_m: f64, lambda: f64) -> Complex64 {
-    let turns = length_m / lambda;
-    phasor(-2.0 * PI * (turns - turns.floor()))
+    phasor(carrier_angle(length_m, lambda))
 }
 
 pub fn wavelength(carrier_hz: f64) -> f64 {
     SPEED_OF_LIGHT / carrier_hz
-}
-
-pub fn accumulate(a: &mut Sweep, b: &Sweep) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
 }
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 //! Eq. (uit) with the radar equation's amplitude, lambda sqrt(sigma) / ((4 pi)^1.5 D^2), the phase of the exact distance and
 //! the delay 2 D / c; on the way to a receiver the two distances differ. Mean echo: 3GPP TR 38.901 clause 7.9.2, human model 1.
 
-use super::{Path, Scene, carrier_phase, free_space, phasor};
+use super::{Complex64, Path, Scene, carrier_angle, carrier_phase, free_space, phasor};
 use crate::numerics::random::Random;
+use crate::numerics::sincos::sincos;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::SPEED_OF_LIGHT;
 use crate::simulator::body::motion::Person;
 use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
@@ -64,9 +66,17 @@ impl Target {
     /// Appends the echo of every primitive on the way from `scene.from` to `scene.to`.
     pub fn echoes(&self, scene: &Scene, lambda: f64, paths: &mut Vec<Path>) {
         let primitives = self.primitives(scene.time_s);
-        for ((primitive, phase), weight) in primitives.iter().zip(&self.phases).zip(&self.weights) {
-            let root = self.gain * weight * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
-            paths.push(scattered(scene, primitive.centre, root, lambda, *phase));
+        let ways = primitives.each_ref().map(|primitive| Way::of(scene, primitive.centre));
+        let turned = ways.each_ref().map(|way| carrier_angle(way.length(), lambda));
+        let [[s, c], [first_s, first_c]] = vectorised(
+            #[inline(always)]
+            || [sincos(&turned), sincos(&self.phases)],
+        );
+        for (k, (primitive, way)) in primitives.iter().zip(&ways).enumerate() {
+            let root =
+                self.gain * self.weights[k] * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
+            let (carrier, first) = (Complex64::new(c[k], s[k]), Complex64::new(first_c[k], first_s[k]));
+            paths.push(way.path(carrier * first, root, lambda));
         }
     }
 
@@ -80,19 +90,43 @@ impl Target {
     }
 }
 
+/// (4 pi)^1.5.
+pub const SPREADING: f64 = 44.546_623_974_653_656;
+
+/// From an antenna to a scatterer and on to the other.
+struct Way {
+    from: Vec3,
+    to: Vec3,
+    there: f64,
+    back: f64,
+}
+
+impl Way {
+    fn of(scene: &Scene, centre: Vec3) -> Self {
+        let (from, to) = (sub(centre, scene.from), sub(centre, scene.to));
+        Way { from, to, there: norm(from).max(NEAREST_M), back: norm(to).max(NEAREST_M) }
+    }
+
+    fn length(&self) -> f64 {
+        self.there + self.back
+    }
+
+    /// Off a cross section of root `root` in m, with a phasor.
+    fn path(&self, phasor: Complex64, root: f64, lambda: f64) -> Path {
+        let amplitude = lambda * root / (SPREADING * self.there * self.back);
+        Path {
+            gain: phasor * amplitude,
+            delay_s: self.length() / SPEED_OF_LIGHT,
+            departure: scale(self.from, 1.0 / self.there),
+            arrival: scale(self.to, 1.0 / self.back),
+        }
+    }
+}
+
 /// A wave scattered at `centre` with the root of the cross section `root` in m.
 pub fn scattered(scene: &Scene, centre: Vec3, root: f64, lambda: f64, phase: f64) -> Path {
-    let there = norm(sub(centre, scene.from)).max(NEAREST_M);
-    let offset = sub(centre, scene.to);
-    let back = norm(offset).max(NEAREST_M);
-    let amplitude = lambda * root / (libm::pow(4.0 * PI, 1.5) * there * back);
-    let length = there + back;
-    Path {
-        gain: carrier_phase(length, lambda) * phasor(phase) * amplitude,
-        delay_s: length / SPEED_OF_LIGHT,
-        departure: scale(sub(centre, scene.from), 1.0 / there),
-        arrival: scale(offset, 1.0 / back),
-    }
+    let way = Way::of(scene, centre);
+    way.path(carrier_phase(way.length(), lambda) * phasor(phase), root, lambda)
 }
 
 /// The direct path between two antennas; `None` for the radar, which has none.
@@ -111,6 +145,11 @@ pub fn direct(scene: &Scene, lambda: f64) -> Option<Path> {
 mod tests {
     use super::*;
     use crate::simulator::body::motion::GroundTruth;
+
+    #[test]
+    fn the_spreading_is_a_power_of_four_pi() {
+        assert_eq!(SPREADING, libm::pow(4.0 * PI, 1.5));
+    }
 
     #[test]
     fn a_sphere_at_two_metres_echoes_by_the_radar_equation() {

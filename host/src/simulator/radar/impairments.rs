@@ -95,6 +95,12 @@ impl Impairments {
         }
     }
 
+    /// Whether a value passes as it is, but for the phase from slot to slot and the leakage.
+    pub fn is_ideal(&self) -> bool {
+        let zero = Complex64::default();
+        self.limiter.is_none() && [self.direct - 1.0, self.image, self.offset] == [zero; 3]
+    }
+
     /// The oscillator's phase in the next slot.
     pub fn turn(&mut self) -> Complex64 {
         if self.phase_rad == 0.0 {

@@ -1,13 +1,20 @@
 //! A sweep's beat at the samples from its values at a few nodes, by polynomials.
 
 use super::{SAMPLE_RATE, SAMPLES};
+use crate::numerics::vectors::vectorised;
 use crate::simulator::channel::{NODES, SWEEP_S, Sweep};
-use pulp::Arch;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Values of the Lagrange polynomials of the nodes at the samples, `[node][fast_time]`.
-static INTERPOLATION: LazyLock<[Vec<f64>; NODES]> = LazyLock::new(|| {
+/// Samples worked on together: their sums stay in registers.
+const BLOCK: usize = 40;
+
+/// The polynomials at a block's samples, `[node][fast_time]`, where a vector lies within a line of the cache.
+#[repr(align(64))]
+struct Rows([[f64; BLOCK]; NODES]);
+
+/// Values of the Lagrange polynomials of the nodes at the samples, block by block.
+static INTERPOLATION: LazyLock<Vec<Rows>> = LazyLock::new(|| {
     let node = |k: usize| PI * (k as f64 + 0.5) / NODES as f64;
     let at = |k: usize, n: usize| {
         let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
@@ -16,30 +23,34 @@ static INTERPOLATION: LazyLock<[Vec<f64>; NODES]> = LazyLock::new(|| {
         let sum: f64 = (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * node(k))).sum();
         (1.0 + 2.0 * sum) / NODES as f64
     };
-    std::array::from_fn(|k| (1..=SAMPLES).map(|n| at(k, n)).collect())
+    let block = |b: usize| Rows(std::array::from_fn(|k| std::array::from_fn(|n| at(k, b * BLOCK + n + 1))));
+    (0..SAMPLES / BLOCK).map(block).collect()
 });
 
-/// Samples worked on together: their sums stay in registers.
-const BLOCK: usize = 20;
+/// Sums over the nodes in their order.
+#[inline(always)]
+fn sums(rows: &[[f64; BLOCK]; NODES], nodes: &[f64; NODES]) -> [f64; BLOCK] {
+    let mut sums = [0.0; BLOCK];
+    for (row, z) in rows.iter().zip(nodes) {
+        for n in 0..BLOCK {
+            sums[n] += row[n] * z;
+        }
+    }
+    sums
+}
 
-/// Real and imaginary part at the samples, each summed over the nodes in their order.
+/// Real and imaginary part at the samples. Cost: [`NODES`] complex multiply-adds a sample.
 pub fn interpolate(nodes: &Sweep, re: &mut [f64], im: &mut [f64]) {
     let table = &*INTERPOLATION;
-    Arch::new().dispatch(
+    let (real, imaginary) = (nodes.map(|z| z.re), nodes.map(|z| z.im));
+    vectorised(
         #[inline(always)]
         || {
             let (re, _) = re.as_chunks_mut::<BLOCK>();
             let (im, _) = im.as_chunks_mut::<BLOCK>();
-            for (block, (re, im)) in re.iter_mut().zip(im).enumerate() {
-                let (mut a, mut b) = ([0.0; BLOCK], [0.0; BLOCK]);
-                for (z, row) in nodes.iter().zip(table) {
-                    let weights = &row[block * BLOCK..][..BLOCK];
-                    for n in 0..BLOCK {
-                        a[n] += weights[n] * z.re;
-                        b[n] += weights[n] * z.im;
-                    }
-                }
-                (*re, *im) = (a, b);
+            for (Rows(rows), (re, im)) in table.iter().zip(re.iter_mut().zip(im)) {
+                *re = sums(rows, &real);
+                *im = sums(rows, &imaginary);
             }
         },
     );

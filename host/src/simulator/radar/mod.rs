@@ -18,18 +18,19 @@ mod samples;
 use super::channel::response::{Response, Table};
 use super::channel::room::expected_power;
 use super::channel::{
-    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, accumulate, node_time, phasor, tone,
+    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, node_time, phasor, sweep_of,
 };
 use crate::numerics::differentiation;
 use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use impairments::{Impairments, Limiter};
 use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
 use samples::Samples;
 use sdp3_core::config::RadarConfig;
-use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
+use sdp3_core::dims::{BEATS, Beat, Complex, ZERO_BEAT};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -98,20 +99,28 @@ impl Converter {
     #[inline(always)]
     fn convert(&self, x: f64) -> i16 {
         const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+        let smallest = -1.0 - self.largest;
+        let x = if x < smallest { smallest } else { x };
+        let x = if x > self.largest { self.largest } else { x };
         // the integer is what the sum's mantissa ends with
-        ((x.clamp(-1.0 - self.largest, self.largest) + MAGIC).to_bits() as i16) << self.shift
+        ((x + MAGIC).to_bits() as i16) << self.shift
     }
 
-    /// Appends real and imaginary parts by turns.
-    fn convert_all(&self, re: &[f64], im: &[f64], values: &mut Vec<i16>) {
+    /// Appends real and imaginary parts by turns, each with its noise.
+    fn convert_all(&self, re: &[f64], im: &[f64], noise: &[f64], values: &mut Vec<i16>) {
         let from = values.len();
         values.resize(from + 2 * re.len(), 0);
         let (pairs, _) = values[from..].as_chunks_mut::<2>();
-        pulp::Arch::new().dispatch(
+        let (noise, _) = noise.as_chunks::<2>();
+        vectorised(
             #[inline(always)]
             || {
-                for (pair, (&re, &im)) in pairs.iter_mut().zip(re.iter().zip(im)) {
-                    *pair = [self.convert(re), self.convert(im)];
+                for ((pair, noise), (&re, &im)) in pairs.iter_mut().zip(noise).zip(re.iter().zip(im)) {
+                    let noisy = [re + self.noise_lsb * noise[0], im + self.noise_lsb * noise[1]];
+                    *pair = noisy.map(
+                        #[inline(always)]
+                        |x| self.convert(x),
+                    );
                 }
             },
         );
@@ -162,6 +171,8 @@ pub struct Receiver<'a> {
     /// Of a radar with digital dechirp that is not the paper's.
     chirp: Vec<Complex64>,
     beat: Samples,
+    /// Draws of a slot's thermal noise, of the paper's radar.
+    noise: Vec<f64>,
 }
 
 impl<'a> Receiver<'a> {
@@ -171,6 +182,7 @@ impl<'a> Receiver<'a> {
         let samples = usize::from(radar.samples);
         let response = Response::of(radar);
         let own = matches!((&response, radar.dechirp), (Response::Table(_), Dechirp::Digital));
+        let papers = matches!(response, Response::Paper);
         let effects = radar.effects();
         let converter = Converter::of(scenario);
         let impairments =
@@ -185,6 +197,7 @@ impl<'a> Receiver<'a> {
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
             beat: Samples::new(samples, filters.is_some()),
+            noise: if papers { vec![0.0; 2 * samples] } else { Vec::new() },
             offset: Blocks::default(),
             converter,
             impairments,
@@ -250,14 +263,28 @@ impl<'a> Receiver<'a> {
         let Converter { lsb, noise_lsb, .. } = self.converter;
         let scale = BLOCK_SAMPLES as f64 * 32767.0 / f64::from(1_u32 << RadarConfig::PAPER.shift());
         let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
-        let mut beat = ZERO_BEAT;
-        for (((out, z), image), offset) in beat.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset) {
-            let z = z * turn / lsb;
-            let z = self.impairments.direct * z + self.impairments.image * (z.conj() * image) + offset;
-            out.re = round((z.re + noise * self.random.gaussian()) * scale);
-            out.im = round((z.im + noise * self.random.gaussian()) * scale);
-        }
-        beat
+        let mut drawn = [0.0; 2 * BLOCKS];
+        self.random.gaussians(&mut drawn);
+        let ideal = self.impairments.is_ideal() && turn == Complex64::new(1.0, 0.0);
+        let Impairments { direct, image, .. } = self.impairments;
+        let (re, im) = vectorised(
+            #[inline(always)]
+            || {
+                let mut scaled = blocks.map(|z| z / lsb);
+                if !ideal {
+                    let places = scaled.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset);
+                    for (((to, z), of_image), offset) in places {
+                        let z = z * turn / lsb;
+                        *to = direct * z + image * (z.conj() * of_image) + offset;
+                    }
+                }
+                let part = |k: usize, x: f64| round((x + noise * drawn[k]) * scale);
+                let re: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b, scaled[b].re));
+                let im: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b + 1, scaled[b].im));
+                (re, im)
+            },
+        );
+        std::array::from_fn(|b| Complex::new(re[b], im[b]))
     }
 
     fn range_samples(
@@ -284,7 +311,7 @@ impl<'a> Receiver<'a> {
             oscillator.draw(&mut self.beat.frequency);
         }
         let Impairments { direct, image, offset, limiter, leakage, .. } = self.impairments;
-        let Receiver { radar, converter, random, ac_coupling, .. } = self;
+        let Receiver { radar, converter, random, ac_coupling, noise, .. } = self;
         let noise_lsb = converter.noise_lsb;
         // in LSB from here on
         let limiter = limiter.map(|one| Limiter { steepness: one.steepness * converter.lsb * converter.lsb });
@@ -293,25 +320,35 @@ impl<'a> Receiver<'a> {
         let tones = paths.iter().map(|path| (path.gain, path.delay_s));
         let tones = tones.chain(leakage.map(|one| (one.gain, one.delay_s)));
         if matches!(self.response, Response::Paper) {
-            let mut sweep = Sweep::default();
-            tones.for_each(|(gain, delay_s)| accumulate(&mut sweep, &tone(gain, delay_s)));
-            let scaled: Sweep = sweep.map(|z| z * turn / converter.lsb);
+            let scaled: Sweep = sweep_of(tones).map(|z| z * turn / converter.lsb);
             self.beat.interpolate(&scaled, || time_shift(&scaled));
             let Samples { re, im, .. } = &mut self.beat;
-            pulp::Arch::new().dispatch(
+            let ideal = self.impairments.is_ideal();
+            let chirp = &*CHIRP;
+            vectorised(
                 #[inline(always)]
                 || {
-                    for ((re, im), chirp) in re.iter_mut().zip(im.iter_mut()).zip(CHIRP.iter()) {
-                        let z = impaired(compressed(Complex64::new(*re, *im)) * chirp);
-                        (*re, *im) = (z.re, z.im);
+                    let samples = re.iter_mut().zip(im.iter_mut()).zip(chirp);
+                    if ideal {
+                        samples.for_each(
+                            #[inline(always)]
+                            |((re, im), s)| {
+                                (*re, *im) = (*re * s.re - *im * s.im, *re * s.im + *im * s.re);
+                            },
+                        );
+                    } else {
+                        samples.for_each(
+                            #[inline(always)]
+                            |((re, im), s)| {
+                                let z = impaired(compressed(Complex64::new(*re, *im)) * s);
+                                (*re, *im) = (z.re, z.im);
+                            },
+                        );
                     }
                 },
             );
-            for (re, im) in re.iter_mut().zip(im.iter_mut()) {
-                *re += noise_lsb * random.gaussian();
-                *im += noise_lsb * random.gaussian();
-            }
-            converter.convert_all(re, im, values);
+            random.gaussians(noise);
+            converter.convert_all(re, im, noise, values);
             return;
         }
         self.beat.fill(tones, radar);
