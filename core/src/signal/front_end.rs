@@ -9,7 +9,7 @@ use super::clutter::{
 };
 use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
-use super::spectrogram::{log_magnitudes, quantize_db};
+use super::spectrogram::{log_magnitudes, quantize};
 use super::stft::{NativeStft, Stft, frames};
 pub use super::workspace::{Clutter, FrontEndBuffers, workspace_len};
 use super::workspace::{Parts, SPECTRUM, change_places, parts};
@@ -328,12 +328,8 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             }
             Stage::Quantize { rows, largest } => {
                 let left = rows.saturating_sub(ROWS_A_STEP);
-                for cell in (left * job.frames..rows * job.frames).rev() {
-                    let level = *must_cast_slice(levels).get(cell)?;
-                    // behind the levels of all cells before
-                    let pixel = must_cast_slice_mut(levels).get_mut(cells + cell)?;
-                    *pixel = quantize_db(level, largest, self.settings.range);
-                }
+                let part = left * job.frames..rows * job.frames;
+                quantize(must_cast_slice_mut(levels), part, largest, self.settings.range)?;
                 if left == 0 {
                     self.job = None;
                     probe.image(must_cast_slice(levels).get(cells..)?);

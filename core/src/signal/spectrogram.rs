@@ -5,6 +5,8 @@
 use crate::dims::ROWS;
 use crate::signal::logarithm::FLOOR;
 use crate::signal::stft::Stft;
+use bytemuck::must_cast_slice_mut;
+use core::ops::Range;
 
 /// Writes frame `k`'s 64 levels into column `k` of `levels`, `[ROWS, frames]` row-major, and returns their maximum.
 ///
@@ -34,4 +36,31 @@ pub const fn quantize_db(level: i16, largest: i16, range: u16) -> i8 {
         return -128;
     }
     (255 - below * 255 / range - 128) as i8
+}
+
+/// Cells that are quantised at once before the others.
+const LAST: usize = 16;
+
+/// [`quantize_db`] of these cells in the memory of all levels, of which the image's bytes are the second half: the last cells first, for a
+/// cell's place lies behind the levels of the cells before. `None` if they are not in it.
+pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, range: u16) -> Option<()> {
+    let (all, mut end) = (memory.len(), cells.end);
+    if end == all {
+        // the last ones' places are their own levels
+        let levels = *memory.last_chunk::<LAST>()?;
+        let pixels = must_cast_slice_mut(memory).last_chunk_mut::<LAST>()?;
+        pixels.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = quantize_db(level, largest, range));
+        end -= LAST;
+    }
+    while end > cells.start {
+        // from here on the places lie behind all levels
+        let start = (2 * end).saturating_sub(all).max(cells.start);
+        let (levels, rest) = memory.split_at_mut_checked(end)?;
+        let pixels: &mut [i8] = must_cast_slice_mut(rest).get_mut((all + start).checked_sub(2 * end)?..)?;
+        for (pixel, &level) in pixels.iter_mut().zip(levels.get(start..)?) {
+            *pixel = quantize_db(level, largest, range);
+        }
+        end = start;
+    }
+    Some(())
 }
