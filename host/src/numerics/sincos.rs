@@ -3,6 +3,8 @@
 //! The operations are those of `libm`'s port of FreeBSD's msun, in their order, without branches; no multiply-add is fused. Angles
 //! beyond 9 pi / 4, tiny ones and those next to a multiple of pi / 2, where msun reduces otherwise, go to `libm` itself.
 
+#![allow(clippy::excessive_precision)] // all digits that msun prints
+
 const S: [f64; 6] = [
     -1.666_666_666_666_663_243_48e-01,
     8.333_333_333_322_489_461_24e-03,

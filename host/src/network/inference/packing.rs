@@ -106,7 +106,7 @@ pub fn batch_norm(layer: &BatchNormRelu<'_>) -> Option<Vec<ChannelPhase>> {
             let channel = (phase * LANES + lane) % quant.channels;
             start.0[lane] =
                 2 * first_sum(quant, channel, &quant.weights[channel..][..1], quant.in_zp.into())?;
-            weights.0[lane] = 2 * i32::from(quant.weights[channel] as i8) & 0xffff;
+            weights.0[lane] = (2 * i32::from(quant.weights[channel] as i8)) & 0xffff;
             let (multiplier, shift) = quant.scale(channel);
             requantizer.set_lane(lane, multiplier, shift, quant.out_zp)?;
         }
