@@ -2,6 +2,10 @@
 //!
 //! The operations are those of `libm`'s port of FreeBSD's msun, in their order, without branches; no multiply-add is fused. Angles
 //! beyond 9 pi / 4, tiny ones and those next to a multiple of pi / 2, where msun reduces otherwise, go to `libm` itself.
+//!
+//! After msun's `k_sin.c`, `k_cos.c` and `e_rem_pio2.c`, of which the coefficients are: Copyright (C) 1993 by Sun Microsystems, Inc. All rights
+//! reserved. Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software is freely
+//! granted, provided that this notice is preserved.
 
 #![allow(clippy::excessive_precision)] // all digits that msun prints
 
