@@ -7,8 +7,8 @@ the logits are from sdp3's, in steps of the output.
 
 Where the processor has AMX, XNNPACK takes it, and its tiles do not suit 16 channels. So LiteRT also runs as on a processor
 without: in a process in which the kernel refuses requests to use AMX (seccomp), XNNPACK has AVX-512 VNNI at most. It also runs held
-to AVX-VNNI and to AVX2, where the processor has more: in those processes XNNPACK's library is told by changed instructions of its
-detection that the operating system keeps no state of AVX-512, and that the processor has no AVX-VNNI.
+to AVX-VNNI and to AVX2, where the processor has more: in those processes changed instructions of the library's detection find an
+operating system that keeps no state of AVX-512, and a processor without AVX-VNNI.
 
     pip install numpy==2.4.6 onnx==1.23.2 onnxruntime==1.31.1 ai-edge-litert==2.3.0
     python infer.py FOLDER CLOCK --rounds 20
