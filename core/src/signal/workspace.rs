@@ -11,7 +11,7 @@ use crate::config::RadarConfig;
 use crate::dims::{BEATS, Beat, Complex, ROWS};
 use bytemuck::must_cast_mut;
 
-/// Sums of the recording, and eigenvectors of the one whose image is made: of a front end alone.
+/// Sums of the recording, and eigenvectors of the recording that becomes an image: of a front end alone.
 #[derive(Debug, Clone)]
 pub struct Clutter {
     pub(super) gram: Gram,

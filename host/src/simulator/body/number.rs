@@ -142,8 +142,8 @@ impl Lanes {
     /// The number minus its nearest integer.
     #[inline(always)]
     pub fn fraction(self) -> Self {
-        const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52: adding it rounds
-        Lanes(self.0.map(|x| x - ((x + MAGIC) - MAGIC)))
+        const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52: adding it rounds
+        Lanes(self.0.map(|x| x - ((x + ROUNDING) - ROUNDING)))
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) struct View {
 impl View {
     #[inline(always)]
     fn times(&self) -> Lanes {
-        // in fours, whose rounding recordings keep
+        // in fours: recordings keep their rounding
         let four = |lane: u32| self.begin_s + f64::from(self.first + lane / 4 * 4) * self.interval_s;
         let at = |lane: u32| four(lane) + f64::from(lane % 4) * self.interval_s;
         Lanes::new(std::array::from_fn(|lane| at(lane as u32)))

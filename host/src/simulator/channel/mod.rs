@@ -196,7 +196,7 @@ pub fn node_time(k: usize) -> f64 {
 /// Times of the nodes in s.
 static NODE_TIMES: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(node_time));
 
-/// Paths whose first phases are found together.
+/// Paths of which the first phases are found together.
 const TOGETHER: usize = 8;
 
 /// Sum of paths' beats at the nodes: of each its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude. Cost:

@@ -98,12 +98,12 @@ impl Converter {
     /// Nearest integer (halves to even), saturated to the converter's range and justified.
     #[inline(always)]
     fn convert(&self, x: f64) -> i16 {
-        const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+        const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
         let smallest = -1.0 - self.largest;
         let x = if x < smallest { smallest } else { x };
         let x = if x > self.largest { self.largest } else { x };
         // the integer is what the sum's mantissa ends with
-        ((x + MAGIC).to_bits() as i16) << self.shift
+        ((x + ROUNDING).to_bits() as i16) << self.shift
     }
 
     /// Appends real and imaginary parts by turns, each with its noise.
@@ -137,8 +137,8 @@ static IMAGE: LazyLock<Blocks> = LazyLock::new(|| {
 
 /// Nearest integer, halves to even.
 fn round(x: f64) -> i32 {
-    const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
-    (x + MAGIC - MAGIC) as i32
+    const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+    (x + ROUNDING - ROUNDING) as i32
 }
 
 /// What a receiver draws random numbers for, each from a stream of its own.
