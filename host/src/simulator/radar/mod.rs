@@ -98,7 +98,6 @@ impl Converter {
     /// Nearest integer (halves to even), saturated to the converter's range and justified.
     #[inline(always)]
     fn convert(&self, x: f64) -> i16 {
-        const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
         let smallest = -1.0 - self.largest;
         let x = if x < smallest { smallest } else { x };
         let x = if x > self.largest { self.largest } else { x };
@@ -135,9 +134,11 @@ static IMAGE: LazyLock<Blocks> = LazyLock::new(|| {
     })
 });
 
+/// Adding 1.5 * 2^52 rounds to an integer, halves to even.
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
+
 /// Nearest integer, halves to even.
 fn round(x: f64) -> i32 {
-    const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
     (x + ROUNDING - ROUNDING) as i32
 }
 
