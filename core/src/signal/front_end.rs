@@ -82,7 +82,7 @@ const ROWS_A_STEP: usize = 16;
 /// Steps of a recording's slow time.
 pub(crate) const fn slow_time_steps(kept: SvdRange, slots: usize) -> usize {
     let passes = if kept.first == ADAPTIVE { 3 } else { 2 };
-    SOLVER_STEPS + 1 + passes * slots.div_ceil(SLOTS_A_STEP)
+    SOLVER_STEPS + 2 + passes * slots.div_ceil(SLOTS_A_STEP)
 }
 
 /// Steps of its image.
@@ -99,7 +99,7 @@ enum Stage {
     Sum { from: usize, sum: Sum },
     /// The largest part of slow time over the slots before this one.
     Scale { from: usize, largest: u64 },
-    /// Slow time from this slot on.
+    /// Slow time from this slot on; after the last the memory for frames.
     Project { from: usize, shift: u32 },
     /// Frames from this one on, and the largest level so far.
     Frames { next: usize, largest: i16 },
@@ -289,7 +289,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                     Stage::Project { from: 0, shift: slow_time_shift(largest) }
                 }
             }
-            Stage::Project { from, shift } => {
+            Stage::Project { from, shift } if from < job.slots => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
                 let beats = self.beats.get_mut(from..end)?;
                 if self.waiting {
@@ -302,16 +302,15 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                 } else {
                     project(beats, &job.projection, shift, slow_time.get_mut(from..end)?);
                 }
-                if end < job.slots {
-                    Stage::Project { from: end, shift }
-                } else {
-                    if core::mem::take(&mut self.waiting) {
-                        change_places(self.beats, slow_time);
-                    }
-                    probe.slow_time(slow_time.get(..end)?);
-                    spectrum.as_flattened_mut().fill(Complex::new(0, 0)); // bins that become no row are never written
-                    Stage::Frames { next: 0, largest: FLOOR }
+                Stage::Project { from: end, shift }
+            }
+            Stage::Project { .. } => {
+                if core::mem::take(&mut self.waiting) {
+                    change_places(self.beats, slow_time);
                 }
+                probe.slow_time(slow_time.get(..job.slots)?);
+                spectrum.as_flattened_mut().fill(Complex::new(0, 0)); // bins that become no row are never written
+                Stage::Frames { next: 0, largest: FLOOR }
             }
             Stage::Frames { next, largest } => {
                 let bins = self.settings.bins_per_row;

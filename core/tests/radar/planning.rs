@@ -9,9 +9,9 @@ fn what_does_not_fit_is_named() {
     assert_eq!(with(few), Some(Error::SensingSlots { need: 200, have: 199 }));
     let all = SensingLayout::new(200, 0, 200).unwrap();
     assert!(matches!(with(all), Some(Error::Deadline { .. })));
-    // of 200 slots 25 of the next recording may wait for 37 steps
+    // of 200 slots 25 of the next recording may wait for 38 steps
     let close = SensingLayout::new(400, 1, 200).unwrap();
-    assert_eq!(with(close), Some(Error::Deadline { need: 62, have: 50 }));
+    assert_eq!(with(close), Some(Error::Deadline { need: 63, have: 50 }));
     assert_eq!(with(SensingLayout::new(4000, 3, 1000).unwrap()), None, "the default is in time");
 }
 
