@@ -15,7 +15,7 @@ mod firmware {
     use sdp3_core::graph::{Graph, Kind, Progress};
     use sdp3_core::simd::dual_mac::I16x8;
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
-    use sdp3_firmware_sim::semihosting::{File, exit, println};
+    use sdp3_firmware_sim::semihosting::{exit, file_into, println};
 
     static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
     static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
@@ -29,13 +29,6 @@ mod firmware {
         exit(2)
     }
 
-    /// The content of a file, if the memory holds it.
-    fn content<'a>(path: &str, memory: &'a mut [u8]) -> Option<&'a [u8]> {
-        let mut file = File::open(path)?;
-        let content = memory.get_mut(..file.length()?)?;
-        file.read(content).then_some(&*content)
-    }
-
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
@@ -43,10 +36,10 @@ mod firmware {
         let (Some(network), Some(input), Some(arena)) = (NETWORK.take(), INPUT.take(), ARENA.take()) else {
             fail("memory is taken")
         };
-        let Some(network) = content("network.graph", network) else {
+        let Some(network) = file_into("network.graph", network) else {
             fail("no network.graph of at most 256 KiB")
         };
-        let Some(input) = content("input.bin", input) else { fail("no input.bin of at most 64 KiB") };
+        let Some(input) = file_into("input.bin", input) else { fail("no input.bin of at most 64 KiB") };
         let Ok(graph) = Graph::parse(network) else { fail("network.graph is refused") };
         if graph.arena() > arena.len() || graph.input().bytes() != input.len() {
             fail("the arena is too small, or the input is another network's")
