@@ -4,6 +4,7 @@
 
 mod direct;
 mod layer;
+mod linear_add;
 mod packing;
 mod pointwise;
 mod simd;
@@ -11,7 +12,8 @@ mod stem;
 mod winograd_f4;
 
 use layer::{Convolution, OutputGroup};
-use packing::{ChannelPhase, PackedAdd};
+use linear_add::LinearAdd;
+use packing::ChannelPhase;
 use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};
@@ -25,13 +27,13 @@ use stem::Stem;
 enum Packed {
     Conv(Vec<OutputGroup>),
     BatchNormRelu(Vec<ChannelPhase>),
-    Add(Box<PackedAdd>),
+    Add(Box<LinearAdd>),
 }
 
 /// The kernels of one instruction set, with a model's weights packed for them.
 ///
-/// Operators that vectors cannot compute run by [`Portable`]: those with a right shift outside 1 to 20, or with sums that
-/// could leave +-2^30. Training and TFLite's converter make none.
+/// Operators that vectors cannot compute run by [`Portable`]: those with a right shift outside 1 to 20, with sums that
+/// could leave +-2^30, or an addition without a linear form. Training and TFLite's converter make none.
 #[derive(Debug)]
 pub struct VectorKernels {
     backend: Option<Backend>,
@@ -53,7 +55,7 @@ impl VectorKernels {
             for block in (0..model.blocks()).map_while(|index| model.block(index)) {
                 operators.push(packing::batch_norm(&block.batch_norm).map(Packed::BatchNormRelu));
                 operators.extend(block.convs.iter().map(conv));
-                operators.push(packing::add(&block.add).map(|add| Packed::Add(Box::new(add))));
+                operators.push(linear_add::find(&block.add).map(|add| Packed::Add(Box::new(add))));
             }
         }
         isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
@@ -84,8 +86,8 @@ impl Kernels for VectorKernels {
             (Operator::Conv { layer, input, size, output, .. }, Some(Packed::Conv(groups))) => {
                 backend.dispatch(Convolution { layer, groups, words, input, size, output });
             }
-            (Operator::Add { layer, x, branch }, Some(Packed::Add(packed))) => {
-                backend.dispatch(PointwiseAdd { layer, packed, x, branch });
+            (Operator::Add { layer, x, branch }, Some(Packed::Add(form))) => {
+                backend.dispatch(PointwiseAdd { layer, form, x, branch });
             }
             (Operator::Average { input, channels, output }, _) if LANES.is_multiple_of(channels) => {
                 backend.dispatch(Average { input, channels, output });
