@@ -60,7 +60,7 @@ function linkPanel() {
   const users = slider("users", "receivers", String, { min: 1, max: most, value: most });
   const rhos = [...new Set([...RHOS, run.rho])].sort((a, b) => a - b);
   const place = { min: 0, max: rhos.length - 1, value: rhos.indexOf(run.rho) };
-  const rho = slider("rho", "rho, correlation of the room's echoes from one sensing slot to the next", (k) => String(rhos[k]), place);
+  const rho = slider("rho", "rho, correlation from slot to slot", (k) => String(rhos[k]), place);
   const controls = [...(live.has_rho ? [rho] : []), ...(computed ? [power, noise, users] : [])];
   const room = () => (rho.moved() ? roomAt(rhos[Number(rho.input.value)]) : []);
   const overrides = () => {
