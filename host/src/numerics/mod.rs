@@ -3,6 +3,7 @@
 pub(crate) mod bessel;
 pub(crate) mod bisection;
 pub(crate) mod differentiation;
+pub(crate) mod exp;
 pub(crate) mod filter;
 pub(crate) mod fresnel;
 pub(crate) mod pchip;
@@ -10,3 +11,4 @@ pub mod random;
 pub(crate) mod resample;
 pub(crate) mod sincos;
 pub(crate) mod vectors;
+pub(crate) mod ziggurat;
