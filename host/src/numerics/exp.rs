@@ -14,7 +14,7 @@ const HALVES: [u64; 2] = [0x3fd6_2e42, 0x3ff0_a2b2];
 const OTHER: [u64; 2] = [0x3e30_0000, 0x4086_0000];
 /// First bits of ln 2, and the rest.
 const LN2: [f64; 2] = [6.931_471_803_691_238_164_90e-01, 1.908_214_929_270_587_700_02e-10];
-const INVERSE_LN2: f64 = 1.442_695_040_888_963_387_00;
+const INVERSE_LN2: f64 = std::f64::consts::LOG2_E;
 const P: [f64; 5] = [
     1.666_666_666_666_660_190_37e-01,
     -2.777_777_777_701_559_338_42e-03,

@@ -13,8 +13,8 @@ mod winograd_f4;
 
 use layer::{Convolution, OutputGroup};
 use linear_add::LinearAdd;
-use packing::ChannelPhase;
-use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
+use packing::{ChannelPhase, PackedAdd};
+use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm, RequantizedAdd};
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};
 use sdp3_core::probe::Probe;
@@ -28,12 +28,14 @@ enum Packed {
     Conv(Vec<OutputGroup>),
     BatchNormRelu(Vec<ChannelPhase>),
     Add(Box<LinearAdd>),
+    /// Without a linear form.
+    RequantizedAdd(Box<PackedAdd>),
 }
 
 /// The kernels of one instruction set, with a model's weights packed for them.
 ///
-/// Operators that vectors cannot compute run by [`Portable`]: those with a right shift outside 1 to 20, with sums that
-/// could leave +-2^30, or an addition without a linear form. Training and TFLite's converter make none.
+/// Operators that vectors cannot compute run by [`Portable`]: those with a right shift outside 1 to 20, or with sums that
+/// could leave +-2^30. Training and TFLite's converter make none.
 #[derive(Debug)]
 pub struct VectorKernels {
     backend: Option<Backend>,
@@ -55,7 +57,10 @@ impl VectorKernels {
             for block in (0..model.blocks()).map_while(|index| model.block(index)) {
                 operators.push(packing::batch_norm(&block.batch_norm).map(Packed::BatchNormRelu));
                 operators.extend(block.convs.iter().map(conv));
-                operators.push(linear_add::find(&block.add).map(|add| Packed::Add(Box::new(add))));
+                let linear = linear_add::find(&block.add).map(|form| Packed::Add(Box::new(form)));
+                let requantized =
+                    || packing::add(&block.add).map(|add| Packed::RequantizedAdd(Box::new(add)));
+                operators.push(linear.or_else(requantized));
             }
         }
         isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
@@ -88,6 +93,9 @@ impl Kernels for VectorKernels {
             }
             (Operator::Add { layer, x, branch }, Some(Packed::Add(form))) => {
                 backend.dispatch(PointwiseAdd { layer, form, x, branch });
+            }
+            (Operator::Add { layer, x, branch }, Some(Packed::RequantizedAdd(packed))) => {
+                backend.dispatch(RequantizedAdd { layer, packed, x, branch });
             }
             (Operator::Average { input, channels, output }, _) if LANES.is_multiple_of(channels) => {
                 backend.dispatch(Average { input, channels, output });

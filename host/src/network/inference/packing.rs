@@ -7,6 +7,7 @@
 use super::layer::{OutputGroup, by_winograd};
 use super::simd::{I32x16, LANES, MAX_ACCUMULATOR, Requantizer};
 use super::winograd_f4;
+use sdp3_core::dsn::add::Add;
 use sdp3_core::dsn::batch_norm::BatchNormRelu;
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::per_channel::PerChannelQuant;
@@ -19,6 +20,24 @@ pub struct ChannelPhase {
     pub start: I32x16,
     /// Twice the weights, as i16 with zeros above.
     pub weights: I32x16,
+    pub requantizer: Requantizer,
+}
+
+/// An addition: its two inputs, with guard bits, and their sum.
+#[derive(Debug)]
+pub struct PackedAdd {
+    pub terms: [PackedTerm; 2],
+    pub sum: Requantizer,
+}
+
+/// An input of an addition.
+#[derive(Debug)]
+pub struct PackedTerm {
+    /// The zero point with guard bits, negated.
+    pub offset: I32x16,
+    /// Whether it is exactly halved, as the input of the larger scale is: multiplier 2^30, shift 0.
+    pub half: bool,
+    /// Of an input that is not halved.
     pub requantizer: Requantizer,
 }
 
@@ -94,6 +113,24 @@ pub fn batch_norm(layer: &BatchNormRelu<'_>) -> Option<Vec<ChannelPhase>> {
         Some(ChannelPhase { start, weights, requantizer })
     };
     (0..phases).map(phase).collect()
+}
+
+pub fn add(add: &Add) -> Option<PackedAdd> {
+    let requantizer = |multiplier, shift, zero| {
+        let mut requantizer = Requantizer::ZERO;
+        (0..LANES).try_for_each(|lane| requantizer.set_lane(lane, multiplier, shift, zero))?;
+        Some(requantizer)
+    };
+    let term = |k: usize| {
+        let (multiplier, shift) = (add.multiplier[k], add.shift[k]);
+        let half = (multiplier, shift) == (1 << 30, 0);
+        let guard_bits = if half { 19 } else { 21 }; // what is requantised is doubled
+        let offset = I32x16([-(i32::from(add.in_zp[k]) << guard_bits); LANES]);
+        let requantizer = if half { Requantizer::ZERO } else { requantizer(multiplier, shift, 0)? };
+        Some(PackedTerm { offset, half, requantizer })
+    };
+    let sum = requantizer(add.out_multiplier, add.out_shift, add.out_zp)?;
+    Some(PackedAdd { terms: [term(0)?, term(1)?], sum })
 }
 
 /// What the sum of a channel starts with: its bias less `offset` times its weights; `None` if the sum could leave

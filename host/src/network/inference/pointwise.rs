@@ -1,7 +1,7 @@
 //! The layers that treat every value alone, on vectors: batch normalisation and addition; and the average of all pixels.
 
 use super::linear_add::LinearAdd;
-use super::packing::ChannelPhase;
+use super::packing::{ChannelPhase, PackedAdd, PackedTerm};
 use super::simd::{Kernel, LANES, SimdI32};
 use sdp3_core::dsn::add::Add;
 use sdp3_core::dsn::batch_norm::BatchNormRelu;
@@ -90,7 +90,7 @@ impl Kernel for PointwiseBatchNorm<'_> {
     }
 }
 
-/// An addition, in place.
+/// An addition with a linear form, in place.
 pub struct PointwiseAdd<'a> {
     pub layer: &'a Add,
     pub form: &'a LinearAdd,
@@ -110,6 +110,54 @@ impl Kernel for PointwiseAdd<'_> {
                 u[i] = simd.shift_right(simd.add(left, simd.multiply_low(v[i], b)), self.form.shift);
             }
             store(self.x, k, &simd.narrow(u, self.layer.act_min, self.layer.act_max));
+        }
+    }
+}
+
+/// An addition without a linear form, in place: TFLite's three requantisations.
+pub struct RequantizedAdd<'a> {
+    pub layer: &'a Add,
+    pub packed: &'a PackedAdd,
+    pub x: &'a mut [i8],
+    pub branch: &'a [i8],
+}
+
+/// An input of an addition with its guard bits; `HALF` if it is exactly halved.
+#[inline(always)]
+fn term<S: SimdI32, const HALF: bool>(simd: S, v: S::I32, packed: &PackedTerm) -> S::I32 {
+    let offset = simd.load(&packed.offset);
+    if HALF {
+        simd.add(simd.shift_left::<19>(v), offset)
+    } else {
+        simd.requantize::<true>(simd.add(simd.shift_left::<21>(v), offset), &packed.requantizer)
+    }
+}
+
+impl RequantizedAdd<'_> {
+    #[inline(always)]
+    fn all<S: SimdI32, const A: bool, const B: bool>(self, simd: S) {
+        let PackedAdd { terms: [a, b], sum } = self.packed;
+        let (low, high) = (self.layer.act_min, self.layer.act_max);
+        for k in 0..self.x.len().div_ceil(STEP) {
+            let (mut u, v) = (widen(simd, &load(self.x, k)), widen(simd, &load(self.branch, k)));
+            for i in 0..4 {
+                let (left, right) = (term::<S, A>(simd, u[i], a), term::<S, B>(simd, v[i], b));
+                let both = simd.add(left, right);
+                u[i] = simd.requantize::<true>(simd.add(both, both), sum);
+            }
+            store(self.x, k, &simd.narrow(u, low, high));
+        }
+    }
+}
+
+impl Kernel for RequantizedAdd<'_> {
+    #[inline(always)]
+    fn run<S: SimdI32>(self, simd: S) {
+        match [self.packed.terms[0].half, self.packed.terms[1].half] {
+            [true, true] => self.all::<S, true, true>(simd),
+            [true, false] => self.all::<S, true, false>(simd),
+            [false, true] => self.all::<S, false, true>(simd),
+            [false, false] => self.all::<S, false, false>(simd),
         }
     }
 }
