@@ -56,7 +56,7 @@ SAMPLES = np.arange(1, BLOCKS * BLOCK + 1) / RATE
 NODES = np.linspace(SAMPLES[0], SAMPLES[-1], 16)
 CHIRP = np.exp(1j * np.pi * SLOPE * SAMPLES**2)
 SPREAD = BarycentricInterpolator(NODES, np.eye(NODES.size))(SAMPLES).T
-# slots whose samples are made together: they stay in the cache
+# slots of which the samples are made together: they stay in the cache
 TOGETHER = 50
 WINDOW = np.kaiser(128, 10.0)
 

@@ -182,7 +182,7 @@ impl Block {
         Block { words: [0; BLOCK], places: [0.0; BLOCK], outside: [0; BLOCK / MASK] }
     }
 
-    /// Makes numbers from as many words as there are values or a block has; how many numbers. No word is drawn in vain: a number takes at least
+    /// Makes numbers from as many words as there are values or a block has; how many numbers. Every word is used: a number takes at least
     /// one.
     fn fill(&mut self, generator: &mut Xoshiro256PlusPlus, values: &mut [f64]) -> usize {
         let count = values.len().min(BLOCK);
@@ -280,7 +280,7 @@ mod tests {
             let mut plain = blocks.clone();
             for length in lengths {
                 let (mut found, mut expected) = (vec![0.0; length], vec![0.0; length]);
-                // a block whose last word lies at an edge
+                // a block with its last word at an edge
                 let mut ahead = blocks.clone();
                 let last = (0..length.min(BLOCK)).map(|_| ahead.next_u64()).last().unwrap();
                 borders += u32::from(!ZIGGURAT.place(last).1);

@@ -37,7 +37,7 @@ fn offsets(borders: &[Border], [a, b]: [i32; 2]) -> impl Iterator<Item = i64> {
     borders.iter().map(move |&(x, y, border)| border - i64::from(a) * x - i64::from(b) * y)
 }
 
-/// Of all pairs, those at whose border a form near these weights can fail: lower and upper ones. Outputs at an end of the
+/// Of all pairs, those where a form near these weights can miss a border: lower and upper ones. Outputs at an end of the
 /// range have no border there.
 fn borders(add: &Add, weights: [i32; 2], shift: u32) -> [Vec<Border>; 2] {
     let outputs = outputs(add);
