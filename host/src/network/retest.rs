@@ -137,7 +137,7 @@ mod tests {
         assert_ne!(
             other.networks.recordings(&other.recordings, &|_, _| ()),
             answers,
-            "rho changes what they hear"
+            "rho changes the recordings"
         );
     }
 }

@@ -3,7 +3,6 @@
 pub(crate) mod bessel;
 pub(crate) mod bisection;
 pub(crate) mod differentiation;
-pub(crate) mod exp;
 pub(crate) mod filter;
 pub(crate) mod fresnel;
 pub(crate) mod pchip;

@@ -4,7 +4,6 @@
 //! second word and is kept or not, one in the tail takes two at a time until it is kept. Many numbers are made from blocks of words,
 //! in vectors: every word of a block is taken for the first of a number, and the words that others turn out to have used are passed over.
 
-use super::exp::exp;
 use super::vectors::vectorised;
 use rand_core::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -20,8 +19,6 @@ const BLOCK: usize = 512;
 const MASK: usize = 64;
 /// Fewest numbers that are made from blocks.
 const FEWEST: usize = 64;
-/// Places at edges that are looked at together.
-const TOGETHER: usize = 8;
 
 /// Widths and heights of the layers.
 struct Ziggurat {
@@ -84,10 +81,10 @@ impl Ziggurat {
         }
     }
 
-    /// Height of a place at a layer's edge.
-    #[inline(always)]
-    fn height(&self, layer: usize, uniform: f64) -> f64 {
-        self.y[layer] + (self.y[layer + 1] - self.y[layer]) * uniform
+    /// Whether the place of `first`, at its layer's edge, is kept by the word that follows.
+    fn keeps(&self, first: u64, second: u64, place: f64) -> bool {
+        let [low, high] = [0, 1].map(|above| self.y[layer(first) + above]);
+        low + (high - low) * uniform(second) < libm::exp(-0.5 * place * place)
     }
 }
 
@@ -122,7 +119,7 @@ impl Words<'_> {
                 let x = if x < 0.0 { -self.tail() } else { self.tail() };
                 return (self, x);
             }
-            if ziggurat.height(layer(bits), uniform(self.next())) < libm::exp(-0.5 * x * x) {
+            if ziggurat.keeps(bits, self.next(), x) {
                 return (self, x);
             }
             bits = self.next();
@@ -194,35 +191,24 @@ impl Block {
             || ziggurat.places(words, places, outside, count),
         );
         let (mut from, mut made) = (0, 0);
-        let mut edges = self.edges(count);
-        loop {
-            let mut at = [0; TOGETHER];
-            let found = at.iter_mut().zip(&mut edges).map(|(at, edge)| *at = edge).count();
-            if found == 0 {
-                break;
+        for at in self.edges(count) {
+            // the second word of the one before
+            if at < from {
+                continue;
             }
-            let kept = vectorised(
-                #[inline(always)]
-                || self.kept(&at),
-            );
-            for (at, kept) in at.into_iter().zip(kept).take(found) {
-                // the last one's second word
-                if at < from {
-                    continue;
-                }
-                let run = at - from;
-                values[made..made + run].copy_from_slice(&self.places[from..at]);
-                made += run;
-                if layer(self.words[at]) == 0 || at + 1 == count {
-                    let words = Words { drawn: &self.words[at + 1..count], generator: drawing };
-                    let (words, value) = words.outside(self.words[at]);
-                    values[made] = value;
-                    (from, made) = (count - words.drawn.len(), made + 1);
-                    drawing = words.generator;
-                } else {
-                    values[made] = self.places[at];
-                    (from, made) = (at + 2, made + usize::from(kept));
-                }
+            let run = at - from;
+            values[made..made + run].copy_from_slice(&self.places[from..at]);
+            made += run;
+            if layer(self.words[at]) == 0 || at + 1 == count {
+                let words = Words { drawn: &self.words[at + 1..count], generator: drawing };
+                let (words, value) = words.outside(self.words[at]);
+                values[made] = value;
+                (from, made) = (count - words.drawn.len(), made + 1);
+                drawing = words.generator;
+            } else {
+                values[made] = self.places[at];
+                let kept = ziggurat.keeps(self.words[at], self.words[at + 1], self.places[at]);
+                (from, made) = (at + 2, made + usize::from(kept));
             }
         }
         let run = count - from;
@@ -244,25 +230,6 @@ impl Block {
             mask &= mask - 1;
             (at < count).then_some(at)
         })
-    }
-
-    /// Whether each of these places at edges is kept by the word that follows it.
-    #[inline(always)]
-    fn kept(&self, at: &[usize; TOGETHER]) -> [bool; TOGETHER] {
-        let ziggurat = &*ZIGGURAT;
-        let mut squares = [0.0; TOGETHER];
-        for (square, at) in squares.iter_mut().zip(at) {
-            let x = self.places[at % BLOCK];
-            *square = -0.5 * x * x;
-        }
-        let densities = exp(&squares);
-        std::array::from_fn(
-            #[inline(always)]
-            |k| {
-                let [first, second] = [at[k], at[k] + 1].map(|at| self.words[at % BLOCK]);
-                ziggurat.height(layer(first), uniform(second)) < densities[k]
-            },
-        )
     }
 }
 

@@ -17,9 +17,10 @@ mod firmware {
     use crate::functions::*;
     use sdp3_core::crc32::Crc32;
     use sdp3_core::dsn::add::Add;
-    use sdp3_core::graph::{Graph, Kind, Node};
+    use sdp3_core::graph::{Kind, Node};
+    use sdp3_firmware_sim::graph_files::{fail, load};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
-    use sdp3_firmware_sim::semihosting::{exit, file_into, println};
+    use sdp3_firmware_sim::semihosting::{exit, println};
 
     /// Most output channels of an operator.
     const CHANNELS: usize = 1 << 10;
@@ -78,11 +79,6 @@ mod firmware {
         let mantissa = (bits & ((1 << 52) - 1)) | 1 << 52;
         let multiplier = (mantissa + (1 << 21)) >> 22;
         if multiplier == 1 << 31 { (1 << 30, exponent + 1) } else { (multiplier as i32, exponent) }
-    }
-
-    fn fail(what: &str) -> ! {
-        println(format_args!("error: {what}"));
-        exit(2)
     }
 
     /// Computes an operator; returns its instructions and the bytes of memory that it needs beside the arena.
@@ -287,17 +283,7 @@ mod firmware {
         let (Some(network), Some(input), Some(arena), Some(scratch), Some(scales)) = memory else {
             fail("memory is taken")
         };
-        let Some(network) = file_into("network.graph", network) else {
-            fail("no network.graph of at most 256 KiB")
-        };
-        let Some(input) = file_into("input.bin", input) else { fail("no input.bin of at most 64 KiB") };
-        let Ok(graph) = Graph::parse(network) else { fail("network.graph is refused") };
-        if graph.arena() > arena.len() || graph.input().bytes() != input.len() {
-            fail("the arena is too small, or the input is another network's")
-        }
-        for (to, from) in graph.input_mut(arena).iter_mut().zip(input) {
-            *to = *from as i8;
-        }
+        let graph = load(network, input, arena);
         let (mut all, mut most) = (0, 0);
         for (operator, node) in graph.nodes().enumerate() {
             let Some((count, bytes)) = compute(&node, arena, scratch, scales) else {

@@ -76,7 +76,7 @@ pub fn find(add: &Add) -> Option<LinearAdd> {
         let weights = [near[0] + a, near[1] + b];
         let (low, high) = (offsets(&lower, weights).max()?, offsets(&upper, weights).min()?);
         let start = low.midpoint(high);
-        let sum = 128 * weights.iter().map(|&w| i64::from(w)).sum::<i64>() + start.abs();
+        let sum = 128 * weights.iter().map(|&w| i64::from(w).abs()).sum::<i64>() + start.abs();
         (low <= high && sum <= i64::from(i32::MAX)).then_some((weights, start as i32))
     })?;
     Some(LinearAdd { weights: weights.map(|w| I32x16([w; LANES])), start: I32x16([start; LANES]), shift })
