@@ -139,13 +139,6 @@ impl Lanes {
     pub fn to_array(self) -> [f64; LANES] {
         self.0
     }
-
-    /// The number minus its nearest integer.
-    #[inline(always)]
-    pub fn fraction(self) -> Self {
-        const ROUNDING: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52: adding it rounds
-        Lanes(self.0.map(|x| x - ((x + ROUNDING) - ROUNDING)))
-    }
 }
 
 macro_rules! lanewise {
@@ -172,6 +165,9 @@ impl Neg for Lanes {
     }
 }
 
+/// 1.5 * 2^52: adding it rounds to an integer.
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
+
 /// Coefficients of sin(pi x) / x and cos(pi x) in x^2: Taylor, below 1e-11 for |x| <= 1/2.
 const SINE: [f64; 8] = series(1);
 const COSINE: [f64; 9] = series(0);
@@ -193,10 +189,10 @@ const fn series<const N: usize>(first: u32) -> [f64; N] {
 }
 
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: Lanes) -> Lanes {
-    let mut sum = Lanes::of(coefficients[N - 1]);
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+    let mut sum = coefficients[N - 1];
     for &c in coefficients[..N - 1].iter().rev() {
-        sum = (sum * x).plus(c);
+        sum = sum * x + c;
     }
     sum
 }
@@ -217,11 +213,16 @@ impl Real for Lanes {
         vectorised(
             #[inline(always)]
             || {
-                // half the angle lies within a quarter turn; doubling it needs no quadrants
-                let x = self.fraction();
-                let x2 = x * x;
-                let (s, c) = (x * polynomial(&SINE, x2), polynomial(&COSINE, x2));
-                (s.times(2.0) * c, Self::of(1.0) - s.times(2.0) * s)
+                let [mut sines, mut cosines] = [[0.0; LANES]; 2];
+                // one instant at a time: the compiler makes vectors of such a loop, and none of a chain of whole `Lanes`
+                for lane in 0..LANES {
+                    // half the angle lies within a quarter turn; doubling it needs no quadrants
+                    let x = self.0[lane] - ((self.0[lane] + ROUNDING) - ROUNDING);
+                    let (s, c) = (x * polynomial(&SINE, x * x), polynomial(&COSINE, x * x));
+                    sines[lane] = s * 2.0 * c;
+                    cosines[lane] = 1.0 - s * 2.0 * s;
+                }
+                (Lanes(sines), Lanes(cosines))
             },
         )
     }

@@ -6,6 +6,9 @@
 
 use super::{Path, wavelength};
 use crate::error::Invalid;
+use crate::numerics::atan::atan2;
+use crate::numerics::exp::exp;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{AntennaPattern, Radar, Scenario};
 use crate::simulator::body::{Vec3, dot, norm, scale, sub};
 use crate::store::limited;
@@ -46,12 +49,17 @@ pub struct Table {
 static PATTERNS: Mutex<Vec<(Radar, Pattern)>> = Mutex::new(Vec::new());
 const KEPT: usize = 4;
 
-/// Amplitude of a level in dB.
-fn amplitude(db: f64) -> f64 {
-    libm::exp(db * (std::f64::consts::LN_10 / 20.0))
+/// Amplitudes of levels in dB.
+#[inline(always)]
+fn amplitudes<const N: usize>(mut levels_db: [f64; N]) -> [f64; N] {
+    for level in &mut levels_db {
+        *level *= std::f64::consts::LN_10 / 20.0;
+    }
+    exp(&levels_db)
 }
 
 /// dB below the maximum of the element at two angles from boresight in rad.
+#[inline(always)]
 fn element_db(azimuth: f64, elevation: f64, width: f64, floor_db: f64) -> f64 {
     let (a, e) = (azimuth / width, elevation / width);
     -(12.0 * (a * a + e * e)).min(floor_db)
@@ -71,8 +79,8 @@ fn integral(width: f64, floor_db: f64) -> f64 {
             let angle = (f64::from(spoke) + 0.5) / f64::from(steps) * PI / 2.0;
             let (azimuth, elevation) = (r * libm::cos(angle), r * libm::sin(angle));
             if azimuth < PI && elevation < PI / 2.0 {
-                let power = amplitude(2.0 * element_db(azimuth, elevation, width, floor_db)) - floor;
-                sum += power * r * libm::cos(elevation);
+                let [power] = amplitudes([2.0 * element_db(azimuth, elevation, width, floor_db)]);
+                sum += (power - floor) * r * libm::cos(elevation);
             }
         }
     }
@@ -149,17 +157,44 @@ impl Antenna {
 
     /// Amplitude in a direction (not normalised), relative to boresight.
     pub fn amplitude(&self, direction: Vec3) -> f64 {
+        self.amplitudes(&direction.map(|x| [x]))[0]
+    }
+
+    /// Those in N directions, `[axis][direction]`.
+    #[inline(always)]
+    pub fn amplitudes<const N: usize>(&self, directions: &Vec3<[f64; N]>) -> [f64; N] {
         if self.is_constant() {
-            return 1.0;
+            return [1.0; N];
         }
-        let [x, y, z] = self.axes.map(|axis| dot(axis, direction));
-        let azimuth = libm::atan2(y, x);
-        let elevation = libm::atan2(z, (x * x + y * y).sqrt());
-        amplitude(match &self.pattern {
-            Pattern::Constant => 0.0,
-            Pattern::Element { width, floor_db } => element_db(azimuth, elevation, *width, *floor_db),
-            Pattern::Table(table) => table.at(azimuth.to_degrees(), elevation.to_degrees()),
-        })
+        vectorised(
+            #[inline(always)]
+            || {
+                let [mut x, mut y, mut z, mut across] = [[0.0; N]; 4];
+                for n in 0..N {
+                    let direction = [directions[0][n], directions[1][n], directions[2][n]];
+                    x[n] = dot(self.axes[0], direction);
+                    y[n] = dot(self.axes[1], direction);
+                    z[n] = dot(self.axes[2], direction);
+                    across[n] = (x[n] * x[n] + y[n] * y[n]).sqrt();
+                }
+                let (azimuth, elevation) = (atan2(&y, &x), atan2(&z, &across));
+                let mut levels_db = [0.0; N];
+                match &self.pattern {
+                    Pattern::Constant => {}
+                    Pattern::Element { width, floor_db } => {
+                        for n in 0..N {
+                            levels_db[n] = element_db(azimuth[n], elevation[n], *width, *floor_db);
+                        }
+                    }
+                    Pattern::Table(table) => {
+                        for n in 0..N {
+                            levels_db[n] = table.at(azimuth[n].to_degrees(), elevation[n].to_degrees());
+                        }
+                    }
+                }
+                amplitudes(levels_db)
+            },
+        )
     }
 
     /// Amplitude of a path that leaves and arrives by this antenna.

@@ -6,6 +6,7 @@
 use super::ieee80211ay::Ray;
 use super::{BLOCKS, Blocks, Complex64, Path, Sensor, phasor};
 use crate::numerics::random::Random;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::{Advance, ArMode, Channel};
 use crate::simulator::body::number::{LANES, Lanes, Real};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -26,6 +27,8 @@ pub struct Ar1Process {
     innovation_kind: Innovation,
     state: Vec<Complex64>,
     draw: Vec<Complex64>,
+    /// Amplitude of each ray in an innovation.
+    levels: Vec<f64>,
     /// Gaussian numbers of a draw, two a ray.
     numbers: Vec<f64>,
     /// Range samples of each ray at the amplitudes 1 and j, once they are asked for: real and imaginary parts by turns.
@@ -47,18 +50,20 @@ impl Ar1Process {
         rho: f64,
         spacing_slots: u32,
     ) -> Self {
+        let innovation = match channel.mode {
+            ArMode::Paper | ArMode::Consistent => 1.0 - rho,
+            ArMode::VariancePreserving | ArMode::Rician => (1.0 - rho * rho).sqrt(),
+        };
         Ar1Process {
             parts: Vec::new(),
+            levels: rays.iter().map(|ray| innovation * ray.amplitude).collect(),
             numbers: vec![0.0; 2 * rays.len()],
             state: vec![Complex64::default(); rays.len()],
             draw: vec![Complex64::default(); rays.len()],
             rays,
             innovation_kind,
             rho,
-            innovation: match channel.mode {
-                ArMode::Paper | ArMode::Consistent => 1.0 - rho,
-                ArMode::VariancePreserving | ArMode::Rician => (1.0 - rho * rho).sqrt(),
-            },
+            innovation,
             mode: channel.mode,
             stationary: channel.stationary_start,
             steps: match channel.advance {
@@ -116,8 +121,9 @@ impl Ar1Process {
         }
         for _ in 0..self.steps {
             self.draw(random);
-            for ((state, draw), ray) in self.state.iter_mut().zip(&self.draw).zip(&self.rays) {
-                *state = *state * self.rho + draw * (self.innovation * ray.amplitude);
+            let (state, draw, levels, rho) = (&mut self.state, &self.draw, &self.levels, self.rho);
+            for ((state, draw), level) in state.iter_mut().zip(draw).zip(levels) {
+                *state = *state * rho + draw * level;
             }
         }
     }
@@ -145,13 +151,21 @@ impl Ar1Process {
             };
             self.parts = self.rays.iter().map(parts).collect();
         }
-        let mut sums: [f64; 2 * BLOCKS] =
+        let begin: [f64; 2 * BLOCKS] =
             std::array::from_fn(|k| if k % 2 == 0 { beat[k / 2].re } else { beat[k / 2].im });
-        for (state, [one, j]) in self.state.iter().zip(&self.parts) {
-            for ((sum, one), j) in sums.iter_mut().zip(one).zip(j) {
-                *sum += state.re * one + state.im * j;
-            }
-        }
+        let (state, parts) = (&self.state, &self.parts);
+        let sums = vectorised(
+            #[inline(always)]
+            || {
+                let mut sums = begin;
+                for (state, [one, j]) in state.iter().zip(parts) {
+                    for k in 0..2 * BLOCKS {
+                        sums[k] += state.re * one[k] + state.im * j[k];
+                    }
+                }
+                sums
+            },
+        );
         for (beat, sum) in beat.iter_mut().zip(sums.as_chunks::<2>().0) {
             *beat = Complex64::new(sum[0], sum[1]);
         }

@@ -35,12 +35,9 @@ impl View {
     #[inline(always)]
     fn seen(&self, antenna: &Antenna, index: usize, centre: Vec3<Lanes>, mut amplitude: Lanes) -> Lanes {
         if !antenna.is_constant() {
-            let [x, y, z] = centre.map(Lanes::to_array);
-            let weight = |lane: usize| {
-                let one = antenna.amplitude(sub([x[lane], y[lane], z[lane]], self.radar));
-                one * one
-            };
-            amplitude = amplitude * Lanes::new(std::array::from_fn(weight));
+            let direction = sub(centre, self.radar.map(Lanes::of));
+            let one = Lanes::new(antenna.amplitudes(&direction.map(Lanes::to_array)));
+            amplitude = amplitude * (one * one);
         }
         match &self.kept {
             Some(kept) => amplitude * kept[index],

@@ -4,7 +4,7 @@
 //! width in that time.
 
 use super::room::StaticPath;
-use super::shadowing::{Screen, others, own_torso, transmission};
+use super::shadowing::{Screen, others, own_torso, transmission, transmissions};
 use super::{Scene, wavelength};
 use crate::scenario::Scenario;
 use crate::simulator::body::primitives::PRIMITIVES;
@@ -109,7 +109,7 @@ impl Obstruction {
                 true => 1.0,
                 false => transmission(&screens, &[(scene.from, scene.to)], self.lambda),
             },
-            room: room.iter().map(|path| transmission(&screens, &path.legs, self.lambda)).collect(),
+            room: transmissions(&screens, room.iter().map(|path| &path.legs[..]), self.lambda),
             people: scene.people.iter().enumerate().map(of).collect(),
         }
     }

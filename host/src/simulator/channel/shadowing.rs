@@ -7,8 +7,11 @@
 
 use super::Scene;
 use super::target::Target;
+use crate::numerics::atan::atan;
+use crate::numerics::vectors::vectorised;
 use crate::scenario::Furniture;
 use crate::simulator::body::gait::joint;
+use crate::simulator::body::number::LANES;
 use crate::simulator::body::primitives::{PRIMITIVES, Primitive};
 use crate::simulator::body::{Vec3, add, scale, sub};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -42,23 +45,31 @@ pub struct Crossing {
     pub heights: [f64; 2],
 }
 
+#[inline(always)]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// F of the two edges of one view: the leg from `a` to `b`, the edges at distance `at` along it and `low` and `high` across it.
-fn edges(leg_m: f64, at: f64, low: f64, high: f64, lambda: f64) -> f64 {
-    let magnitude = |edge: f64| {
-        let excess = length([at, edge]) + length([leg_m - at, edge]) - leg_m;
-        libm::atan(FRAC_PI_2 * (PI / lambda * excess.max(0.0)).sqrt()) / PI
-    };
-    let (low_f, high_f) = (magnitude(low), magnitude(high));
-    match (low <= 0.0, high >= 0.0) {
-        (true, true) => low_f + high_f,
-        // the path passes beside the screen: the nearer edge counts against the farther
-        (true, false) => low_f - high_f,
-        _ => high_f - low_f,
+/// F of the edges of one view of N legs: their lengths, how far along them the edges are, and the lower and upper edge across them.
+#[inline(always)]
+fn edges<const N: usize>(leg_m: &[f64; N], at: &[f64; N], across: [&[f64; N]; 2], lambda: f64) -> [f64; N] {
+    let mut tangents = [[0.0; N]; 2];
+    for (tangents, across) in tangents.iter_mut().zip(across) {
+        for n in 0..N {
+            let edge = across[n];
+            let excess = length([at[n], edge]) + length([leg_m[n] - at[n], edge]) - leg_m[n];
+            tangents[n] = FRAC_PI_2 * (PI / lambda * excess.max(0.0)).sqrt();
+        }
     }
+    let [low, high] = [atan(&tangents[0]), atan(&tangents[1])];
+    let mut sums = [0.0; N];
+    for n in 0..N {
+        let (low, high) = (low[n] / PI, high[n] / PI);
+        // a leg that passes beside the screen: the nearer edge counts against the farther
+        let upper = if across[1][n] >= 0.0 { low + high } else { low - high };
+        sums[n] = if across[0][n] <= 0.0 { upper } else { high - low };
+    }
+    sums
 }
 
 impl Screen {
@@ -77,50 +88,92 @@ impl Screen {
     }
 
     /// Where a leg passes the screen; `None` where the screen does not stand beside it, or one of the leg's ends is the screen's place.
-    pub fn crossing(&self, (a, b): Leg) -> Option<Crossing> {
+    pub fn crossing(&self, leg: Leg) -> Option<Crossing> {
+        let (crosses, crossing) = self.beside(leg);
+        crosses.then_some(crossing)
+    }
+
+    /// Whether the screen stands beside the leg, and where the leg passes it if so.
+    #[inline(always)]
+    fn beside(&self, (a, b): Leg) -> (bool, Crossing) {
         let [dx, dy, dz] = sub(b, a);
         let leg_m = length([dx, dy]);
-        if leg_m < 1e-3 {
-            return None;
-        }
         let (ex, ey) = (dx / leg_m, dy / leg_m);
         let (px, py) = (self.place[0] - a[0], self.place[1] - a[1]);
         let at = px * ex + py * ey;
-        if !(1e-6..=leg_m - 1e-6).contains(&at) {
-            return None;
-        }
+        let crosses = (leg_m >= 1e-3) & (at >= 1e-6) & (at <= leg_m - 1e-6);
         let across = py * ex - px * ey;
         // from the side: heights over the leg where it passes, at right angles to it
         let slope = dz / leg_m;
         let tilt = 1.0 / (1.0 + slope * slope).sqrt();
         let passing = a[2] + slope * at;
-        Some(Crossing {
+        let crossing = Crossing {
             leg_m,
             at,
             across: [across - self.width / 2.0, across + self.width / 2.0],
             tilt,
-            heights: self.heights.map(|z| (z - passing) * tilt),
-        })
+            heights: [(self.heights[0] - passing) * tilt, (self.heights[1] - passing) * tilt],
+        };
+        (crosses, crossing)
     }
 
-    /// Amplitude that a leg keeps, and how far behind the screen it ends in m; 1 where the screen does not stand beside it.
-    fn passed(&self, leg: Leg, lambda: f64) -> (f64, f64) {
-        let Some(c) = self.crossing(leg) else { return (1.0, 0.0) };
-        let wide = edges(c.leg_m, c.at, c.across[0], c.across[1], lambda);
-        let high = edges(c.leg_m / c.tilt, c.at / c.tilt, c.heights[0], c.heights[1], lambda);
-        ((1.0 - wide * high).clamp(0.0, 1.0), c.leg_m - c.at)
+    /// Amplitudes that N legs keep, and how far behind the screen they end in m; 1 and 0 where the screen does not stand beside a leg.
+    #[inline(always)]
+    fn passed<const N: usize>(&self, legs: &[Leg; N], lambda: f64) -> [(f64, f64); N] {
+        vectorised(
+            #[inline(always)]
+            || {
+                let [mut leg_m, mut at, mut left, mut right] = [[0.0; N]; 4];
+                let [mut slant_m, mut slant_at, mut low, mut high] = [[0.0; N]; 4];
+                let mut crosses = [false; N];
+                for n in 0..N {
+                    let (crossed, c) = self.beside(legs[n]);
+                    crosses[n] = crossed;
+                    (leg_m[n], at[n], left[n], right[n]) = (c.leg_m, c.at, c.across[0], c.across[1]);
+                    (slant_m[n], slant_at[n]) = (c.leg_m / c.tilt, c.at / c.tilt);
+                    (low[n], high[n]) = (c.heights[0], c.heights[1]);
+                }
+                let wide = edges(&leg_m, &at, [&left, &right], lambda);
+                let high = edges(&slant_m, &slant_at, [&low, &high], lambda);
+                let mut passed = [(1.0, 0.0); N];
+                for n in 0..N {
+                    if crosses[n] {
+                        passed[n] = ((1.0 - wide[n] * high[n]).clamp(0.0, 1.0), leg_m[n] - at[n]);
+                    }
+                }
+                passed
+            },
+        )
     }
 
     /// Amplitude that a leg keeps.
     pub fn transmission(&self, leg: Leg, lambda: f64) -> f64 {
-        self.passed(leg, lambda).0
+        self.passed(&[leg], lambda)[0].0
     }
 }
 
 /// Amplitude that a path of several legs keeps behind everybody.
 pub fn transmission(screens: &[Screen], legs: &[Leg], lambda: f64) -> f64 {
-    let of = |leg: &Leg| screens.iter().map(|screen| screen.transmission(*leg, lambda)).product::<f64>();
-    legs.iter().map(of).product()
+    transmissions(screens, [legs].into_iter(), lambda)[0]
+}
+
+/// Amplitude that each of several paths keeps behind everybody.
+pub fn transmissions<'a>(
+    screens: &[Screen],
+    paths: impl Iterator<Item = &'a [Leg]> + Clone,
+    lambda: f64,
+) -> Vec<f64> {
+    let legs: Vec<Leg> = paths.clone().flatten().copied().collect();
+    let mut kept = vec![1.0; legs.len()];
+    for (legs, kept) in legs.chunks(LANES).zip(kept.chunks_mut(LANES)) {
+        let legs: [Leg; LANES] = std::array::from_fn(|n| legs[n.min(legs.len() - 1)]);
+        for screen in screens {
+            let passed = screen.passed(&legs, lambda);
+            kept.iter_mut().zip(passed).for_each(|(kept, (passed, _))| *kept *= passed);
+        }
+    }
+    let mut kept = kept.into_iter();
+    paths.map(|legs| kept.by_ref().take(legs.len()).product()).collect()
 }
 
 /// Amplitudes of a person's primitives behind its own torso, there and back.
@@ -139,12 +192,13 @@ pub fn behind_torso(end: Vec3, primitives: &[Primitive; PRIMITIVES], lambda: f64
     let [radius, half] = torso.semi;
     let [x, y, z] = torso.centre;
     let screen = Screen { place: [x, y], heights: [z - half, z + half], width: 2.0 * radius };
-    let mut amplitudes = [1.0; PRIMITIVES];
-    for (amplitude, primitive) in amplitudes.iter_mut().zip(primitives).skip(2) {
-        let (kept, behind) = screen.passed((end, primitive.centre), lambda);
+    let passed = screen.passed(&primitives.map(|primitive| (end, primitive.centre)), lambda);
+    let mut amplitudes = passed.map(|(kept, behind)| {
         let s = (behind / radius).clamp(0.0, 1.0);
-        *amplitude = 1.0 - (1.0 - kept) * s * s * (3.0 - 2.0 * s);
-    }
+        1.0 - (1.0 - kept) * s * s * (3.0 - 2.0 * s)
+    });
+    // head and torso
+    amplitudes[..2].fill(1.0);
     amplitudes
 }
 
