@@ -92,7 +92,7 @@ impl<
     #[allow(clippy::new_without_default)] // a default would be made on the stack
     pub const fn new() -> Self {
         PipelineMemory {
-            vectors: [I16x8::ZERO; I16X8S],
+            vectors: [[0; 4]; I16X8S],
             words: [0; WORDS],
             reference: WordAligned([[0; 2]; REFERENCE]),
             beats: [ZERO_BEAT; SLOTS],

@@ -4,8 +4,22 @@ use super::dechirp::{CHIRP_WORDS, ComplexI16, write_chirp};
 use super::range_gate::write_references;
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 use crate::dims::{BEATS, Beat, Complex, ZERO_BEAT};
-use crate::simd::conj_mac::Sum;
+use crate::simd::conj_mac::{Sum, alternating};
 use crate::simd::native_conj_mac;
+
+/// Whether the paper's chirp is taken two blocks at a time: where registers are many and loads cost as much as products.
+const ALTERNATING: bool = cfg!(target_arch = "riscv32");
+
+// what `alternating` relies on
+const _: () = {
+    let mut n = 1;
+    while n <= 500 {
+        let ([re, im], [later_re, later_im]) = (CHIRP_WORDS.0[n - 1], CHIRP_WORDS.0[n + 499]);
+        let sign = if n % 2 == 0 { 1 } else { -1 };
+        assert!(later_re == sign * re && later_im == sign * im, "the chirp alternates");
+        n += 1;
+    }
+};
 
 /// A configuration and the reference samples it needs.
 #[derive(Debug)]
@@ -60,6 +74,11 @@ impl<'b> FastTime<'b> {
                 }
             }
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
+            (None, _) if ALTERNATING && core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) => {
+                if let (Some(samples), 125) = (pairs.first_chunk(), block) {
+                    alternating(samples, &CHIRP_WORDS.0, &mut all);
+                }
+            }
             (None, _) => native_conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {
                 for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples.max(1))) {

@@ -3,55 +3,48 @@
 //! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference; `arm` has the DSP extension of Cortex-M4,
 //! M7, M33 and later, and Helium of M52, M55 and M85. All operations are integer and exact: the same bits.
 
+use crate::dsn::winograd::outputs_of_column;
+use bytemuck::must_cast_ref;
 use core::hint::black_box;
 
-/// Eight i16: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of the
-/// other in the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(C, align(16))]
-pub struct I16x8(pub [i16; 8]);
+/// Eight i16 in four words: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of
+/// the other in the next.
+pub type I16x8 = [i32; 4];
 
-impl I16x8 {
-    /// Zeros.
-    pub const ZERO: Self = I16x8([0; 8]);
-}
+/// Rows of the points of a tile.
+pub const POINT_ROWS: usize = 6;
 
-/// Points of a tile: 4 x 4 products give 2 x 2 outputs.
-pub const POINTS: usize = 16;
+/// Points of a tile: 6 x 5 products give 4 x 3 outputs.
+pub const POINTS: usize = 5 * POINT_ROWS;
 
-/// Two tiles' values or two outputs' weights in the Winograd domain: `GROUPS` groups of four channels at 16 points, column by
-/// column, rows in the order 1, 2, 0, 3.
+/// Two tiles' values or two outputs' weights in the Winograd domain: `GROUPS` groups of four channels at 30 points, column by
+/// column, rows in the order 5, 3, 4, 1, 2, 0.
 pub(crate) type Tile<const GROUPS: usize> = [[I16x8; GROUPS]; POINTS];
 
-/// Sums of two tiles and two outputs, `[column][row][output, tile]`, already gathered from four points to two rows.
-pub(crate) type Sums = [[[i32; 4]; 2]; 4];
+/// Sums of two tiles and two outputs, `[column][row][output, tile]`, already gathered from six points to four rows.
+pub(crate) type Sums = [[[i32; 4]; 4]; 5];
 
-/// Arithmetic on pairs of i16. A value of an implementing type is the proof that the processor has the instructions.
+/// Arithmetic on i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {
     /// Whether a `Tile` of an even number of groups is in the wide order.
     const WIDE: bool = false;
-    /// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does: some 40 000 instructions, here 120 000 on RV32IMAC.
-    const BLOCKS: [usize; 3] = [4, 2, 1];
+    /// Blocks of two tiles that a step of a convolution of 8 and of 16 channels does, and steps of a block of 32: some 40 000
+    /// instructions, here 70 000 on RV32IMAC.
+    const BLOCKS: [usize; 3] = [3, 1, 4];
 
-    /// Sum of pairs, in a form of the implementation's own; no part leaves i16.
-    fn add(self, a: i32, b: i32) -> i32;
-    /// Difference of pairs, likewise.
-    fn sub(self, a: i32, b: i32) -> i32;
-    /// The two i16 of a result, the lower half first.
-    fn unpack(self, pair: i32) -> [i16; 2];
-
-    /// For each column of points the products summed over all channels, and the rows gathered: with p the sums of rows 1,
-    /// 2, 0 and 3, `p1 + p2 + p0` and `p1 - p2 + p3`. Wraps.
+    /// For each column of points the products summed over all channels, and the output transform of the column. Wraps.
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums);
 }
 
-/// Where group `group` of `GROUPS` of tile or output `part` lies: which [`I16x8`], and its first value.
+/// Where group `group` of `GROUPS` of tile or output `part` lies: which [`I16x8`], and its first word.
 #[inline(always)]
 pub const fn lane<P: DualMac, const GROUPS: usize>(group: usize, part: usize) -> (usize, usize) {
-    if P::WIDE && GROUPS.is_multiple_of(2) { (group & !1 | part, 4 * (group & 1)) } else { (group, 4 * part) }
+    if P::WIDE && GROUPS.is_multiple_of(2) { (group & !1 | part, 2 * (group & 1)) } else { (group, 2 * part) }
 }
 
 /// Four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth.
+///
+/// A pair (l, h) is the number h 2^16 + l, so that sums and shifts of pairs are those of numbers; [`settle`] ends it.
 #[inline(always)]
 pub fn widen(four: [i8; 4]) -> [i32; 2] {
     if cfg!(target_arch = "riscv32") {
@@ -61,6 +54,19 @@ pub fn widen(four: [i8; 4]) -> [i32; 2] {
     }
     let word = u32::from_le_bytes(four.map(|v| v as u8)) ^ 0x8080_8080;
     [word, word >> 8].map(|pair| (pair & 0x00ff_00ff) as i32)
+}
+
+/// The two i16 of a pair, each in its half of a word; each fits i16.
+#[inline(always)]
+pub fn settle(pair: i32) -> i32 {
+    // a negative lower half has taken one from the upper
+    pair.wrapping_add((pair & 0x8000) << 1)
+}
+
+/// The i16 of words, in pairs that lie alike in inputs and weights.
+#[inline(always)]
+fn halves(words: &I16x8) -> &[i16; 8] {
+    must_cast_ref(words)
 }
 
 /// `sums[output, tile] += sum over channels`, of one point.
@@ -73,13 +79,13 @@ fn accumulate<P: DualMac, const GROUPS: usize>(
     if P::WIDE && GROUPS.is_multiple_of(2) {
         let (inputs, weights) = (inputs.as_chunks().0, weights.as_chunks().0);
         for ([x0, x1], [w0, w1]) in inputs.iter().zip(weights) {
-            add_products([&x0.0, &x1.0], [&w0.0, &w1.0], sums);
+            add_products([x0, x1].map(halves), [w0, w1].map(halves), sums);
         }
     } else {
         // of a short loop of known length the compiler makes more products at once than RISC-V has registers
         let groups = if cfg!(target_arch = "riscv32") && GROUPS < 8 { black_box(GROUPS) } else { GROUPS };
-        for (I16x8(x), I16x8(w)) in inputs.iter().zip(weights).take(groups) {
-            if let ([x0, x1], [w0, w1]) = (x.as_chunks::<4>().0, w.as_chunks::<4>().0) {
+        for (x, w) in inputs.iter().zip(weights).take(groups) {
+            if let ([x0, x1], [w0, w1]) = (halves(x).as_chunks::<4>().0, halves(w).as_chunks::<4>().0) {
                 add_products([x0, x1], [w0, w1], sums);
             }
         }
@@ -107,43 +113,25 @@ pub fn plain_products<P: DualMac, const GROUPS: usize>(
     weights: &Tile<GROUPS>,
     sums: &mut Sums,
 ) {
-    let ((inputs, _), (weights, _)) = (inputs.as_chunks::<4>(), weights.as_chunks::<4>());
-    for (([x1, x2, x0, x3], [w1, w2, w0, w3]), [upper, lower]) in inputs.iter().zip(weights).zip(sums) {
-        let (mut p1, mut p2) = ([0; 4], [0; 4]);
-        accumulate::<P, GROUPS>(x1, w1, &mut p1);
-        accumulate::<P, GROUPS>(x2, w2, &mut p2);
-        for k in 0..4 {
-            (upper[k], lower[k]) = (p1[k].wrapping_add(p2[k]), p1[k].wrapping_sub(p2[k]));
+    let ((inputs, _), (weights, _)) = (inputs.as_chunks::<POINT_ROWS>(), weights.as_chunks::<POINT_ROWS>());
+    for ((inputs, weights), sums) in inputs.iter().zip(weights).zip(sums) {
+        let mut points = [[0; 4]; POINT_ROWS];
+        for ((inputs, weights), point) in inputs.iter().zip(weights).zip(&mut points) {
+            accumulate::<P, GROUPS>(inputs, weights, point);
         }
-        accumulate::<P, GROUPS>(x0, w0, upper);
-        accumulate::<P, GROUPS>(x3, w3, lower);
+        for k in 0..4 {
+            let outputs = outputs_of_column(points.map(|point| point[k]));
+            sums.iter_mut().zip(outputs).for_each(|(sums, output)| sums[k] = output);
+        }
     }
 }
 
-/// Pairs in plain Rust: a pair (l, h) is the number h 2^16 + l, so that sums of pairs are sums of numbers.
-///
-/// `WIDE` as [`DualMac::WIDE`] of the processor that is compared.
+/// In plain Rust; `WIDE` as [`DualMac::WIDE`] of the processor that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Plain<const WIDE: bool = false>;
 
 impl<const WIDE: bool> DualMac for Plain<WIDE> {
     const WIDE: bool = WIDE;
-
-    #[inline(always)]
-    fn add(self, a: i32, b: i32) -> i32 {
-        a.wrapping_add(b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: i32, b: i32) -> i32 {
-        a.wrapping_sub(b)
-    }
-
-    #[inline(always)]
-    fn unpack(self, pair: i32) -> [i16; 2] {
-        let low = pair as i16;
-        [low, (pair.wrapping_sub(i32::from(low)) >> 16) as i16]
-    }
 
     #[inline]
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {

@@ -7,7 +7,6 @@ use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model};
 use sdp3_core::dsn::{Operator, WinogradF2};
 use sdp3_core::selftest::*;
-use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{Numbers, Size, write};
 use std::vec;
 
@@ -46,7 +45,7 @@ fn the_first_operator_that_differs_is_named() {
     let model = Model::parse(&bytes[..length]).expect("a model");
     let mut scratch = vec![0; model.shape().scratch_bytes()];
     let sizes = WinogradSizes::of(&model);
-    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     for wrong in 0..11 {
         let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
         let mut kernels = Wrong(WinogradF2::shared(memory), wrong);

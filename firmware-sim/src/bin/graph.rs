@@ -20,9 +20,9 @@ mod firmware {
     static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
     static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
     static ARENA: Single<[i8; 1 << 17]> = Single::new([0; 1 << 17]);
-    static ROW: Single<[i8; 1 << 12]> = Single::new([0; 1 << 12]);
-    static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([I16x8::ZERO; 1 << 12]);
-    static WORDS: Single<[i32; 1 << 13]> = Single::new([0; 1 << 13]);
+    static SCRATCH: Single<[i8; 1 << 14]> = Single::new([0; 1 << 14]);
+    static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([[0; 4]; 1 << 12]);
+    static WORDS: Single<[i32; 1 << 9]> = Single::new([0; 1 << 9]);
 
     fn fail(what: &str) -> ! {
         println(format_args!("error: {what}"));
@@ -55,10 +55,14 @@ mod firmware {
             *to = *from as i8;
         }
         let sizes = graph.winograd_sizes();
-        let (Some(row), Some(vectors), Some(words)) = (ROW.take(), VECTORS.take(), WORDS.take()) else {
+        let (Some(scratch), Some(vectors), Some(words)) = (SCRATCH.take(), VECTORS.take(), WORDS.take())
+        else {
             fail("memory is taken")
         };
-        if graph.row_bytes() > row.len() || sizes.vectors > vectors.len() || sizes.words > words.len() {
+        if graph.kernel_scratch() > scratch.len()
+            || sizes.vectors > vectors.len()
+            || sizes.words > words.len()
+        {
             fail("the memory of the kernels is too small")
         }
         let mut kernels = WinogradF2::shared(WinogradMemory { vectors, words });
@@ -66,7 +70,7 @@ mod firmware {
         let mut operator = 0;
         loop {
             let before = instructions();
-            let step = graph.step_by(&mut progress, arena, &mut kernels, row);
+            let step = graph.step_by(&mut progress, arena, &mut kernels, scratch);
             let count = instructions() - before;
             let Some(step) = step else { fail("a step is missing") };
             (operator, largest) = (operator + count, largest.max(count));
@@ -82,7 +86,7 @@ mod firmware {
                 break;
             }
         }
-        let memory = graph.arena() + graph.row_bytes() + sizes.total();
+        let memory = graph.arena() + graph.kernel_scratch() + sizes.total();
         println(format_args!("all {all} largest-step {largest} memory {memory}"));
         exit(0)
     }

@@ -29,7 +29,7 @@ mod firmware {
     use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
-    type Largest = PipelineMemory<0, 1000, { SCRATCH.div_ceil(8) }, 8320, 8192>;
+    type Largest = PipelineMemory<0, 1000, { SCRATCH.div_ceil(8) }, 19200, 1024>;
     const SCRATCH: usize = scratch_bytes(64, 16, 1);
     static NETWORK: Single<[i8; SCRATCH]> = Single::new([0; SCRATCH]);
     static MEMORY: Single<Largest> = Single::new(Largest::new());
@@ -136,14 +136,14 @@ mod firmware {
     /// What computes the layers.
     #[derive(Clone, Copy, PartialEq)]
     enum By {
-        /// F(2x2, 3x3), with so many places for packed convolutions.
+        /// F(4x3, 3x3), with so many places for packed convolutions.
         Winograd(usize),
         /// The plain loops.
         Loops,
     }
 
     /// Every convolution packed ahead, for the networks of two blocks below.
-    const AHEAD: By = By::Winograd(4);
+    const AHEAD: By = By::Winograd(5);
 
     /// The part of a buffer that is wanted.
     fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
@@ -158,7 +158,7 @@ mod firmware {
         let By::Winograd(places) = by else {
             return recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, Portable), probe);
         };
-        let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let sizes = WinogradSizes::new(model.channels(), places);
         let memory =
             WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
         let Some(kernels) = WinogradF2::new(model, memory) else { fail("packed weights do not fit") };

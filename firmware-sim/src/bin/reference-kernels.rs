@@ -13,7 +13,7 @@ mod firmware {
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::depthwise_products::{self, DepthwiseWindow};
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, plain_products, widen};
+    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, plain_products};
     use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
     use sdp3_core::simd::{
         conj_mac, mulh, native_conj_mac, native_depthwise_products, native_patch_products, native_widen,
@@ -51,36 +51,17 @@ mod firmware {
     fn products<const GROUPS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
             let mut draw = |tile: &mut [[I16x8; GROUPS]; POINTS]| {
-                tile.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
-                    values.iter_mut().for_each(|value| *value = half(random, round));
+                tile.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|pair| {
+                    *pair = i32::from(half(random, round)) & 0xffff | i32::from(half(random, round)) << 16;
                 });
             };
-            let (mut inputs, mut weights) =
-                ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
+            let (mut inputs, mut weights) = ([[[0; 4]; GROUPS]; POINTS], [[[0; 4]; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
-            let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
+            let (mut found, mut expected) = ([[[1; 4]; 4]; 5], [[[2; 4]; 4]; 5]);
             NativeDualMac::default().products(&inputs, &weights, &mut found);
             plain_products::<NativeDualMac, GROUPS>(&inputs, &weights, &mut expected);
             same("products", round, found, expected);
-        }
-    }
-
-    /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
-    fn sums(random: &mut impl Rng) {
-        fn chain<P: DualMac>(mac: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
-            let mut sum = 0;
-            for (k, value) in values.into_iter().enumerate() {
-                sum = if signs >> k & 1 == 0 { mac.add(sum, value) } else { mac.sub(sum, value) };
-            }
-            mac.unpack(sum)
-        }
-        for round in 0..16 * ROUNDS {
-            let values =
-                [0; 4].map(|_: i32| widen(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
-            let signs = round as u32;
-            let found = chain(NativeDualMac::default(), signs, values);
-            same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
         }
     }
 
@@ -102,6 +83,10 @@ mod firmware {
                 conj_mac::portable(slot, reference, block, &mut expected);
                 same("dechirp", round, found, expected);
             }
+            let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);
+            conj_mac::alternating(&slot.0, &reference.0, &mut found);
+            conj_mac::portable(&slot.0, &reference.0, 125, &mut expected);
+            same("dechirp of two blocks at a time", round, found, expected);
         }
     }
 
@@ -111,6 +96,7 @@ mod firmware {
             same("upper word", round, mulh::mulh(a, b), mulh::plain(a, b));
             let expected = sum.wrapping_add(mulh::plain(a, b));
             same("sum of upper words", round, mulh::mla_h(sum, a, b), expected);
+            same("products of pairs", round, mulh::add_dual(sum, a, b), mulh::plain_dual(sum, a, b));
         }
     }
 
@@ -176,7 +162,6 @@ mod firmware {
         products::<16>(&mut random);
         patches(&mut random);
         depthwise(&mut random);
-        sums(&mut random);
         dechirping(&mut random);
         upper_words(&mut random);
         println(format_args!("kernels agree"));

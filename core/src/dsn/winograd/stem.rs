@@ -1,16 +1,18 @@
 //! The input convolution and its 2x2 maximum in one: the square of outputs that is pooled is computed together.
 //!
-//! Source: as [`super::convolution`]. Requantising never falls as the accumulator grows, so the largest of the four sums is
+//! Source: as [`super::transform`]. Requantising never falls as the accumulator grows, so the largest of the four sums is
 //! requantised and no row of the convolution is kept. With a stride of 1 the square is a tile of F(2x2, 3x3): 16 products and
 //! 32 sums a pooled value. With a stride of 2 it takes 36 products of a patch of 5x5.
 
 use super::packing::{self, channel};
-use super::transform::{filter_transform, input_transform};
 use super::{clamp_all, packed, packed_mut};
 use crate::dsn::conv::{Conv, pad_before, same};
 use crate::dsn::established;
-use crate::fixed::Requantizer;
-use crate::simd::dual_mac::{POINTS, Plain};
+use crate::fixed::{Requantizer, TIMES_FOUR};
+use crate::simd::mulh::add_dual;
+
+/// Points of a tile of F(2x2, 3x3).
+const POINTS: usize = 16;
 
 /// Words of a channel: its weights, `[column][row]` transformed or as they are, then those of [`channel`].
 pub const WORDS: usize = POINTS + packing::WORDS;
@@ -31,9 +33,10 @@ pub fn pack(stem: &Conv<'_>, words: &mut [i32]) -> Option<()> {
             let columns = filter_transform(|tap| taps[tap % 9]).map(|[a, b, c, d]| [b, c, a, -d]);
             *weights.as_chunks_mut().0.first_chunk_mut()? = columns;
         } else {
-            *weights.first_chunk_mut()? = taps.map(|w| 4 * w);
+            let taps = taps.map(|w| 4 * w);
+            *weights.first_chunk_mut()? = if PAIRS { pairs_of_taps(&taps) } else { taps };
         }
-        *constants.first_chunk_mut()? = channel(&stem.quant, o, taps.iter().sum(), 9)?;
+        *constants.first_chunk_mut()? = channel::<TIMES_FOUR>(&stem.quant, o, taps.iter().sum(), 9)?;
     }
     (stem.inputs == 1).then_some(())
 }
@@ -96,9 +99,8 @@ fn tiles(
     output: &mut [i8],
 ) {
     let border = border(stem);
-    let transform = |values| input_transform(Plain::<false>, values);
     let rows = [0, 1, 2, 3].map(|k| line(image, width, (2 * y + k).wrapping_sub(1)));
-    let column = |x: usize| transform(rows.map(|row| pixel(row, x, border)));
+    let column = |x: usize| input_transform(rows.map(|row| pixel(row, x, border)));
     let mut columns = [[0; 4], [0; 4], column((2 * first).wrapping_sub(1)), column(2 * first)];
     for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
         let [_, _, a, b] = columns;
@@ -106,7 +108,7 @@ fn tiles(
         columns = [a, b, column(x + 1), column(x + 2)];
         let mut points = [[0; 4]; 4];
         for row in 0..4 {
-            let transformed = transform(columns.map(|column| column[row]));
+            let transformed = input_transform(columns.map(|column| column[row]));
             for k in 0..4 {
                 points[k][row] = transformed[k];
             }
@@ -161,10 +163,11 @@ fn patches(
             column(x.wrapping_add(3)),
             column(x.wrapping_add(4)),
         ];
+        let pairs = if PAIRS { pairs_of_patch(&patch) } else { PatchPairs::default() };
         for (out, words) in pooled.iter_mut().zip(channels) {
             let [.., multiplier, offset, shift] = *words;
-            *out =
-                Requantizer::from_words([multiplier, offset, shift]).apply(largest_of_patch(&patch, words));
+            let most = if PAIRS { largest_of_pairs(&pairs, words) } else { largest_of_patch(&patch, words) };
+            *out = Requantizer::from_words([multiplier, offset, shift]).apply::<TIMES_FOUR>(most);
         }
     }
 }
@@ -186,9 +189,64 @@ fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
     a.max(b).max(c.max(d))
 }
 
+/// Whether a patch is multiplied by pairs of i16, where an instruction does.
+const PAIRS: bool = cfg!(all(target_arch = "arm", arm_dsp));
+
+/// A patch as pairs of i16: of the columns 0 and 1, and 2 and 3, of each row; and of each pair of outputs side by side the column
+/// beside those, rows 0 and 1, 2, 2 and 3, and 4.
+#[derive(Default)]
+struct PatchPairs {
+    rows: [[i32; 5]; 2],
+    beside: [[[i32; 2]; 2]; 2],
+}
+
+#[inline(always)]
+fn pairs_of_patch(patch: &Patch) -> PatchPairs {
+    let rows = [0, 2].map(|x| [0, 1, 2, 3, 4].map(|row| patch[x][row] | patch[x + 1][row] << 16));
+    let beside =
+        [2, 4].map(|x| [0, 2].map(|row| [patch[x][row] | patch[x][row + 1] << 16, patch[x][row + 2]]));
+    PatchPairs { rows, beside }
+}
+
+/// A kernel in the same order: columns 0 and 1 of each row, then column 2.
+fn pairs_of_taps(taps: &[i32; 9]) -> [i32; 9] {
+    let pair = |low: i32, high: i32| low & 0xffff | high << 16;
+    let [a, b, c, d, e, f, g, h, i] = *taps;
+    [pair(a, b), pair(d, e), pair(g, h), pair(c, f), i, 0, 0, 0, 0]
+}
+
+/// [`largest_of_patch`] by pairs.
+#[inline(always)]
+fn largest_of_pairs(pairs: &PatchPairs, words: &[i32; WORDS]) -> i32 {
+    let [a, b, c, d, e, ..] = *words;
+    let [.., start, _, _, _] = *words;
+    let sums = [0, 1, 2, 3].map(|k| {
+        let (x, y) = (k % 2, k / 2);
+        let (rows, [both, last]) = (&pairs.rows[x], pairs.beside[x][y]);
+        let sum = add_dual(add_dual(start, rows[2 * y], a), rows[2 * y + 1], b);
+        add_dual(add_dual(add_dual(sum, rows[2 * y + 2], c), both, d), last, e)
+    });
+    sums.into_iter().fold(i32::MIN, i32::max)
+}
+
 /// The output for four times a sum without its start.
 #[inline(always)]
 fn requantize(most: i32, words: &[i32; WORDS]) -> i8 {
     let [.., start, multiplier, offset, shift] = *words;
-    Requantizer::from_words([multiplier, offset, shift]).apply(most.wrapping_add(start))
+    Requantizer::from_words([multiplier, offset, shift]).apply::<TIMES_FOUR>(most.wrapping_add(start))
+}
+
+/// The input transform of F(2, 3), B^T.
+#[inline(always)]
+fn input_transform([a, b, c, d]: [i32; 4]) -> [i32; 4] {
+    [a - c, b + c, c - b, b - d]
+}
+
+/// The filter transform of F(2x2, 3x3), G g G^T, times four: `[column][row]`.
+#[inline(always)]
+fn filter_transform(tap: impl Fn(usize) -> i32) -> [[i32; 4]; 4] {
+    // G on three weights, times two
+    let g = |[a, b, c]: [i32; 3]| [2 * a, a + b + c, a - b + c, 2 * c];
+    let [a, b, c] = [0, 3, 6].map(|row| g([tap(row), tap(row + 1), tap(row + 2)]));
+    [0, 1, 2, 3].map(|column| g([a[column], b[column], c[column]]))
 }

@@ -4,10 +4,10 @@ use crate::simd::NativeDualMac;
 use crate::simd::dual_mac::{I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
 
-/// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does.
-pub const BLOCKS: [usize; 3] = [8, 4, 1];
+/// [`DualMac::BLOCKS`](crate::simd::dual_mac::DualMac::BLOCKS).
+pub const BLOCKS: [usize; 3] = [4, 1, 2];
 
-// Products of `groups` groups of four channels at sixteen points. A group is two loads of four words (two tiles' inputs,
+// Products of `groups` groups of four channels at thirty points, and the output transform of each column. A group is two loads of four words (two tiles' inputs,
 // two outputs' weights) and eight dual multiply-accumulates; sums live in r2, r3, r12, lr. r0: inputs, r1: weights;
 // on the stack: where sums go, and their end.
 global_asm!(
@@ -37,6 +37,26 @@ global_asm!(
     "sdp3_group 0",
     ".endr",
     ".endm",
+    // of two rows, the sums of the first at r4: the difference in r5-r8, the sum where the second was
+    ".macro sdp3_sum_and_difference",
+    "ldm r4, {{r5-r8}}",
+    "sub r5, r5, r2",
+    "add r2, r5, r2, lsl #1",
+    "sub r6, r6, r3",
+    "add r3, r6, r3, lsl #1",
+    "sub r7, r7, r12",
+    "add r12, r7, r12, lsl #1",
+    "sub r8, r8, lr",
+    "add lr, r8, lr, lsl #1",
+    ".endm",
+    ".macro sdp3_onto_difference bits",
+    "ldm r9, {{r2, r3, r12, lr}}",
+    "add r2, r5, r2, lsl #\\bits",
+    "add r3, r6, r3, lsl #\\bits",
+    "add r12, r7, r12, lsl #\\bits",
+    "add lr, r8, lr, lsl #\\bits",
+    "stm r9, {{r2, r3, r12, lr}}",
+    ".endm",
     ".macro sdp3_products groups",
     ".pushsection .text.sdp3_products_\\groups, \"ax\", %progbits",
     ".global sdp3_products_\\groups",
@@ -45,32 +65,55 @@ global_asm!(
     ".thumb_func",
     "sdp3_products_\\groups:",
     "push {{r4-r11, lr}}",
-    "add r3, r2, #128",
+    "add r3, r2, #320",
     "push {{r2, r3}}",
     "1:",
+    "sdp3_point \\groups, 1", // row 5
+    "ldr r4, [sp]",
+    "add r5, r4, #48",
+    "stm r5, {{r2, r3, r12, lr}}",
+    "sdp3_point \\groups, 1", // row 3
+    "ldr r4, [sp]",
+    "stm r4, {{r2, r3, r12, lr}}",
+    "sdp3_point \\groups, 1", // row 4
+    "ldr r4, [sp]",
+    "sdp3_sum_and_difference",
+    "add r9, r4, #16",
+    "stm r9!, {{r5-r8}}",
+    "stm r9!, {{r2, r3, r12, lr}}",
+    "ldm r9, {{r2, r3, r12, lr}}", // the difference of rows 3 and 4 onto row 5
+    "add r2, r2, r5",
+    "add r3, r3, r6",
+    "add r12, r12, r7",
+    "add lr, lr, r8",
+    "stm r9, {{r2, r3, r12, lr}}",
     "sdp3_point \\groups, 1", // row 1
     "ldr r4, [sp]",
     "stm r4, {{r2, r3, r12, lr}}",
     "sdp3_point \\groups, 1", // row 2
     "ldr r4, [sp]",
-    "ldmia r4!, {{r5-r8}}",
-    "sub r5, r5, r2", // the difference, and from it the sum
-    "add r2, r5, r2, lsl #1",
-    "sub r6, r6, r3",
-    "add r3, r6, r3, lsl #1",
-    "sub r7, r7, r12",
-    "add r12, r7, r12, lsl #1",
-    "sub r8, r8, lr",
-    "add lr, r8, lr, lsl #1",
-    "stm r4, {{r5-r8}}",
-    "sdp3_point \\groups, 0", // row 0
-    "ldr r4, [sp]",
-    "stmia r4!, {{r2, r3, r12, lr}}",
+    "sdp3_sum_and_difference",
+    "stm r4, {{r2, r3, r12, lr}}",
+    "add r9, r4, #16",
+    "sdp3_onto_difference 1", // output row 1
+    "add r9, r4, #48",
+    "sdp3_onto_difference 3", // output row 3
     "ldm r4, {{r2, r3, r12, lr}}",
-    "sdp3_point \\groups, 0", // row 3
+    "add r9, r4, #32",
+    "ldm r9, {{r6, r7, r8, r10}}",
+    "add r5, r2, r6, lsl #2", // output row 2, and what row 0 is added to
+    "add r2, r2, r6",
+    "add r6, r3, r7, lsl #2",
+    "add r3, r3, r7",
+    "add r7, r12, r8, lsl #2",
+    "add r12, r12, r8",
+    "add r8, lr, r10, lsl #2",
+    "add lr, lr, r10",
+    "stm r9, {{r5-r8}}",
+    "sdp3_point \\groups, 0", // row 0
     "pop {{r4, r5}}",
-    "add r4, r4, #16",
-    "stmia r4!, {{r2, r3, r12, lr}}",
+    "stm r4, {{r2, r3, r12, lr}}",
+    "add r4, r4, #64",
     "push {{r4, r5}}",
     "cmp r4, r5",
     "bne 1b",
@@ -100,7 +143,7 @@ unsafe extern "C" {
 #[inline]
 pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
     let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
-    // SAFETY: each reads 16 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 128
+    // SAFETY: each reads 30 GROUPS groups of inputs and of weights, which is what both arrays hold, and writes 320
     // bytes, which is what the sums are; all are aligned to words.
     match GROUPS {
         #[cfg(feature = "graph")]

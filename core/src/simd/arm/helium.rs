@@ -4,11 +4,11 @@ use crate::simd::NativeDualMac;
 use crate::simd::dual_mac::{I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
 
-/// Blocks of two tiles that a step of a convolution of 8, 16 and 32 channels does.
-pub const BLOCKS: [usize; 3] = [16, 7, 2];
+/// [`DualMac::BLOCKS`](crate::simd::dual_mac::DualMac::BLOCKS).
+pub const BLOCKS: [usize; 3] = [6, 2, 1];
 
 // As the DSP extension's products, with eight channels a group: two tiles' inputs in q0 and q1, two outputs' weights in q2 and q3.
-// Sums live in r4, r6, r8, r10, as the instruction wants even registers. r0: inputs, r1: weights, r2: where sums go, r3: their end.
+// Sums of a point live in r4, r6, r8, r10, as the instruction wants even registers, then in a vector. r0: inputs, r1: weights, r2: where sums go, r3: their end.
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_wide_group first",
@@ -28,11 +28,13 @@ global_asm!(
     "vmladava.s16 r10, q1, q3",
     ".endif",
     ".endm",
-    ".macro sdp3_wide_point groups, first",
-    "sdp3_wide_group \\first",
+    ".macro sdp3_wide_point groups, sums",
+    "sdp3_wide_group 1",
     ".rept \\groups - 1",
     "sdp3_wide_group 0",
     ".endr",
+    "vmov \\sums[2], \\sums[0], r4, r8",
+    "vmov \\sums[3], \\sums[1], r6, r10",
     ".endm",
     ".macro sdp3_wide_products groups",
     ".pushsection .text.sdp3_wide_products_\\groups, \"ax\", %progbits",
@@ -42,29 +44,35 @@ global_asm!(
     ".thumb_func",
     "sdp3_wide_products_\\groups:",
     "push {{r4-r11, lr}}",
-    "add r3, r2, #128",
+    "vpush {{d8-d15}}",
+    "add r3, r2, #320",
     "1:",
-    "sdp3_wide_point \\groups, 1", // row 1
-    "stm r2, {{r4, r6, r8, r10}}",
-    "sdp3_wide_point \\groups, 1", // row 2
-    "ldm r2, {{r5, r7, r9, r11}}",
-    "sub r5, r5, r4", // the difference, and from it the sum
-    "add r4, r5, r4, lsl #1",
-    "sub r7, r7, r6",
-    "add r6, r7, r6, lsl #1",
-    "sub r9, r9, r8",
-    "add r8, r9, r8, lsl #1",
-    "sub r11, r11, r10",
-    "add r10, r11, r10, lsl #1",
-    "add r12, r2, #16",
-    "stm r12, {{r5, r7, r9, r11}}",
-    "sdp3_wide_point \\groups, 0", // row 0
-    "stmia r2!, {{r4, r6, r8, r10}}",
-    "ldm r2, {{r4, r6, r8, r10}}",
-    "sdp3_wide_point \\groups, 0", // row 3
-    "stmia r2!, {{r4, r6, r8, r10}}",
+    "sdp3_wide_point \\groups, q4", // row 5
+    "sdp3_wide_point \\groups, q5", // row 3
+    "sdp3_wide_point \\groups, q0", // row 4
+    "vadd.i32 q6, q5, q0",
+    "vsub.i32 q5, q5, q0",
+    "vadd.i32 q4, q4, q5",
+    "sdp3_wide_point \\groups, q7", // row 1
+    "sdp3_wide_point \\groups, q0", // row 2
+    "vsub.i32 q1, q7, q0",
+    "vadd.i32 q7, q7, q0",
+    "vshl.i32 q5, q5, #1",
+    "vadd.i32 q5, q5, q1",
+    "vstrw.32 q5, [r2, #16]", // output row 1
+    "vshl.i32 q4, q4, #3",
+    "vadd.i32 q4, q4, q1",
+    "vstrw.32 q4, [r2, #48]", // output row 3
+    "vshl.i32 q5, q6, #2",
+    "vadd.i32 q5, q5, q7",
+    "vstrw.32 q5, [r2, #32]", // output row 2
+    "vadd.i32 q7, q7, q6",
+    "sdp3_wide_point \\groups, q0", // row 0
+    "vadd.i32 q7, q7, q0",
+    "vstrw.32 q7, [r2], #64",
     "cmp r2, r3",
     "bne 1b",
+    "vpop {{d8-d15}}",
     "pop {{r4-r11, pc}}",
     ".size sdp3_wide_products_\\groups, . - sdp3_wide_products_\\groups",
     ".popsection",
@@ -87,7 +95,7 @@ unsafe extern "C" {
 #[inline]
 pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
     let (x, w) = (inputs.as_ptr().cast(), weights.as_ptr().cast());
-    // SAFETY: each reads 16 GROUPS eights of inputs and of weights, which is what both arrays hold, and writes 128
+    // SAFETY: each reads 30 GROUPS eights of inputs and of weights, which is what both arrays hold, and writes 320
     // bytes, which is what the sums are; all are aligned to words. It saves the registers it must.
     match GROUPS {
         2 => unsafe { sdp3_wide_products_1(x, w, sums) },

@@ -26,31 +26,6 @@ impl DualMac for NativeDualMac {
     const WIDE: bool = cfg!(arm_mve);
     const BLOCKS: [usize; 3] = products::BLOCKS;
 
-    #[inline(always)]
-    fn add(self, a: i32, b: i32) -> i32 {
-        let sum;
-        // SAFETY: registers and APSR.GE only; the target has the instruction.
-        unsafe {
-            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack))
-        };
-        sum
-    }
-
-    #[inline(always)]
-    fn sub(self, a: i32, b: i32) -> i32 {
-        let difference;
-        // SAFETY: registers and APSR.GE only; the target has the instruction.
-        unsafe {
-            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack))
-        };
-        difference
-    }
-
-    #[inline(always)]
-    fn unpack(self, pair: i32) -> [i16; 2] {
-        [pair as i16, (pair >> 16) as i16]
-    }
-
     #[inline]
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
         products::products(inputs, weights, sums);
@@ -202,6 +177,17 @@ pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
     // SAFETY: registers only; the target has the instruction.
     unsafe {
         asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
+    };
+    total
+}
+
+/// [`crate::simd::mulh::add_dual`].
+#[inline(always)]
+pub fn add_dual(sum: i32, a: i32, b: i32) -> i32 {
+    let total;
+    // SAFETY: registers and APSR.Q only; the target has the instruction.
+    unsafe {
+        asm!("smlad {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
     };
     total
 }
