@@ -14,6 +14,7 @@ use crate::dsn::established;
 use crate::fixed::Requantizer;
 use crate::simd::dual_mac::{DualMac, I16x8, POINT_ROWS, POINTS, Sums, Tile, lane, settle, widen};
 use bytemuck::pod_align_to_mut;
+use core::ops::Range;
 
 /// Rows of outputs of a tile.
 const TILE_ROWS: usize = 4;
@@ -109,6 +110,7 @@ impl Convolution<'_> {
     }
 
     /// Does some blocks or a part of one, of inputs in `IN` groups of `C` channels and outputs in `OUT` groups of four.
+    #[inline(never)] // a program has two of what calls it
     fn blocks<P: DualMac, const C: usize, const IN: usize, const OUT: usize>(
         self,
         mac: P,
@@ -174,15 +176,22 @@ impl Convolution<'_> {
             // at the end of a row, or in the last rows, there may be fewer pixels than are computed
             let channels = channel / 4..(channel + 2 * pairs) / 4;
             for (line, found) in lines.zip(&found) {
-                for (to, from) in line.iter_mut().zip(found) {
-                    let to = established(to.get_mut(channels.clone()));
-                    let from = established(from.get(channels.clone()));
-                    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
-                    clamp_all(to.as_flattened_mut(), range);
-                }
+                let (line, found) =
+                    (line.as_flattened_mut().as_flattened_mut(), found.as_flattened().as_flattened());
+                copy_channels(line, found, 4 * OUT, 4 * channels.start..4 * channels.end);
+                clamp_all(line, range);
             }
         }
         first + most >= all && part + 1 == parts
+    }
+}
+
+/// Copies some channels of as many pixels as there are.
+#[inline(never)]
+fn copy_channels(to: &mut [i8], from: &[i8], all: usize, channels: Range<usize>) {
+    for (to, from) in to.chunks_exact_mut(all.max(1)).zip(from.chunks_exact(all.max(1))) {
+        let (to, from) = (to.get_mut(channels.clone()), from.get(channels.clone()));
+        established(to).iter_mut().zip(established(from)).for_each(|(to, from)| *to = *from);
     }
 }
 

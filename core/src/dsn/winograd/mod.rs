@@ -4,7 +4,7 @@
 //!
 //! Convolutions take 30 products instead of 108 by F(4x3, 3x3) in exact integers, additions are tables, and the stem keeps no row
 //! before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed ahead. An
-//! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29; convolutions of other
+//! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29, of a convolution 2^27; convolutions of other
 //! than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such shifts or accumulators. Graphs also
 //! have kernels of 64 channels (weights are packed sixteen outputs at a time) and of the three channels of a colour image.
 //!
@@ -217,6 +217,7 @@ fn packed<const WORDS: usize>(words: &[i32], count: usize) -> &[[i32; WORDS]] {
 }
 
 /// Clamps outputs that are saturated to int8 to a layer's range.
+#[inline(never)]
 pub(crate) fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
     if (low, high) != (i8::MIN, i8::MAX) {
         values.iter_mut().for_each(|value| *value = (*value).max(low).min(high));

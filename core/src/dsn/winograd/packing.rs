@@ -136,9 +136,12 @@ fn output<P: DualMac, const C: usize, const GROUPS: usize>(
             let rows = filter_columns(&taps);
             let at = (first + k) % 4;
             // a loop of known length is unrolled to more numbers than there are registers
-            for row in 0..black_box(POINT_ROWS).min(POINT_ROWS) {
-                for (column, value) in filter_row(rows.map(|values| values[row])).into_iter().enumerate() {
-                    tile[POINT_ROWS * column + row][vector % GROUPS][at] = settle(value);
+            for row in 0..black_box(POINT_ROWS) {
+                let three = rows.map(|values| values.get(row).copied().unwrap_or_default());
+                for (column, value) in filter_row(three).into_iter().enumerate() {
+                    if let Some(groups) = tile.get_mut(POINT_ROWS * column + row) {
+                        groups[vector % GROUPS][at] = settle(value);
+                    }
                 }
             }
         }
