@@ -9,7 +9,6 @@ use crate::dsn::conv::{Conv, MAX_CHANNELS, WIDEST};
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::fixed::Requantizer;
 use crate::simd::dual_mac::{DualMac, I16x8, POINT_ROWS, POINTS, Tile, lane, settle};
-use core::hint::black_box;
 
 /// Output channels of a convolution with 64 inputs that are packed at a time: their memory is that of 32 channels.
 const OUTPUTS: usize = 16;
@@ -135,13 +134,9 @@ fn output<P: DualMac, const C: usize, const GROUPS: usize>(
             sum += i32::from(all as i16) + (all >> 16);
             let rows = filter_columns(&taps);
             let at = (first + k) % 4;
-            // a loop of known length is unrolled to more numbers than there are registers
-            for row in 0..black_box(POINT_ROWS) {
-                let three = rows.map(|values| values.get(row).copied().unwrap_or_default());
-                for (column, value) in filter_row(three).into_iter().enumerate() {
-                    if let Some(groups) = tile.get_mut(POINT_ROWS * column + row) {
-                        groups[vector % GROUPS][at] = settle(value);
-                    }
+            for row in 0..POINT_ROWS {
+                for (column, value) in filter_row(rows.map(|values| values[row])).into_iter().enumerate() {
+                    tile[POINT_ROWS * column + row][vector % GROUPS][at] = settle(value);
                 }
             }
         }
