@@ -29,6 +29,10 @@ fn main() {
     println!("cargo:rustc-link-arg-bins=-T{memory}.ld");
     println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     println!("cargo:rustc-link-arg-bins=--gc-sections");
+    println!("cargo:rerun-if-env-changed=SDP3_CMSIS_NN");
+    if !read("CARGO_FEATURE_CMSIS_NN").is_empty() {
+        println!("cargo:rustc-link-arg-bin=graph-cmsis-nn={}", read("SDP3_CMSIS_NN"));
+    }
 }
 
 fn read(name: &str) -> String {

@@ -184,7 +184,8 @@ fn cells_of_a_plan() {
     let seeds: Vec<String> = (1..=100_000).map(|seed| seed.to_string()).collect();
     write(&folder, "p.toml", format!("sensing_slots = [300]\nseeds = [{}]\n", seeds.join(",")));
     done(&folder, "sweep @/p.toml --slurm --dry-run --shards 2", 100.0);
-    refused(&folder, "sweep @/p.toml", &["cells of the shard is 100000", "30 d (--max-time)"]);
+    // some 25 days of two processors
+    refused(&folder, "sweep @/p.toml --max-time 2d", &["cells of the shard is 100000", "2 d (--max-time)"]);
 }
 
 #[test]

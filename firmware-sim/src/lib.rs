@@ -7,6 +7,8 @@
 
 #[cfg(target_os = "none")]
 mod fault;
+#[cfg(all(feature = "graph", target_os = "none"))]
+pub mod graph_files;
 #[cfg(all(feature = "target", target_os = "none"))]
 pub mod log;
 #[cfg(target_os = "none")]

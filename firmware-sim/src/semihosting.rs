@@ -77,6 +77,13 @@ impl File {
     }
 }
 
+/// The content of a file, if the memory holds it.
+pub fn file_into<'a>(path: &str, memory: &'a mut [u8]) -> Option<&'a [u8]> {
+    let mut file = File::open(path)?;
+    let content = memory.get_mut(..file.length()?)?;
+    file.read(content).then_some(&*content)
+}
+
 /// The emulator's arguments, separated by spaces.
 pub fn arguments(buffer: &mut [u8; 1024]) -> &str {
     // the emulator writes the address and length of the text back into the block

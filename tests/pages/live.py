@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 from playwright.sync_api import sync_playwright
 
@@ -43,7 +44,7 @@ class Visit(panels.Visit):
     def until(self, section, holds):
         """The status line once it holds. The page's policy allows no test that is made of text within the page."""
         line = self.page.locator(f"{section} .status")
-        for _ in range(600):
+        for _ in range(2400):
             text = line.text_content()
             if holds(text):
                 return text
@@ -149,21 +150,34 @@ def links(visit):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         shutil.copytree(visit.given.out, out)
-        for name, key, times in [("power", "ArrowLeft", 7), ("noise", "ArrowRight", 3), ("users", "ArrowLeft", 1)]:
+        moves = [("power", "ArrowLeft", 7), ("noise", "ArrowRight", 3), ("users", "ArrowLeft", 1), ("rho", "ArrowLeft", 2), ("rho", "End", 1)]
+        for name, key, times in moves:
             slider = page.locator(f"#links input[name={name}]")
             page.evaluate("document.querySelectorAll('#region .readout').forEach((e) => e.removeAttribute('data-json'))")
             slider.focus()
+            begun = time.monotonic()
             for _ in range(times):
                 page.keyboard.press(key)
+            if name == "rho":
+                visit.until("#region", lambda text: "test recordings simulated" in text)
             visit.until("#region", lambda text: text.startswith("computed"))
+            print(f"{name}: {time.monotonic() - begun:.1f} s")
             page.wait_for_selector("#region .readout[data-json]")
             command = shlex.split(page.locator("#region .command").text_content())
-            visit.same(f"the command names {name}", any(part.startswith("communication.") for part in command), True)
+            field = "channel.rho=" if name == "rho" else "communication."
+            visit.same(f"the command names {name}", any(part.startswith(field) for part in command), True)
             printed = visit.command(*command[1:], "--out", out, "--json")
             visit.same(f"region after {name}", page.locator("#region .readout[data-json]").get_attribute("data-json"), printed)
             computed = json.loads(page.locator("#region .readout[data-json]").get_attribute("data-json"))
             shown = page.locator("#region .readout[data-json] dd[data-value=N_s]").text_content()
             visit.same(f"N_s after {name}", shown, str(computed["operating_point"]["sensing_slots"]))
+            retested = computed.get("retested", {"accuracy": []})
+            for one in retested["accuracy"]:
+                cell = page.locator(f"#region .retested [data-value='accuracy {one['sensing_slots']}']")
+                visit.same(f"accuracy of N_s = {one['sensing_slots']} after {name}", cell.text_content(), f"{one['int8']:.4f}")
+            if name == "rho":
+                said = f"at rho = {retested['rho']:g}: no new training"
+                visit.same(f"the status says rho: {said}", said in visit.status("#region"), True)
             visit.same(f"boundaries after {name}", page.locator("#region .drawn path.compared").count(), len(computed["cases"]))
 
 
@@ -188,7 +202,7 @@ def main():
             page.set_default_timeout(30_000)
             page.on("console", lambda m: m.type in ("error", "warning") and trouble.append(f"console: {m.text}"))
             page.on("pageerror", lambda error: trouble.append(f"script: {error}"))
-            asked = lambda request: request.url != page_file.as_uri() and not request.url.startswith("data:")
+            asked = lambda request: request.url != page_file.as_uri() and not request.url.startswith(("data:", "blob:"))
             page.on("request", lambda request: asked(request) and trouble.append(f"request: {request.url}"))
             page.goto(page_file.as_uri())
             visit = Visit(page, given)

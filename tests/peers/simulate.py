@@ -3,7 +3,8 @@
 Five motions in the room of the scenario `as-printed`, with its radar and statistics: `beat` int32 `[recording, slot, 8, 2]`,
 `image` int8 `[recording, 64, 110]` and `label` uint8 in `dataset.npz`, which sdp3 also compresses. A block of fast time
 is its centre's value plus its share of the thermal and the rounding noise: a short cut that sdp3 does not take. With
-`--raw` all 1000 samples of every slot are made with their noise, rounded to 16 bits and dechirped, as sdp3 does.
+`--raw` all 1000 samples of every slot are made with their noise, rounded to 16 bits and dechirped, as sdp3 does; `--keep`
+also keeps them in `raw.npy`, int16 `[recording, slot, 1000, 2]`.
 
     pip install numpy==2.4.6 scipy==1.17.1
     python simulate.py --per-class 20 --out out
@@ -53,7 +54,10 @@ TAP_DELAY = 2.0 / LIGHT + 10e-9 * np.arange(9)
 CENTRES = (np.arange(BLOCKS) * BLOCK + (BLOCK + 1) / 2) / RATE
 SAMPLES = np.arange(1, BLOCKS * BLOCK + 1) / RATE
 NODES = np.linspace(SAMPLES[0], SAMPLES[-1], 16)
-CHIRP = np.exp(1j * np.pi * SLOPE * SAMPLES**2)[:, None]
+CHIRP = np.exp(1j * np.pi * SLOPE * SAMPLES**2)
+SPREAD = BarycentricInterpolator(NODES, np.eye(NODES.size))(SAMPLES).T
+# slots of which the samples are made together: they stay in the cache
+TOGETHER = 50
 WINDOW = np.kaiser(128, 10.0)
 
 
@@ -225,22 +229,35 @@ def spectrogram(beat):
 def blocks(rng, channel):
     """Sums over blocks of fast time in LSB `[8, slot]`, with the noise of samples and of their rounding."""
     noise = np.sqrt(NOISE_POWER / LSB**2 + 1 / 6)
-    return channel(CENTRES) * (BLOCK / LSB) + noise * BLOCK**0.5 * gaussian(rng, BLOCKS, SLOTS)
+    return channel(CENTRES) * (BLOCK / LSB) + noise * BLOCK**0.5 * gaussian(rng, BLOCKS, SLOTS), None
 
 
 def raw_blocks(rng, channel):
-    """The same from 16-bit samples."""
-    spread = BarycentricInterpolator(NODES, np.eye(NODES.size))(SAMPLES)
-    received = (spread @ channel(NODES)) * CHIRP + np.sqrt(NOISE_POWER) * gaussian(rng, SAMPLES.size, SLOTS)
-    adc = np.clip(np.rint(received.view(float) / LSB), -32768, 32767).astype(np.int16)
-    return (adc.astype(float).view(complex) * CHIRP.conj()).reshape(BLOCKS, BLOCK, SLOTS).sum(axis=1)
+    """The same from 16-bit samples, and the samples, int16 `[slot, sample, 2]`."""
+    nodes = channel(NODES).T / LSB
+    noise = np.sqrt(NOISE_POWER / 2) / LSB
+    raw = np.empty((SLOTS, SAMPLES.size, 2), dtype=np.int16)
+    sums = np.empty((BLOCKS, SLOTS), dtype=complex)
+    received = np.empty((TOGETHER, SAMPLES.size), dtype=complex)
+    values = received.view(float)
+    for slots in (slice(first, first + TOGETHER) for first in range(0, SLOTS, TOGETHER)):
+        received.real = nodes.real[slots] @ SPREAD
+        received.imag = nodes.imag[slots] @ SPREAD
+        received *= CHIRP
+        values += noise * rng.standard_normal(values.shape)
+        np.clip(np.rint(values, out=values), -32768, 32767, out=values)
+        raw[slots] = values.reshape(raw[slots].shape)
+        received *= CHIRP.conj()
+        sums[:, slots] = received.reshape(TOGETHER, BLOCKS, BLOCK).sum(axis=2).T
+    return sums, raw
 
 
 def recording(rng, label, converter):
     body, height = person(rng, label)
-    rounded = np.rint(8 * converter(rng, lambda times: echoes(rng, body, height, times) + room(rng, times)))
+    sums, raw = converter(rng, lambda times: echoes(rng, body, height, times) + room(rng, times))
+    rounded = np.rint(8 * sums)
     beat = np.stack([rounded.T.real, rounded.T.imag], axis=-1).astype(np.int32)
-    return spectrogram(rounded), beat
+    return spectrogram(rounded), beat, raw
 
 
 def main():
@@ -249,6 +266,7 @@ def main():
     parser.add_argument("--out", type=Path, default=Path("out"), help="folder for dataset.npz")
     parser.add_argument("--seed", type=int, default=1, help="seed of everything random")
     parser.add_argument("--raw", action="store_true", help="make, round and dechirp every sample")
+    parser.add_argument("--keep", action="store_true", help="with --raw: keep every sample")
     arguments = parser.parse_args()
     converter = raw_blocks if arguments.raw else blocks
     started = time.perf_counter()
@@ -256,10 +274,15 @@ def main():
     image = np.empty((count, 64, 110), dtype=np.int8)
     beat = np.empty((count, SLOTS, BLOCKS, 2), dtype=np.int32)
     label = (np.arange(count) % len(CLASSES)).astype(np.uint8)
-    for index in range(count):
-        rng = np.random.default_rng([arguments.seed, index])
-        image[index], beat[index] = recording(rng, label[index], converter)
     arguments.out.mkdir(parents=True, exist_ok=True)
+    with open(arguments.out / "raw.npy" if arguments.keep else os.devnull, "wb") as file:
+        shape = (count, SLOTS, SAMPLES.size, 2)
+        np.lib.format.write_array_header_1_0(file, {"descr": "<i2", "fortran_order": False, "shape": shape})
+        for index in range(count):
+            rng = np.random.default_rng([arguments.seed, index])
+            image[index], beat[index], raw = recording(rng, label[index], converter)
+            if arguments.keep:
+                raw.tofile(file)
     np.savez(arguments.out / "dataset.npz", image=image, beat=beat, label=label)
     print(f"{(time.perf_counter() - started) / count:.6f} s per recording")
 

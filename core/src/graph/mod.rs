@@ -26,6 +26,7 @@ mod window;
 
 pub use dense::Dense;
 pub use node::{Kind, Node, Tensor, Window};
+pub use softmax::Softmax;
 pub use steps::{Progress, Step};
 
 use crate::crc32::crc32;

@@ -259,7 +259,7 @@ impl<'m> Node<'m> {
     }
 
     /// Scale of a softmax.
-    pub(super) fn softmax(&self) -> Softmax {
+    pub fn softmax(&self) -> Softmax {
         let [multiplier, shift, least] = [0, 4, 8].map(|at| word(self.parameters, at));
         Softmax { multiplier, shift, least_difference: least }
     }

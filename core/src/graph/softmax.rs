@@ -14,7 +14,7 @@ const SUM_BITS: i32 = 12;
 
 /// Scale of a softmax: what makes differences of inputs Q5.26.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Softmax {
+pub struct Softmax {
     /// Q0.31 in 2^30..2^31.
     pub multiplier: i32,
     /// Shift to the left before the multiplication.
@@ -25,7 +25,7 @@ pub(super) struct Softmax {
 
 impl Softmax {
     /// Fields in their legal range: no difference that counts leaves 32 bits, and no sum of exponentials reaches 512.
-    pub fn check(&self, channels: usize) -> Result<(), ModelError> {
+    pub(super) fn check(&self, channels: usize) -> Result<(), ModelError> {
         check("softmax.channels", channels as i64, channels < 512)?;
         check("softmax.multiplier", i64::from(self.multiplier), self.multiplier >= 1 << 30)?;
         check("softmax.shift", i64::from(self.shift), (0..=31).contains(&self.shift))?;
@@ -38,7 +38,7 @@ impl Softmax {
     }
 
     /// A row of inputs to their probabilities. Cost: two exponentials a value, some 150 instructions.
-    pub fn forward(&self, input: &[i8], output: &mut [i8]) {
+    pub(super) fn forward(&self, input: &[i8], output: &mut [i8]) {
         let top = i32::from(input.iter().copied().max().unwrap_or(0));
         let exponential = |x: i8| {
             let difference = i32::from(x) - top;

@@ -12,10 +12,11 @@ fn main() {
 mod firmware {
     use sdp3_core::crc32::Crc32;
     use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
-    use sdp3_core::graph::{Graph, Kind, Progress};
+    use sdp3_core::graph::{Kind, Progress};
     use sdp3_core::simd::dual_mac::I16x8;
+    use sdp3_firmware_sim::graph_files::{fail, load};
     use sdp3_firmware_sim::rt::{Single, instructions, start_counter};
-    use sdp3_firmware_sim::semihosting::{File, exit, println};
+    use sdp3_firmware_sim::semihosting::{exit, println};
 
     static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
     static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
@@ -24,18 +25,6 @@ mod firmware {
     static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([[0; 4]; 1 << 12]);
     static WORDS: Single<[i32; 1 << 9]> = Single::new([0; 1 << 9]);
 
-    fn fail(what: &str) -> ! {
-        println(format_args!("error: {what}"));
-        exit(2)
-    }
-
-    /// The content of a file, if the memory holds it.
-    fn content<'a>(path: &str, memory: &'a mut [u8]) -> Option<&'a [u8]> {
-        let mut file = File::open(path)?;
-        let content = memory.get_mut(..file.length()?)?;
-        file.read(content).then_some(&*content)
-    }
-
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
     extern "C" fn firmware_main() -> ! {
@@ -43,17 +32,7 @@ mod firmware {
         let (Some(network), Some(input), Some(arena)) = (NETWORK.take(), INPUT.take(), ARENA.take()) else {
             fail("memory is taken")
         };
-        let Some(network) = content("network.graph", network) else {
-            fail("no network.graph of at most 256 KiB")
-        };
-        let Some(input) = content("input.bin", input) else { fail("no input.bin of at most 64 KiB") };
-        let Ok(graph) = Graph::parse(network) else { fail("network.graph is refused") };
-        if graph.arena() > arena.len() || graph.input().bytes() != input.len() {
-            fail("the arena is too small, or the input is another network's")
-        }
-        for (to, from) in graph.input_mut(arena).iter_mut().zip(input) {
-            *to = *from as i8;
-        }
+        let graph = load(network, input, arena);
         let sizes = graph.winograd_sizes();
         let (Some(scratch), Some(vectors), Some(words)) = (SCRATCH.take(), VECTORS.take(), WORDS.take())
         else {

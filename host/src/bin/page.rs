@@ -6,13 +6,14 @@
 
 use sdp3::error::Failure;
 use sdp3::network::classify::Classify;
+use sdp3::network::retest::Retest;
 use sdp3::optimizer::{self, Rule};
 use sdp3::predictor::bootstrap::replicates;
 use sdp3::predictor::{best_curve, fit_all};
 use sdp3::recordings::{self, Chirps, Stated};
-use sdp3::results::Optimum;
+use sdp3::results::{Optimum, Retested};
 use sdp3::scenario::{Override, Scenario};
-use sdp3::simulator::calibration::doppler::of_signal;
+use sdp3::simulator::calibration::{doppler::of_signal, rho_of};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -44,19 +45,40 @@ enum Request {
     Classify { model: PathBuf, recording: Recording, step: Option<u32>, least_confidence: f64 },
     /// Doppler over time of a recording, as `sdp3 inspect` draws it.
     Spectrogram { recording: Recording, scenario: PathBuf },
-    /// The region through the points of a file, in a scenario with fields set: `sdp3 optimize`.
-    Optimize { points: PathBuf, scenario: PathBuf, set: Vec<String>, seed: u64 },
+    /// A part of the test recordings of a scenario with fields set, by the models of every N_s: a part of `sdp3 optimize --retest`.
+    Retest { models: Vec<PathBuf>, scenario: PathBuf, set: Vec<String>, seed: u64, first: u32, count: u32 },
+    /// The region through the points of a file, in a scenario with fields set: `sdp3 optimize`; if there are parts of a
+    /// test, through its accuracies: `sdp3 optimize --retest`.
+    Optimize { points: PathBuf, retested: Vec<PathBuf>, scenario: PathBuf, set: Vec<String>, seed: u64 },
 }
 
-fn optimum(points: &Path, scenario: &Path, set: &[String], seed: u64) -> Result<Optimum, Failure> {
+fn scenario_with(scenario: &Path, set: &[String]) -> Result<Scenario, Failure> {
     let set: Result<Vec<Override>, _> = set.iter().map(|one| one.parse()).collect();
-    let scenario = Scenario::resolve(Some(scenario), &set?)?;
-    let points = sdp3::formats::points::read(points)?;
+    Ok(Scenario::resolve(Some(scenario), &set?)?)
+}
+
+fn retested(parts: &[PathBuf]) -> Result<Option<Retested>, Failure> {
+    let read =
+        |file: &PathBuf| -> Result<Retested, Failure> { Ok(serde_json::from_slice(&std::fs::read(file)?)?) };
+    let parts = parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    Ok(if parts.is_empty() { None } else { Some(Retested::joined(&parts)?) })
+}
+
+fn optimum(
+    points: &Path,
+    retested: Option<Retested>,
+    scenario: &Scenario,
+    seed: u64,
+) -> Result<Optimum, Failure> {
+    let points = match &retested {
+        Some(retested) => retested.points(),
+        None => sdp3::formats::points::read(points)?,
+    };
     let curve = best_curve(&fit_all(&points)?);
     let rule = Rule::Weighted(scenario.optimizer.accuracy_weight);
     let replicates = replicates(&curve, &points, seed);
-    let outcome = optimizer::optimise(&curve, &points, &replicates, &scenario, rule, seed)?;
-    Ok(outcome.optimum(curve, &scenario))
+    let outcome = optimizer::optimise(&curve, &points, &replicates, scenario, rule, seed)?;
+    Ok(Optimum { retested, ..outcome.optimum(curve, scenario) })
 }
 
 fn print(found: &impl Serialize) -> Result<(), Failure> {
@@ -78,7 +100,16 @@ fn execute() -> Result<(), Failure> {
             let radar = Scenario::load(&scenario)?.radar;
             print(&of_signal("", &recordings::open(&recording.file, &stated)?, &radar)?)
         }
-        Request::Optimize { points, scenario, set, seed } => print(&optimum(&points, &scenario, &set, seed)?),
+        Request::Retest { models, scenario, set, seed, first, count } => {
+            let scenario = scenario_with(&scenario, &set)?;
+            let models = models.iter().map(std::fs::read).collect::<Result<Vec<_>, _>>()?;
+            let retest = Retest::new(&scenario, rho_of(&scenario), seed, &models)?;
+            print(&retest.part(first..first.saturating_add(count), &|_, _| ()))
+        }
+        Request::Optimize { points, retested: parts, scenario, set, seed } => {
+            let scenario = scenario_with(&scenario, &set)?;
+            print(&optimum(&points, retested(&parts)?, &scenario, seed)?)
+        }
     }
 }
 

@@ -79,7 +79,8 @@ pub fn one(work: &Work, index: u32) -> One {
         (None, beats, truth)
     };
     let image = image_of_beats(scenario, &beats);
-    let beat = beats.iter().flat_map(|beat| beat.map(|z| [z.re, z.im])).flatten().collect();
+    let pairs: Vec<_> = beats.iter().map(|beat| beat.map(|z| [z.re, z.im])).collect();
+    let beat = pairs.into_flattened().into_flattened();
     One { slots, image, beat, label: (index % count) as u8, truth }
 }
 
@@ -253,7 +254,11 @@ fn fill<W: Write + Seek>(
     })?;
     array(archive, "beat", ("<i4", 4), &[n, slots, BEATS, 2], |put| {
         all.iter_mut().try_for_each(|one| {
-            put(&std::mem::take(&mut one.beat).into_iter().flat_map(i32::to_le_bytes).collect::<Vec<_>>())
+            put(std::mem::take(&mut one.beat)
+                .into_iter()
+                .map(i32::to_le_bytes)
+                .collect::<Vec<_>>()
+                .as_flattened())
         })
     })?;
     array(archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;

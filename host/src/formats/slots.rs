@@ -54,7 +54,7 @@ impl Slots {
 
 /// Values as bytes, little-endian.
 pub fn to_le_bytes(values: &[i16]) -> Vec<u8> {
-    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+    values.iter().map(|value| value.to_le_bytes()).collect::<Vec<_>>().into_flattened()
 }
 
 impl<'a> IntoIterator for &'a Slots {

@@ -11,6 +11,7 @@ use crate::results::Accuracy;
 use rayon::prelude::*;
 use sdp3_core::dsn::head::{arg_max, confidence};
 use sdp3_core::dsn::{Model, ModelError};
+use std::ops::Range;
 
 /// Why the core would not take a model.
 #[derive(Debug, thiserror::Error)]
@@ -60,10 +61,20 @@ impl<'m> Networks<'m> {
         recordings: &Recordings<'_>,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> ExitLogits {
+        self.some_recordings(recordings, 0..recordings.count(), progress)
+    }
+
+    /// As [`Self::recordings`], for those of these numbers.
+    pub fn some_recordings(
+        &self,
+        recordings: &Recordings<'_>,
+        items: Range<u32>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> ExitLogits {
         let answer = |networks: &mut Vec<Classifier<'m>>, images: Vec<Vec<i8>>| {
             logits(networks, images.iter().map(Vec::as_slice))
         };
-        let answers = recordings.map(|| self.classifiers(), answer, progress);
+        let answers = recordings.map_some(items, || self.classifiers(), answer, progress);
         let (truth, logits) = answers.into_iter().unzip();
         self.answered(truth, logits)
     }
@@ -108,11 +119,14 @@ impl ExitLogits {
         self.logits.iter().map(of).collect()
     }
 
+    /// How many of the recordings a network alone classifies correctly.
+    pub fn right(&self, network: usize) -> usize {
+        self.classes(network).into_iter().zip(&self.truth).filter(|(class, truth)| class == *truth).count()
+    }
+
     /// Share of the recordings that a network alone classifies correctly.
     pub fn accuracy(&self, network: usize) -> f64 {
-        let right =
-            self.classes(network).into_iter().zip(&self.truth).filter(|(class, truth)| class == *truth);
-        right.count() as f64 / self.truth.len().max(1) as f64
+        self.right(network) as f64 / self.truth.len().max(1) as f64
     }
 }
 

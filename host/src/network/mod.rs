@@ -25,6 +25,7 @@ pub mod parameters;
 pub mod quantization;
 #[cfg(feature = "train")]
 pub(crate) mod recipe;
+pub mod retest;
 pub mod safetensors;
 pub(crate) mod sample_supervision;
 pub(crate) mod score;

@@ -13,6 +13,7 @@ use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
 use sdp3_core::signal::front_end::{FrontEnd, workspace_len};
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Labelled images of one set, one [`Images`] per number of sensing slots in the scenario, and their truth.
@@ -85,6 +86,7 @@ impl Recordings<'_> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Vec<Collected> {
         let each = self.each(
+            0..self.count(),
             || (),
             |(), class, recorded| {
                 let labelled = |images| (class, images);
@@ -103,6 +105,11 @@ impl Recordings<'_> {
         scenarios.iter().zip(&found).map(|(scenario, each)| gathered(scenario, each)).collect()
     }
 
+    /// How many they are in all classes.
+    pub fn count(&self) -> u32 {
+        self.per_class * Class::ALL.len() as u32
+    }
+
     /// `answer` to the images at every N_s of each of them, with its label; every thread makes a `state` of its own. Each is simulated
     /// once and passes the front end once.
     pub fn map<S, T: Send>(
@@ -111,29 +118,41 @@ impl Recordings<'_> {
         answer: impl Fn(&mut S, Vec<Vec<i8>>) -> T + Sync + Send,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Vec<(u8, T)> {
+        self.map_some(0..self.count(), state, answer, progress)
+    }
+
+    /// As [`Self::map`], of the recordings of these numbers in the order of [`item`].
+    pub fn map_some<S, T: Send>(
+        &self,
+        items: Range<u32>,
+        state: impl Fn() -> S + Sync + Send,
+        answer: impl Fn(&mut S, Vec<Vec<i8>>) -> T + Sync + Send,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Vec<(u8, T)> {
         let one = |state: &mut S, class, recorded| -> Vec<_> {
             let windows = self.windows(self.scenario, &recorded).into_iter();
             windows.map(|images| (class, answer(state, images))).collect()
         };
-        self.each(state, one, progress).into_iter().flatten().collect()
+        self.each(items, state, one, progress).into_iter().flatten().collect()
     }
 
-    /// What `answer` makes of each recording and its label, in the order of [`item`].
+    /// What `answer` makes of each of some recordings and its label, in the order of [`item`].
     fn each<S, T: Send>(
         &self,
+        items: Range<u32>,
         state: impl Fn() -> S + Sync + Send,
         answer: impl Fn(&mut S, u8, Recorded) -> T + Sync + Send,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Vec<T> {
-        let count = self.per_class * Class::ALL.len() as u32;
+        let count = items.len() as u64;
         let done = AtomicU64::new(0);
         let one = |state: &mut S, index: u32| {
             let (class, n) = item(index);
             let answer = answer(state, class as u8, self.recorded(class, n));
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(count));
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
             answer
         };
-        (0..count).into_par_iter().map_init(state, one).collect()
+        items.into_par_iter().map_init(state, one).collect()
     }
 
     /// A recording. Those that are tested or shown go the whole way through raw slots; the others start at the beats.

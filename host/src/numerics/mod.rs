@@ -10,3 +10,4 @@ pub mod random;
 pub(crate) mod resample;
 pub(crate) mod sincos;
 pub(crate) mod vectors;
+pub(crate) mod ziggurat;

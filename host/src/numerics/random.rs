@@ -1,50 +1,16 @@
 //! Random numbers of a recording: a function of (seed, set, class, index) alone, the same on every machine.
 //!
-//! Xoshiro256++ for bits; Gaussians by Marsaglia and Tsang's ziggurat (2000) with 256 layers.
+//! Xoshiro256++ for bits; Gaussians by the [`ziggurat`].
 
+use super::ziggurat;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::FRAC_1_SQRT_2;
-use std::sync::LazyLock;
 
 /// A seeded stream.
 #[derive(Debug, Clone)]
 pub struct Random {
     bits: Xoshiro256PlusPlus,
-}
-
-const LAYERS: usize = 256;
-/// Where the tail begins, and the area of each layer.
-const TAIL: f64 = 3.654_152_885_361_009;
-const AREA: f64 = 0.004_928_673_233_974_655;
-
-struct Ziggurat {
-    x: [f64; LAYERS + 1],
-    y: [f64; LAYERS + 1],
-}
-
-static ZIGGURAT: LazyLock<Ziggurat> = LazyLock::new(|| {
-    let density = |x: f64| libm::exp(-0.5 * x * x);
-    let mut x = [0.0; LAYERS + 1];
-    x[0] = AREA / density(TAIL);
-    x[1] = TAIL;
-    for i in 2..LAYERS {
-        x[i] = (-2.0 * libm::log(AREA / x[i - 1] + density(x[i - 1]))).sqrt();
-    }
-    let y = x.map(density);
-    Ziggurat { x, y }
-});
-
-impl Ziggurat {
-    /// The draw of these bits where it lies inside its layer, else the layer and the draw.
-    #[inline(always)]
-    fn inside(&self, bits: u64) -> Result<f64, (usize, f64)> {
-        let layer = (bits & 255) as usize;
-        // a signed 53-bit fraction from the upper bits
-        let u = ((bits as i64) >> 11) as f64 / (1_i64 << 52) as f64;
-        let x = u * self.x[layer];
-        if x.abs() < self.x[layer + 1] { Ok(x) } else { Err((layer, x)) }
-    }
 }
 
 impl Random {
@@ -66,7 +32,7 @@ impl Random {
 
     /// Uniform in 0..1.
     pub fn uniform(&mut self) -> f64 {
-        (self.bits.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+        ziggurat::uniform(self.bits.next_u64())
     }
 
     /// 64 random bits.
@@ -89,44 +55,10 @@ impl Random {
         one[0]
     }
 
-    /// Fills with what as many calls of [`Random::gaussian`] draw. Cost: 2 ns a number.
+    /// Fills with what as many calls of [`Random::gaussian`] draw.
     #[inline]
     pub fn gaussians(&mut self, values: &mut [f64]) {
-        let ziggurat = &*ZIGGURAT;
-        // by value: its words stay in registers
-        let mut random = self.clone();
-        for value in values {
-            let bits = random.bits.next_u64();
-            *value = match ziggurat.inside(bits) {
-                Ok(x) => x,
-                Err(_) => {
-                    let x;
-                    (random, x) = random.outside(ziggurat, bits);
-                    x
-                }
-            };
-        }
-        *self = random;
-    }
-
-    /// The draw where these bits fall on a layer's edge or into the tail.
-    #[cold]
-    #[inline(never)]
-    fn outside(mut self, z: &Ziggurat, mut bits: u64) -> (Self, f64) {
-        loop {
-            let (layer, x) = match z.inside(bits) {
-                Ok(x) => return (self, x),
-                Err(edge) => edge,
-            };
-            if layer == 0 {
-                let x = if x < 0.0 { -self.tail() } else { self.tail() };
-                return (self, x);
-            }
-            if z.y[layer] + (z.y[layer + 1] - z.y[layer]) * self.uniform() < libm::exp(-0.5 * x * x) {
-                return (self, x);
-            }
-            bits = self.bits.next_u64();
-        }
+        ziggurat::fill(&mut self.bits, values);
     }
 
     /// Gamma distribution of a shape, with rate 1: Marsaglia and Tsang (2000).
@@ -154,16 +86,6 @@ impl Random {
             count += 1;
         }
         count
-    }
-
-    fn tail(&mut self) -> f64 {
-        loop {
-            let x = -libm::log(1.0 - self.uniform()) / TAIL;
-            let y = -libm::log(1.0 - self.uniform());
-            if 2.0 * y > x * x {
-                return TAIL + x;
-            }
-        }
     }
 }
 

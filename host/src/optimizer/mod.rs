@@ -99,7 +99,7 @@ impl Outcome {
     pub fn optimum(self, curve: Curve, scenario: &Scenario) -> Optimum {
         let Outcome { region, weighted, cases, spacings, operating_point } = self;
         let zone_ratio = scenario.optimizer.zone_ratio;
-        Optimum { curve, region, operating_point, weighted, cases, spacings, zone_ratio }
+        Optimum { curve, region, operating_point, weighted, cases, spacings, zone_ratio, retested: None }
     }
 }
 

@@ -31,8 +31,8 @@ pub enum Work {
     Train,
     /// So many trainings of a study, each with its test.
     Study(u32),
-    /// Simulate and classify so many recordings of each class, by every exit.
-    EarlyExits(u32),
+    /// Simulate so many recordings of each class and classify them by every network.
+    Classify(u32),
     /// The main job, with a self-check of rho or not, and so many emulated targets.
     Run {
         /// Whether rho is calibrated on simulated recordings.
@@ -61,10 +61,10 @@ impl Job {
         let l = &self.scenario.learning;
         let tested = match work {
             Work::Train => 0,
-            Work::EarlyExits(per_class) => per_class,
+            Work::Classify(per_class) => per_class,
             _ => l.test_per_class,
         };
-        if !matches!(work, Work::EarlyExits(_)) {
+        if !matches!(work, Work::Classify(_)) {
             self.budget.check_memory(&budget::training(&self.scenario, tested, self.workers))?;
         }
         let workers = self.workers;
@@ -78,7 +78,7 @@ impl Job {
             classes * l.train_per_class * l.windows,
         );
         let what = match work {
-            Work::EarlyExits(per_class) => format!("{} recordings", classes * per_class),
+            Work::Classify(per_class) => format!("{} recordings", classes * per_class),
             Work::Study(trainings) => format!("{trainings} trainings, each of {training}"),
             Work::Train | Work::Run { .. } => training,
         };
@@ -97,7 +97,7 @@ fn need(work: Work, scenario: &Scenario, seconds: f64) -> Need {
         Work::Study(trainings) if trainings > 1 => {
             Need::new("trainings of the study or sweep", trainings, seconds)
         }
-        Work::EarlyExits(per_class) => Need::new("recordings of each class", per_class, seconds),
+        Work::Classify(per_class) => Need::new("recordings of each class", per_class, seconds),
         _ => Need::new(fields, training, seconds),
     }
 }
@@ -148,7 +148,7 @@ pub(super) fn seconds(scenario: &Scenario, work: Work, slot: Slot, workers: usiz
         Work::Study(trainings) => {
             return f64::from(trainings) * (train + raw(l.test_per_class)) / workers as f64;
         }
-        Work::EarlyExits(per_class) => return raw(per_class) / workers as f64,
+        Work::Classify(per_class) => return raw(per_class) / workers as f64,
         Work::Run { calibrates, emulated } => {
             let tested = classes * f64::from(l.test_per_class) * f64::from(largest);
             let compared = if calibrates { EVALUATIONS as f64 * f64::from(PEOPLE) } else { 0.0 };
@@ -197,7 +197,7 @@ mod tests {
         assert!(of(&scenario, Work::Train, 1) < of(&scenario, Work::Study(1), 1));
         assert_eq!(of(&scenario, Work::Study(3), 1), 3.0 * of(&scenario, Work::Study(1), 1));
         // five classes of 10 recordings, 1000 slots each
-        assert!((of(&scenario, Work::EarlyExits(10), 1) / (50_000.0 * slot.raw_s) - 1.0).abs() < 1e-9);
+        assert!((of(&scenario, Work::Classify(10), 1) / (50_000.0 * slot.raw_s) - 1.0).abs() < 1e-9);
         assert!((of(&scenario, Work::Train, 1) / of(&scenario, Work::Train, 4) - 4.0).abs() < 1e-9);
         let (quick, _) = Scenario::quick(None, &[]).unwrap();
         assert!(of(&quick, run, 2) < 0.3 * of(&scenario, run, 2));

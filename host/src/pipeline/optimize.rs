@@ -8,13 +8,15 @@ use crate::formats::{model_file::QUANTIZE_FIRST, points};
 use crate::network::early_exits::Policy;
 use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
+use crate::network::retest::Retest;
 use crate::network::spectrograms::Part;
 use crate::optimizer::sweep::{self, Sweep};
 use crate::optimizer::{self, Outcome, Rule, early_exits, optimise};
 use crate::predictor::bootstrap::replicates;
 use crate::predictor::{Model, best_curve, fit_all, predict};
 use crate::report::{self, figures, plot::Medium};
-use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, SweepRow};
+use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, Retested, SweepRow};
+use crate::simulator::dataset;
 use sdp3_core::early_exit::EXITS;
 use std::path::Path;
 
@@ -58,17 +60,46 @@ impl Job {
         }
     }
 
-    /// The best learning curve, or `model`'s, through the points of a file or else the accuracies of the run, and the job that goes on.
+    /// Tests the models in the output folder again, on test recordings simulated in the folder's scenario with what is set over it, and
+    /// with the run's seed and rho unless others are given. Nothing is trained. The job that goes on, and what was found.
+    ///
+    /// # Errors
+    ///
+    /// Models that are not there, or of another radar; recordings beyond the budget.
+    pub fn retest(self) -> Result<(Self, Retested), Failure> {
+        let job = self.of_folder()?;
+        let run_rho = if job.has_run() { Some(job.run()?.rho) } else { None };
+        let rho = job.scenario.channel.rho.or(run_rho).unwrap_or_else(|| job.rho());
+        let models = job.models(QUANTIZE_FIRST)?;
+        dataset::check(&job.scenario)?;
+        #[cfg(feature = "train")]
+        job.check_cost(Work::Classify(job.scenario.learning.test_per_class), rho)?;
+        let retest = Retest::new(&job.scenario, rho, job.seed, &models)?;
+        let stage = job.progress.stage("run", "networks on test recordings");
+        let found = retest.part(0..retest.recordings(), &|done, all| stage.at(done, all));
+        let words: Vec<String> =
+            found.accuracy.iter().map(|a| format!("{} {:.3}", a.sensing_slots, a.int8)).collect();
+        stage.finish(&format!("int8 accuracy by N_s at rho = {rho}: {}", words.join(", ")));
+        drop(retest);
+        Ok((job, found))
+    }
+
+    /// The best learning curve, or `model`'s, through what was tested again, else the points of a file, else the accuracies of the run;
+    /// and the job that goes on.
     ///
     /// # Errors
     ///
     /// No points; too few of them for that curve.
     pub fn learning_curve(
         self,
+        retested: Option<&Retested>,
         file: Option<&Path>,
         model: Option<Model>,
     ) -> Result<(Self, Curve, Vec<CurvePoint>), Failure> {
-        let (job, points, origin) = self.with_points(file)?;
+        let (job, points, origin) = match retested {
+            Some(retested) => (self, retested.points(), String::new()),
+            None => self.with_points(file)?,
+        };
         job.budget.check_time(&budget::fits(points.len())).map_err(|e| format!("{origin}{e}"))?;
         let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
         let Some(model) = model else { return Ok((job, best_curve(&prediction), points)) };
@@ -115,6 +146,7 @@ impl Job {
         curve: Curve,
         points: &[CurvePoint],
         rule: Option<Rule>,
+        retested: Option<Retested>,
     ) -> Result<Optimum, Failure> {
         self.note_room();
         budget::regions(&self.scenario, self.budget, 1)?;
@@ -123,7 +155,7 @@ impl Job {
         self.output.fill("boundary.csv", |file| {
             optimizer::write_boundary(file, &curve, points, &self.scenario, &outcome.cases)
         })?;
-        let found = outcome.optimum(curve, &self.scenario);
+        let found = Optimum { retested, ..outcome.optimum(curve, &self.scenario) };
         self.output.write_result("optimize.json", &found)?;
         let region = figures::region(&found.region, &found.operating_point, &found.cases, points);
         self.draw("optimize", &region.svg(Medium::SINGLE))?;
@@ -175,7 +207,7 @@ impl Job {
         self = self.of_folder()?;
         budget::regions(&self.scenario, self.budget, 1)?;
         #[cfg(feature = "train")]
-        self.check_cost(Work::EarlyExits(per_class + self.scenario.learning.test_per_class), self.rho())?;
+        self.check_cost(Work::Classify(per_class + self.scenario.learning.test_per_class), self.rho())?;
         let found = self.fit_exits(self.rho(), &self.models(QUANTIZE_FIRST)?, per_class, self.rule(rule))?;
         self.record("early-exits")?;
         self.output.write_result("early-exits.json", &found)?;

@@ -1,7 +1,7 @@
 //! What makes the page compute: the program of the commands in WebAssembly, and the models and the scenario that it reads.
 
 use super::spectrograms::colour;
-use crate::scenario::{Communication, Scenario};
+use crate::scenario::{Communication, Model, Scenario};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Compression, write::GzEncoder};
@@ -20,6 +20,10 @@ pub struct Live {
     scenario: String,
     /// What of it the controls set.
     communication: Communication,
+    /// Whether the accuracy depends on rho: whether the channel model has one.
+    has_rho: bool,
+    /// Test recordings of each class.
+    test_per_class: u32,
     /// Time from one sensing slot to the next in s.
     interval_s: f64,
     /// Colours of the intensities 0 to 255 of a spectrogram.
@@ -44,6 +48,8 @@ impl Live {
             models: models.map(|(slots, bytes)| (slots, STANDARD.encode(bytes))).collect(),
             scenario: scenario.to_toml(),
             communication: scenario.communication.clone(),
+            has_rho: scenario.channel.model == Model::Dahc,
+            test_per_class: scenario.learning.test_per_class,
             interval_s: scenario.interval_s(),
             colours: (0..=255).map(colour).collect(),
         })

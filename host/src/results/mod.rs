@@ -8,6 +8,7 @@ mod inspection;
 mod learned;
 mod optimizer;
 mod reproduction;
+mod retested;
 mod spread;
 mod sweep;
 
@@ -16,6 +17,7 @@ pub use inspection::*;
 pub use learned::*;
 pub use optimizer::*;
 pub use reproduction::*;
+pub use retested::*;
 pub use spread::*;
 pub use sweep::*;
 

@@ -1,6 +1,6 @@
 //! Results of the optimizer: regions, operating points, schedules, campaigns, early exits.
 
-use super::{Curve, WeightedPoint};
+use super::{Curve, Retested, WeightedPoint};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +49,9 @@ pub struct Optimum {
     pub spacings: Vec<Spacing>,
     /// Share of the larger normalised marginal rate below which a point is saturated.
     pub zone_ratio: f64,
+    /// With `--retest` the accuracies that the curve goes through.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub retested: Option<Retested>,
 }
 
 /// Where one zone ends and another begins.

@@ -29,6 +29,10 @@ pub struct OptimizeArgs {
     /// CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
+    /// Test --out's int8 models again on test recordings of the scenario with what --set changes, such as channel.rho, and take those
+    /// accuracies. Nothing is trained.
+    #[arg(long, conflicts_with = "points")]
+    pub retest: bool,
     /// Learning curve; absent: the best one.
     #[arg(long, value_name = "NAME", value_parser = one_of(&Model::ALL, Model::name))]
     pub curve: Option<Model>,
@@ -101,9 +105,14 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
 
 pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure> {
     let rule = rule(&args.rule)?;
-    let (job, curve, points) = context.job()?.learning_curve(args.points.as_deref(), args.curve)?;
+    let job = context.job()?;
+    let (job, retested) = match args.retest {
+        true => job.retest().map(|(job, found)| (job, Some(found)))?,
+        false => (job, None),
+    };
+    let (job, curve, points) = job.learning_curve(retested.as_ref(), args.points.as_deref(), args.curve)?;
     if args.sweep.is_empty() {
-        let found = job.optimum(curve, &points, rule)?;
+        let found = job.optimum(curve, &points, rule, retested)?;
         context.print(&found, || words(&found))?;
     } else {
         let rows = job.vary_links((&curve, &points), rule, &args.sweep)?;
@@ -122,6 +131,14 @@ pub fn early_exits(context: &Context, args: &EarlyExitsArgs) -> Result<bool, Fai
 fn words(found: &Optimum) -> String {
     let Optimum { curve, zone_ratio: ratio, operating_point: p, .. } = found;
     let mut text = format!("{} by {}, rmse {:.4}\n", p.rule, curve.model, curve.rmse);
+    if let Some(retested) = &found.retested {
+        let each = retested.accuracy.iter().map(|a| format!("{} {:.4}", a.sensing_slots, a.int8));
+        let (rho, tested, each) = (retested.rho, retested.tested(), each.collect::<Vec<_>>().join(", "));
+        let _ = writeln!(
+            text,
+            "accuracy at rho = {rho} on {tested} recordings, by networks as they were trained: N_s {each}"
+        );
+    }
     for case in &found.cases {
         match &case.operating_point {
             None => text += &format!("case {}: no point\n", case.case),

@@ -4,6 +4,7 @@
 
 mod direct;
 mod layer;
+mod linear_add;
 mod packing;
 mod pointwise;
 mod simd;
@@ -11,8 +12,9 @@ mod stem;
 mod winograd_f4;
 
 use layer::{Convolution, OutputGroup};
+use linear_add::LinearAdd;
 use packing::{ChannelPhase, PackedAdd};
-use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm};
+use pointwise::{Average, PointwiseAdd, PointwiseBatchNorm, RequantizedAdd};
 use sdp3_core::dsn::conv::Conv;
 use sdp3_core::dsn::{Classification, Kernels, Model, Operator, Portable, infer};
 use sdp3_core::probe::Probe;
@@ -25,7 +27,9 @@ use stem::Stem;
 enum Packed {
     Conv(Vec<OutputGroup>),
     BatchNormRelu(Vec<ChannelPhase>),
-    Add(Box<PackedAdd>),
+    Add(Box<LinearAdd>),
+    /// Without a linear form.
+    RequantizedAdd(Box<PackedAdd>),
 }
 
 /// The kernels of one instruction set, with a model's weights packed for them.
@@ -53,7 +57,10 @@ impl VectorKernels {
             for block in (0..model.blocks()).map_while(|index| model.block(index)) {
                 operators.push(packing::batch_norm(&block.batch_norm).map(Packed::BatchNormRelu));
                 operators.extend(block.convs.iter().map(conv));
-                operators.push(packing::add(&block.add).map(|add| Packed::Add(Box::new(add))));
+                let linear = linear_add::find(&block.add).map(|form| Packed::Add(Box::new(form)));
+                let requantized =
+                    || packing::add(&block.add).map(|add| Packed::RequantizedAdd(Box::new(add)));
+                operators.push(linear.or_else(requantized));
             }
         }
         isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
@@ -84,8 +91,11 @@ impl Kernels for VectorKernels {
             (Operator::Conv { layer, input, size, output, .. }, Some(Packed::Conv(groups))) => {
                 backend.dispatch(Convolution { layer, groups, words, input, size, output });
             }
-            (Operator::Add { layer, x, branch }, Some(Packed::Add(packed))) => {
-                backend.dispatch(PointwiseAdd { layer, packed, x, branch });
+            (Operator::Add { layer, x, branch }, Some(Packed::Add(form))) => {
+                backend.dispatch(PointwiseAdd { layer, form, x, branch });
+            }
+            (Operator::Add { layer, x, branch }, Some(Packed::RequantizedAdd(packed))) => {
+                backend.dispatch(RequantizedAdd { layer, packed, x, branch });
             }
             (Operator::Average { input, channels, output }, _) if LANES.is_multiple_of(channels) => {
                 backend.dispatch(Average { input, channels, output });

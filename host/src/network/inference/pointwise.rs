@@ -1,5 +1,6 @@
 //! The layers that treat every value alone, on vectors: batch normalisation and addition; and the average of all pixels.
 
+use super::linear_add::LinearAdd;
 use super::packing::{ChannelPhase, PackedAdd, PackedTerm};
 use super::simd::{Kernel, LANES, SimdI32};
 use sdp3_core::dsn::add::Add;
@@ -89,8 +90,32 @@ impl Kernel for PointwiseBatchNorm<'_> {
     }
 }
 
-/// An addition, in place.
+/// An addition with a linear form, in place.
 pub struct PointwiseAdd<'a> {
+    pub layer: &'a Add,
+    pub form: &'a LinearAdd,
+    pub x: &'a mut [i8],
+    pub branch: &'a [i8],
+}
+
+impl Kernel for PointwiseAdd<'_> {
+    #[inline(always)]
+    fn run<S: SimdI32>(self, simd: S) {
+        let ([a, b], start) =
+            (self.form.weights.each_ref().map(|w| simd.load(w)), simd.load(&self.form.start));
+        for k in 0..self.x.len().div_ceil(STEP) {
+            let (mut u, v) = (widen(simd, &load(self.x, k)), widen(simd, &load(self.branch, k)));
+            for i in 0..4 {
+                let left = simd.add(simd.multiply_low(u[i], a), start);
+                u[i] = simd.shift_right(simd.add(left, simd.multiply_low(v[i], b)), self.form.shift);
+            }
+            store(self.x, k, &simd.narrow(u, self.layer.act_min, self.layer.act_max));
+        }
+    }
+}
+
+/// An addition without a linear form, in place: TFLite's three requantisations.
+pub struct RequantizedAdd<'a> {
     pub layer: &'a Add,
     pub packed: &'a PackedAdd,
     pub x: &'a mut [i8],
@@ -108,7 +133,7 @@ fn term<S: SimdI32, const HALF: bool>(simd: S, v: S::I32, packed: &PackedTerm) -
     }
 }
 
-impl PointwiseAdd<'_> {
+impl RequantizedAdd<'_> {
     #[inline(always)]
     fn all<S: SimdI32, const A: bool, const B: bool>(self, simd: S) {
         let PackedAdd { terms: [a, b], sum } = self.packed;
@@ -125,7 +150,7 @@ impl PointwiseAdd<'_> {
     }
 }
 
-impl Kernel for PointwiseAdd<'_> {
+impl Kernel for RequantizedAdd<'_> {
     #[inline(always)]
     fn run<S: SimdI32>(self, simd: S) {
         match [self.packed.terms[0].half, self.packed.terms[1].half] {

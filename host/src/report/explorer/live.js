@@ -1,6 +1,7 @@
-// The program of the commands in the page: recordings of the reader's own are classified, and the region is computed for other links.
+// The program of the commands in the page, which draws and classifies recordings of the reader's own.
 
 const live = document.getElementById("data-live") && read("live");
+const encoded = (value) => new TextEncoder().encode(typeof value === "string" ? value : JSON.stringify(value));
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
 async function compiled() {
@@ -9,15 +10,19 @@ async function compiled() {
 }
 
 let program;
+/** What a program that has ended printed; what it says on standard error is thrown. */
+function printed({ exit, output, errors }) {
+  if (exit !== 0) throw new Error(errors.trim() || `exit code ${exit}`);
+  return output;
+}
+
 let last = (async () => null)();
 
-/** Asks the program, one request after the other: the text it prints; what it says on standard error is thrown. */
+/** Asks the program, one request after the other: the text it prints. */
 function ask(request, files) {
   const answered = last.then(async () => {
-    program ??= await compiled();
-    const { exit, output, errors } = await execute(program, new TextEncoder().encode(JSON.stringify(request)), files);
-    if (exit !== 0) throw new Error(errors.trim() || `exit code ${exit}`);
-    return output;
+    program ??= compiled();
+    return printed(await execute(await program, encoded(request), files));
   });
   last = answered.catch(() => null);
   return answered;
@@ -156,114 +161,4 @@ function recordingPanel() {
   const zone = html("label", { class: "drop", ondragover: stop, ondrop: drop }, "Drop a recording here, or choose its files: ", input);
   const controls = [["model, N_s ", model], ["slots from window to window ", step], ["least confidence ", least], ["carrier (Hz) ", carrier], ["slots a second (Hz) ", rate], ["antenna ", antenna], ["chirp ", chirp]];
   section.append(zone, html("div", { class: "controls" }, ...controls.map(([text, input]) => labelled(text, input))), status, doppler, found);
-}
-
-/** Boundaries of the run's links and of others, on scales that hold both; points are `[accuracy, Mbit/s]`. */
-function twoRegions(own, computed) {
-  const [left, right, top, bottom, width, height] = [70, 12, 10, 46, 800, 340];
-  const all = [...own, ...computed].flat();
-  const axis = (k, from, to) => {
-    const [low, high] = [Math.min(...all.map((p) => p[k])), Math.max(...all.map((p) => p[k]))];
-    return Object.assign((v) => from + ((to - from) * (v - low)) / (high - low || 1), { low, high, from, to });
-  };
-  const scale = { x: axis(0, left, width - right), y: axis(1, height - bottom, top) };
-  const lines = (boundaries, name) => boundaries.map((points) => mark("path", { class: name, d: pathOf(scale, points) }));
-  const write = (x, y, anchor, text) => mark("text", { x, y, "text-anchor": anchor, "font-size": 14 }, text);
-  const [base, middle] = [height - bottom, (left + width - right) / 2];
-  return mark(
-    "svg",
-    { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "regions of the run's links and of those chosen" },
-    mark("path", { class: "axis", d: `M${left} ${top}V${base}H${width - right}` }),
-    ...lines(own, "own"),
-    ...lines(computed, "compared"),
-    ...[scale.x.low, (scale.x.low + scale.x.high) / 2, scale.x.high].map((v, k) => write(scale.x(v), base + 18, ["start", "middle", "end"][k], v.toFixed(2))),
-    ...[scale.y.low, (scale.y.low + scale.y.high) / 2, scale.y.high].map((v, k) => write(left - 6, scale.y(v) + (k === 2 ? 14 : k ? 5 : 0), "end", v.toFixed(1))),
-    write(middle, height - 6, "middle", "recognition accuracy A; upwards: throughput of the worst user (Mbit/s)"),
-  );
-}
-
-/** The fields of the scenario that the controls set, as `sdp3 optimize --set` takes them. */
-function linkPanel() {
-  const { power_w, noise_figure_db, cases, slot_bit } = live.communication;
-  // bits of a slot that are stated do not depend on the link
-  if (known(slot_bit)) return;
-  const figure = plotOf("region");
-  const drawn = html("div", { class: "drawn" });
-  const most = Math.max(...cases.map((users) => users.length));
-  const dbm = (watt) => 10 * Math.log10(watt) + 30;
-  const watt = (level) => Number((10 ** ((level - 30) / 10)).toPrecision(6));
-  const status = statusLine();
-  const readout = readoutOf();
-  const command = html("code", { class: "command" });
-  const slider = (name, text, unit, attributes) => {
-    const output = html("output", {});
-    const input = html("input", { type: "range", name, ...attributes, oninput: () => say(), onchange: () => compute() });
-    const say = () => {
-      output.textContent = `${Number(input.value)}${unit}`;
-      input.setAttribute("aria-valuetext", output.textContent);
-    };
-    say();
-    // the browser may have rounded it
-    const own = input.value;
-    const reset = () => {
-      input.value = own;
-      say();
-    };
-    return { input, element: html("label", { class: "control" }, text, input, output), moved: () => input.value !== own, reset };
-  };
-  const start = Math.round(dbm(power_w));
-  const power = slider("power", "power of the base station", " dBm", { min: Math.min(-20, start), max: Math.max(50, start), value: start });
-  const noise = slider("noise", "receivers' noise figure", " dB", { min: 0, max: Math.max(20, noise_figure_db), step: 0.5, value: noise_figure_db });
-  const users = slider("users", "receivers", "", { min: 1, max: most, value: most });
-  const overrides = () => {
-    const set = [];
-    if (power.moved()) set.push(`communication.power_w=${watt(Number(power.input.value))}`);
-    if (noise.moved()) set.push(`communication.noise_figure_db=${noise.input.value}`);
-    if (users.moved()) {
-      set.push(`communication.cases=${JSON.stringify(cases.map((places) => places.slice(0, Number(users.input.value))))}`);
-    }
-    return set;
-  };
-  async function compute() {
-    const set = overrides();
-    status.textContent = "computing";
-    command.textContent = ["sdp3 optimize", ...set.map((one) => `--set '${one}'`)].join(" ");
-    const files = { "run.json": new TextEncoder().encode(JSON.stringify(run)), "scenario.toml": new TextEncoder().encode(live.scenario) };
-    try {
-      const output = await ask({ optimize: { points: "run.json", scenario: "scenario.toml", set, seed: run.seed } }, files);
-      if (JSON.stringify(set) !== JSON.stringify(overrides())) return;
-      const found = JSON.parse(output);
-      const point = found.operating_point;
-      const boundary = (region, number) => region.filter((p) => p.case === number).map((p) => [p.accuracy, p.throughput_bit / point.period_s / 1e6]);
-      const boundaries = (region) => found.cases.map((one) => boundary(region, one.case));
-      drawn.replaceChildren(twoRegions(boundaries(run.region), boundaries(found.region)));
-      fillReadout(readout, [
-        ["case", String(point.case)],
-        ["N_s", String(point.sensing_slots)],
-        ["N_c", point.communication_slots.join(" + ")],
-        ["accuracy", digits(point.accuracy, 4)],
-        ["throughput", megabit(point.throughput_bit)],
-        ["rate", megabitPerSecond(point.throughput_bit)],
-        ["zone", words(point.zone)],
-      ]);
-      status.textContent = "computed: full lines are the boundaries of these links, dotted ones those of the run's";
-      readout.dataset.json = output;
-    } catch (problem) {
-      status.textContent = problem.message;
-      drawn.replaceChildren();
-      readout.replaceChildren();
-      delete readout.dataset.json;
-    }
-  }
-  const reset = () => {
-    [power, noise, users].forEach((one) => one.reset());
-    compute();
-  };
-  const fields = html("fieldset", { id: "links" }, html("legend", {}, "compute the region for other links"), power.element, noise.element, users.element, html("button", { type: "button", onclick: reset }, "the run's own links"));
-  figure.append(html("div", { class: "controls" }, fields), status, readout, drawn, command);
-}
-
-if (live) {
-  recordingPanel();
-  linkPanel();
 }

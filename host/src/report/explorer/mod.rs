@@ -1,7 +1,8 @@
 //! The explorer: the script of the report page and the data it reads.
 //!
 //! Every file beside this one has one reason: `data` reads the JSON, `marks` makes elements, `cursor` lets pointer and keyboard
-//! move along a plot, `wasi` runs a program, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
+//! move along a plot, `wasi` runs a program, `workers` runs it beside the page, `retest` tests the
+//! networks at another rho, and a file each for the panels. They are joined to one script in a scope of its own. The page's policy
 //! allows this script by its hash and nothing else: no request, no other script.
 
 use super::Live;
@@ -14,7 +15,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// The script's files in the order of their use.
-const FILES: [&str; 12] = [
+const FILES: [&str; 15] = [
     include_str!("data.js"),
     include_str!("marks.js"),
     include_str!("cursor.js"),
@@ -26,7 +27,10 @@ const FILES: [&str; 12] = [
     include_str!("confusion.js"),
     include_str!("tables.js"),
     include_str!("wasi.js"),
+    include_str!("workers.js"),
     include_str!("live.js"),
+    include_str!("retest.js"),
+    include_str!("links.js"),
 ];
 
 fn script() -> String {
@@ -34,10 +38,10 @@ fn script() -> String {
 }
 
 /// The page's policy: this script, styles in the page, pictures in the page, and no address at all.
-/// A page that computes may also compile the program in it.
+/// A page that computes may also compile the program in it, and run it in workers that the script makes.
 pub fn policy(live: bool) -> Markup {
     let hash = STANDARD.encode(Sha256::digest(script()));
-    let compiled = if live { " 'wasm-unsafe-eval'" } else { "" };
+    let compiled = if live { " 'wasm-unsafe-eval'; worker-src blob:" } else { "" };
     let rules = format!(
         "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{hash}'{compiled}; base-uri 'none'; \
          form-action 'none'"

@@ -199,32 +199,52 @@ static NODE_TIMES: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn
 /// Paths of which the first phases are found together.
 const TOGETHER: usize = 8;
 
-/// Sum of paths' beats at the nodes: of each its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude. Cost:
-/// [`NODES`] phasors a path.
-pub fn sweep_of(mut paths: impl Iterator<Item = (Complex64, f64)>) -> Sweep {
-    let times = &*NODE_TIMES;
-    vectorised(
-        #[inline(always)]
-        || {
-            let (mut re, mut im) = ([0.0; NODES], [0.0; NODES]);
-            while let Some(first) = paths.next() {
-                let (mut group, mut count) = ([first; TOGETHER], 1);
-                for (place, path) in group[1..].iter_mut().zip(&mut paths) {
-                    (*place, count) = (path, count + 1);
-                }
-                let [sines, cosines] = sincos(&group.map(|(_, delay_s)| PI * SWEEP_RATE * delay_s * delay_s));
-                for (n, (amplitude, delay_s)) in group.into_iter().enumerate().take(count) {
-                    let start = Complex64::new(cosines[n], sines[n]) * amplitude;
-                    let [s, c] = sincos(&times.map(|time_s| -2.0 * PI * SWEEP_RATE * delay_s * time_s));
-                    for k in 0..NODES {
-                        re[k] += start.re * c[k] - start.im * s[k];
-                        im[k] += start.re * s[k] + start.im * c[k];
+/// Sums of paths' beats at the nodes, slot after slot. A path that keeps its delay from one slot to the next keeps its phasors.
+#[derive(Default)]
+pub struct Sweeps {
+    /// Of each path the last delay in s, and sines and cosines at the nodes.
+    phasors: Vec<(f64, [[f64; NODES]; 2])>,
+}
+
+impl Sweeps {
+    /// Of each path its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude. Cost: [`NODES`] phasors a path that
+    /// moves.
+    pub fn sum(&mut self, mut paths: impl Iterator<Item = (Complex64, f64)>) -> Sweep {
+        let times = &*NODE_TIMES;
+        vectorised(
+            #[inline(always)]
+            || {
+                let (mut re, mut im) = ([0.0; NODES], [0.0; NODES]);
+                let mut index = 0;
+                while let Some(first) = paths.next() {
+                    let (mut group, mut count) = ([first; TOGETHER], 1);
+                    for (place, path) in group[1..].iter_mut().zip(&mut paths) {
+                        (*place, count) = (path, count + 1);
                     }
+                    let [sines, cosines] =
+                        sincos(&group.map(|(_, delay_s)| PI * SWEEP_RATE * delay_s * delay_s));
+                    if self.phasors.len() < index + count {
+                        self.phasors.resize(index + count, (f64::NAN, Default::default()));
+                    }
+                    for (n, (amplitude, delay_s)) in group.into_iter().enumerate().take(count) {
+                        let start = Complex64::new(cosines[n], sines[n]) * amplitude;
+                        let (kept_s, phasors) = &mut self.phasors[index + n];
+                        if *kept_s != delay_s {
+                            *phasors = sincos(&times.map(|time_s| -2.0 * PI * SWEEP_RATE * delay_s * time_s));
+                            *kept_s = delay_s;
+                        }
+                        let [s, c] = &*phasors;
+                        for k in 0..NODES {
+                            re[k] += start.re * c[k] - start.im * s[k];
+                            im[k] += start.re * s[k] + start.im * c[k];
+                        }
+                    }
+                    index += count;
                 }
-            }
-            std::array::from_fn(|k| Complex64::new(re[k], im[k]))
-        },
-    )
+                std::array::from_fn(|k| Complex64::new(re[k], im[k]))
+            },
+        )
+    }
 }
 
 /// Mean over a block of 125 samples of a tone at `frequency` in Hz, relative to its value at the block's centre, to -140 dB.

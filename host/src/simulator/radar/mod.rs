@@ -17,9 +17,7 @@ mod samples;
 
 use super::channel::response::{Response, Table};
 use super::channel::room::expected_power;
-use super::channel::{
-    BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, node_time, phasor, sweep_of,
-};
+use super::channel::{BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, Sweeps, node_time, phasor};
 use crate::numerics::differentiation;
 use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
@@ -171,6 +169,7 @@ pub struct Receiver<'a> {
     random: Random,
     /// Of a radar with digital dechirp that is not the paper's.
     chirp: Vec<Complex64>,
+    sweeps: Sweeps,
     beat: Samples,
     /// Draws of a slot's thermal noise, of the paper's radar.
     noise: Vec<f64>,
@@ -197,6 +196,7 @@ impl<'a> Receiver<'a> {
             front_end: RangeFrontEnd::of(scenario, &response, &impairments, filters),
             random: streams(Draws::Noise),
             chirp: if own { chirp(samples) } else { Vec::new() },
+            sweeps: Sweeps::default(),
             beat: Samples::new(samples, filters.is_some()),
             noise: if papers { vec![0.0; 2 * samples] } else { Vec::new() },
             offset: Blocks::default(),
@@ -321,7 +321,7 @@ impl<'a> Receiver<'a> {
         let tones = paths.iter().map(|path| (path.gain, path.delay_s));
         let tones = tones.chain(leakage.map(|one| (one.gain, one.delay_s)));
         if matches!(self.response, Response::Paper) {
-            let scaled: Sweep = sweep_of(tones).map(|z| z * turn / converter.lsb);
+            let scaled: Sweep = self.sweeps.sum(tones).map(|z| z * turn / converter.lsb);
             self.beat.interpolate(&scaled, || time_shift(&scaled));
             let Samples { re, im, .. } = &mut self.beat;
             let ideal = self.impairments.is_ideal();

@@ -31,7 +31,7 @@ fn echo(scenario: &Scenario, amplitude: f64, distance_m: f64) -> Path {
 
 /// Largest error of the interpolation against the exact sum, relative to the echo, over the samples.
 fn error(delay: f64) -> f64 {
-    let nodes = sweep_of(std::iter::once((Complex64::new(1.0, 0.0), delay)));
+    let nodes = Sweeps::default().sum(std::iter::once((Complex64::new(1.0, 0.0), delay)));
     let (mut re, mut im) = (vec![0.0; SAMPLES], vec![0.0; SAMPLES]);
     interpolation::interpolate(&nodes, &mut re, &mut im);
     let errors = re.into_iter().zip(im).enumerate().map(|(n, (re, im))| {

@@ -1,0 +1,265 @@
+//! Normal numbers by Marsaglia and Tsang's ziggurat (2000) with 256 layers.
+//!
+//! A word of random bits is a layer and a place in it. 98.9 % of the places lie inside their layer. A place at a layer's edge takes a
+//! second word and is kept or not, one in the tail takes two at a time until it is kept. Many numbers are made from blocks of words,
+//! in vectors: every word of a block is taken for the first of a number, and the words that others turn out to have used are passed over.
+
+use super::vectors::vectorised;
+use rand_core::Rng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::LazyLock;
+
+const LAYERS: usize = 256;
+/// Where the tail begins, and the area of each layer.
+const TAIL: f64 = 3.654_152_885_361_009;
+const AREA: f64 = 0.004_928_673_233_974_655;
+
+/// Words of a block, and as many as one mask has bits.
+const BLOCK: usize = 512;
+const MASK: usize = 64;
+/// Fewest numbers that are made from blocks.
+const FEWEST: usize = 64;
+
+/// Widths and heights of the layers.
+struct Ziggurat {
+    x: [f64; LAYERS + 1],
+    y: [f64; LAYERS + 1],
+}
+
+static ZIGGURAT: LazyLock<Ziggurat> = LazyLock::new(|| {
+    let density = |x: f64| libm::exp(-0.5 * x * x);
+    let mut x = [0.0; LAYERS + 1];
+    x[0] = AREA / density(TAIL);
+    x[1] = TAIL;
+    for i in 2..LAYERS {
+        x[i] = (-2.0 * libm::log(AREA / x[i - 1] + density(x[i - 1]))).sqrt();
+    }
+    let y = x.map(density);
+    Ziggurat { x, y }
+});
+
+/// Uniform in 0..1.
+#[inline(always)]
+pub fn uniform(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[inline(always)]
+fn layer(bits: u64) -> usize {
+    (bits & 255) as usize
+}
+
+impl Ziggurat {
+    /// The place of these bits, and whether it lies inside its layer.
+    #[inline(always)]
+    fn place(&self, bits: u64) -> (f64, bool) {
+        // a signed 53-bit fraction from the upper bits
+        let u = ((bits as i64) >> 11) as f64 / (1_i64 << 52) as f64;
+        let x = u * self.x[layer(bits)];
+        (x, x.abs() < self.x[layer(bits) + 1])
+    }
+
+    /// The places of the first `count` words, and bits of those outside their layer. Arguments, not fields: the compiler puts the loop into
+    /// vectors since it knows them to be apart.
+    #[inline(always)]
+    fn places(
+        &self,
+        words: &[u64; BLOCK],
+        places: &mut [f64; BLOCK],
+        outside: &mut [u64; BLOCK / MASK],
+        count: usize,
+    ) {
+        let groups = words.as_chunks::<MASK>().0.iter().zip(places.as_chunks_mut::<MASK>().0).zip(outside);
+        for ((words, places), outside) in groups.take(count.div_ceil(MASK)) {
+            let mut mask = 0;
+            for k in 0..MASK {
+                let (x, inside) = self.place(words[k]);
+                places[k] = x;
+                mask |= u64::from(!inside) << k;
+            }
+            *outside = mask;
+        }
+    }
+
+    /// Whether the place of `first`, at its layer's edge, is kept by the word that follows.
+    fn keeps(&self, first: u64, second: u64, place: f64) -> bool {
+        let [low, high] = [0, 1].map(|above| self.y[layer(first) + above]);
+        low + (high - low) * uniform(second) < libm::exp(-0.5 * place * place)
+    }
+}
+
+/// Words that were drawn, and the generator of those after them.
+struct Words<'a> {
+    drawn: &'a [u64],
+    generator: Xoshiro256PlusPlus,
+}
+
+impl Words<'_> {
+    fn next(&mut self) -> u64 {
+        match self.drawn.split_first() {
+            Some((first, rest)) => {
+                self.drawn = rest;
+                *first
+            }
+            None => self.generator.next_u64(),
+        }
+    }
+
+    /// The number of which these bits are the first and lie outside their layer. Words go in and out: a generator's stay in registers.
+    #[cold]
+    #[inline(never)]
+    fn outside(mut self, mut bits: u64) -> (Self, f64) {
+        let ziggurat = &*ZIGGURAT;
+        loop {
+            let (x, inside) = ziggurat.place(bits);
+            if inside {
+                return (self, x);
+            }
+            if layer(bits) == 0 {
+                let x = if x < 0.0 { -self.tail() } else { self.tail() };
+                return (self, x);
+            }
+            if ziggurat.keeps(bits, self.next(), x) {
+                return (self, x);
+            }
+            bits = self.next();
+        }
+    }
+
+    fn tail(&mut self) -> f64 {
+        loop {
+            let x = -libm::log(1.0 - uniform(self.next())) / TAIL;
+            let y = -libm::log(1.0 - uniform(self.next()));
+            if 2.0 * y > x * x {
+                return TAIL + x;
+            }
+        }
+    }
+}
+
+/// Fills with normal numbers of mean 0 and variance 1.
+#[inline]
+pub fn fill(generator: &mut Xoshiro256PlusPlus, mut values: &mut [f64]) {
+    if values.len() >= FEWEST {
+        let mut block = Block::new();
+        while values.len() >= FEWEST {
+            let made = block.fill(generator, values);
+            values = &mut values[made..];
+        }
+    }
+    one_by_one(generator, values);
+}
+
+#[inline]
+fn one_by_one(generator: &mut Xoshiro256PlusPlus, values: &mut [f64]) {
+    let ziggurat = &*ZIGGURAT;
+    // by value: its words stay in registers
+    let mut words = Words { drawn: &[], generator: generator.clone() };
+    for value in values {
+        let bits = words.generator.next_u64();
+        let (x, inside) = ziggurat.place(bits);
+        *value = x;
+        if !inside {
+            (words, *value) = words.outside(bits);
+        }
+    }
+    *generator = words.generator;
+}
+
+/// A block of words, and each word's place.
+struct Block {
+    words: [u64; BLOCK],
+    places: [f64; BLOCK],
+    /// Bits of places that lie outside their layer.
+    outside: [u64; BLOCK / MASK],
+}
+
+impl Block {
+    fn new() -> Self {
+        Block { words: [0; BLOCK], places: [0.0; BLOCK], outside: [0; BLOCK / MASK] }
+    }
+
+    /// Makes numbers from as many words as there are values or a block has; how many numbers. Every word is used: a number takes at least
+    /// one.
+    fn fill(&mut self, generator: &mut Xoshiro256PlusPlus, values: &mut [f64]) -> usize {
+        let count = values.len().min(BLOCK);
+        let mut drawing = generator.clone();
+        self.words[..count].iter_mut().for_each(|word| *word = drawing.next_u64());
+        let (ziggurat, Block { words, places, outside }) = (&*ZIGGURAT, &mut *self);
+        vectorised(
+            #[inline(always)]
+            || ziggurat.places(words, places, outside, count),
+        );
+        let (mut from, mut made) = (0, 0);
+        for at in self.edges(count) {
+            // the second word of the one before
+            if at < from {
+                continue;
+            }
+            let run = at - from;
+            values[made..made + run].copy_from_slice(&self.places[from..at]);
+            made += run;
+            if layer(self.words[at]) == 0 || at + 1 == count {
+                let words = Words { drawn: &self.words[at + 1..count], generator: drawing };
+                let (words, value) = words.outside(self.words[at]);
+                values[made] = value;
+                (from, made) = (count - words.drawn.len(), made + 1);
+                drawing = words.generator;
+            } else {
+                values[made] = self.places[at];
+                let kept = ziggurat.keeps(self.words[at], self.words[at + 1], self.places[at]);
+                (from, made) = (at + 2, made + usize::from(kept));
+            }
+        }
+        let run = count - from;
+        values[made..made + run].copy_from_slice(&self.places[from..count]);
+        *generator = drawing;
+        made + run
+    }
+
+    /// Indices below `count` of the places outside their layers, ascending.
+    fn edges(&self, count: usize) -> impl Iterator<Item = usize> + use<> {
+        let (masks, mut group) = (self.outside, 0);
+        let mut mask = masks[0];
+        std::iter::from_fn(move || {
+            while mask == 0 {
+                group += 1;
+                mask = *masks.get(group)?;
+            }
+            let at = MASK * group + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            (at < count).then_some(at)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::SeedableRng;
+
+    #[test]
+    fn blocks_make_the_numbers_that_are_made_one_by_one() {
+        let lengths = [1, 63, 64, 65, 127, 511, 512, 513, 600, 2000, 5000];
+        let (mut tails, mut borders) = (0, 0);
+        for seed in 0..300 {
+            let mut blocks = Xoshiro256PlusPlus::seed_from_u64(seed);
+            let mut plain = blocks.clone();
+            for length in lengths {
+                let (mut found, mut expected) = (vec![0.0; length], vec![0.0; length]);
+                // a block with its last word at an edge
+                let mut ahead = blocks.clone();
+                let last = (0..length.min(BLOCK)).map(|_| ahead.next_u64()).last().unwrap();
+                borders += u32::from(!ZIGGURAT.place(last).1);
+                fill(&mut blocks, &mut found);
+                one_by_one(&mut plain, &mut expected);
+                let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(&found), bits(&expected), "seed {seed}, {length} numbers");
+                // and as many words are used
+                assert_eq!(blocks, plain, "seed {seed}, {length} numbers");
+                tails += expected.iter().filter(|x| x.abs() > TAIL).count();
+            }
+        }
+        assert!(tails > 300 && borders > 10, "{tails} {borders}");
+    }
+}
