@@ -3,7 +3,8 @@
 //! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference; `arm` has the DSP extension of Cortex-M4,
 //! M7, M33 and later, and Helium of M52, M55 and M85. All operations are integer and exact: the same bits.
 
-use crate::dsn::winograd::outputs_of_column;
+use crate::dsn::winograd::{FACTOR_BITS, NINTH, outputs_of_column, outputs_of_row};
+use crate::fixed::Requantizer;
 use bytemuck::must_cast_ref;
 use core::hint::black_box;
 
@@ -24,6 +25,21 @@ pub(crate) type Tile<const GROUPS: usize> = [[I16x8; GROUPS]; POINTS];
 /// Sums of two tiles and two outputs, `[column][row][output, tile]`, already gathered from six points to four rows.
 pub(crate) type Sums = [[[i32; 4]; 4]; 5];
 
+/// Rows of outputs of a tile.
+pub const TILE_ROWS: usize = 4;
+
+/// Rows of outputs of a block, which is two tiles, one below the other.
+pub const BLOCK_ROWS: usize = 2 * TILE_ROWS;
+
+/// Columns of outputs of a tile and of a block.
+pub const BLOCK_COLUMNS: usize = 3;
+
+/// Pixels of a row of a block, of `GROUPS` groups of four channels.
+pub(crate) type Pixels<const GROUPS: usize> = [[[i8; 4]; GROUPS]; BLOCK_COLUMNS];
+
+/// What an output channel's sums are finished by: what a multiple of the sum starts with, then its [`Requantizer`].
+pub(crate) type Constants = [i32; 1 + Requantizer::WORDS];
+
 /// Arithmetic on i16. A value of an implementing type is the proof that the processor has the instructions.
 pub trait DualMac: Copy {
     /// Whether a `Tile` of an even number of groups is in the wide order.
@@ -34,6 +50,20 @@ pub trait DualMac: Copy {
 
     /// For each column of points the products summed over all channels, and the output transform of the column. Wraps.
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums);
+
+    /// The output transform of the rows of the sums, and requantisation: channels `channel`, which is even, and the next of a block. Its rows
+    /// are `row` values apart, the first pixel is that of `values`; rows that are not there are left out. What the sums are afterwards is open.
+    #[inline(always)]
+    fn outputs<const GROUPS: usize>(
+        self,
+        sums: &mut Sums,
+        constants: &[Constants; 2],
+        values: &mut [i8],
+        row: usize,
+        channel: usize,
+    ) {
+        plain_outputs::<GROUPS>(sums, constants, values, row, channel);
+    }
 }
 
 /// Where group `group` of `GROUPS` of tile or output `part` lies: which [`I16x8`], and its first word.
@@ -122,6 +152,36 @@ pub fn plain_products<P: DualMac, const GROUPS: usize>(
         for k in 0..4 {
             let outputs = outputs_of_column(points.map(|point| point[k]));
             sums.iter_mut().zip(outputs).for_each(|(sums, output)| sums[k] = output);
+        }
+    }
+}
+
+/// [`DualMac::outputs`] in plain Rust.
+#[inline(never)]
+pub fn plain_outputs<const GROUPS: usize>(
+    sums: &Sums,
+    constants: &[Constants; 2],
+    values: &mut [i8],
+    row: usize,
+    channel: usize,
+) {
+    /// Words of a column of sums: of each row two outputs and two tiles.
+    const COLUMN: usize = 4 * TILE_ROWS;
+    let sums = sums.as_flattened().as_flattened();
+    for (output, &[start, ref scale @ ..]) in constants.iter().enumerate() {
+        let (requantizer, channel) = (Requantizer::from_words(*scale), (channel + output) % (4 * GROUPS));
+        for (y, line) in values.chunks_mut(row.max(1)).take(BLOCK_ROWS).enumerate() {
+            let first = 4 * (y % TILE_ROWS) + 2 * output + y / TILE_ROWS;
+            let pixels: Option<&mut Pixels<GROUPS>> =
+                line.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.first_chunk_mut();
+            let Some(window) = sums.get(first..).and_then(|sums| sums.first_chunk::<{ 4 * COLUMN + 1 }>()) else {
+                continue;
+            };
+            let outputs = outputs_of_row([0, 1, 2, 3, 4].map(|column| window[COLUMN * column]));
+            for (pixel, sum) in pixels.into_iter().flatten().zip(outputs) {
+                let sixteen = sum.wrapping_mul(NINTH).wrapping_add(start);
+                pixel.as_flattened_mut()[channel] = requantizer.apply::<FACTOR_BITS>(sixteen);
+            }
         }
     }
 }

@@ -8,25 +8,15 @@
 
 use super::clamp_all;
 use super::packing::{WORDS, packed_outputs};
-use super::transform::{FACTOR_BITS, NINTH, outputs_of_row, transform_column, transform_row};
+use super::transform::{transform_column, transform_row};
 use crate::dsn::conv::Conv;
 use crate::dsn::established;
-use crate::fixed::Requantizer;
-use crate::simd::dual_mac::{DualMac, I16x8, POINT_ROWS, POINTS, Sums, Tile, lane, settle, widen};
+use crate::simd::dual_mac::{
+    BLOCK_COLUMNS, BLOCK_ROWS, Constants, DualMac, I16x8, POINT_ROWS, POINTS, Pixels, Sums, TILE_ROWS, Tile,
+    lane, settle, widen,
+};
 use bytemuck::pod_align_to_mut;
 use core::ops::Range;
-
-/// Rows of outputs of a tile.
-const TILE_ROWS: usize = 4;
-
-/// Rows of outputs of a block.
-const ROWS: usize = 2 * TILE_ROWS;
-
-/// Columns of outputs of a block.
-const COLUMNS: usize = 3;
-
-/// Words of a column of sums: two tiles and two outputs in four rows.
-const COLUMN: usize = 4 * TILE_ROWS;
 
 /// Four channels of a column, transformed: two pairs at each of six points.
 type Column = [[i32; POINT_ROWS]; 2];
@@ -34,22 +24,29 @@ type Column = [[i32; POINT_ROWS]; 2];
 /// The last two columns of a tile for each group of channels, which are the first of the tile beside it.
 type Kept<const GROUPS: usize> = [[Column; 2]; GROUPS];
 
+/// The columns of a tile that it does not share with the one before.
+type New = [Column; BLOCK_COLUMNS];
+
 /// Bytes of scratch, wherever they begin: the inputs of two tiles, their sums, and the columns that they keep. All of it stays
 /// between two steps.
 pub const fn scratch_bytes(inputs: usize) -> usize {
     let group = POINTS * size_of::<I16x8>() + size_of::<[[Column; 2]; 2]>();
-    align_of::<i32>() - 1 + size_of::<Sums>() + inputs.div_ceil(4) * group
+    align_of::<i32>() - 1 + size_of::<Sums>() + size_of::<New>() + inputs.div_ceil(4) * group
 }
 
-/// A block's inputs, sums, and the columns of each tile.
-fn areas<const IN: usize>(scratch: &mut [i8]) -> Option<(&mut Tile<IN>, &mut Sums, &mut [Kept<IN>; 2])> {
+/// What lies in the scratch: a block's inputs, its sums, the columns that each tile keeps, and new columns.
+type Areas<'a, const IN: usize> = (&'a mut Tile<IN>, &'a mut Sums, &'a mut [Kept<IN>; 2], &'a mut New);
+
+fn areas<const IN: usize>(scratch: &mut [i8]) -> Option<Areas<'_, IN>> {
     let (_, words, _) = pod_align_to_mut::<i8, i32>(scratch);
     let (sums, words) = words.split_at_mut_checked(size_of::<Sums>() / size_of::<i32>())?;
+    let (new, words) = words.split_at_mut_checked(size_of::<New>() / size_of::<i32>())?;
     let (inputs, kept) = words.split_at_mut_checked(POINTS * IN * size_of::<I16x8>() / size_of::<i32>())?;
     Some((
         inputs.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
         sums.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
         kept.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
+        new.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
     ))
 }
 
@@ -67,7 +64,7 @@ const fn work<P: DualMac>(inputs: usize, outputs: usize) -> (usize, usize) {
 /// Steps of a convolution with so many inputs and outputs, `(height, width)`.
 pub const fn steps<P: DualMac>(inputs: usize, outputs: usize, (height, width): (usize, usize)) -> usize {
     let (blocks, parts) = work::<P>(inputs, outputs);
-    (height.div_ceil(ROWS) * width.div_ceil(COLUMNS)).div_ceil(blocks) * parts
+    (height.div_ceil(BLOCK_ROWS) * width.div_ceil(BLOCK_COLUMNS)).div_ceil(blocks) * parts
 }
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
@@ -83,9 +80,6 @@ pub(super) struct Convolution<'a> {
     pub scratch: &'a mut [i8],
     pub output: &'a mut [i8],
 }
-
-/// Three pixels of a row: the outputs of a tile.
-type Pixels<const GROUPS: usize> = [[[i8; 4]; GROUPS]; COLUMNS];
 
 /// The pixels that a tile is made of, column by column.
 type Patch<'a, const C: usize, const GROUPS: usize> = [[&'a [[i8; C]; GROUPS]; POINT_ROWS]; 5];
@@ -118,9 +112,10 @@ impl Convolution<'_> {
     ) -> bool {
         let (height, width) = self.size;
         let (most, parts) = work::<P>(self.layer.inputs, 4 * OUT);
-        let (first, part, across) = (step / parts * most, step % parts, width.div_ceil(COLUMNS).max(1));
-        let all = height.div_ceil(ROWS) * across;
-        let Some((inputs, sums, kept)) = areas::<IN>(self.scratch) else {
+        let (first, part, across) =
+            (step / parts * most, step % parts, width.div_ceil(BLOCK_COLUMNS).max(1));
+        let all = height.div_ceil(BLOCK_ROWS) * across;
+        let Some((inputs, sums, kept, new)) = areas::<IN>(self.scratch) else {
             established::<()>(None);
             return true;
         };
@@ -129,17 +124,22 @@ impl Convolution<'_> {
         let (weights, _) = self.weights.as_chunks::<IN>();
         let (weights, _) = weights.as_chunks::<POINTS>();
         let (constants, _) = self.constants.as_chunks::<WORDS>().0.as_chunks::<2>();
-        let weights =
-            established(weights.get(part * pairs..)).iter().zip(established(constants.get(part * pairs..)));
-        let channel = self.first + 2 * part * pairs;
+        let part_pairs = part * pairs..(part + 1) * pairs;
+        let channel = self.first + 2 * part_pairs.start;
+        let pairs: Pairs<'_, IN> = Pairs {
+            weights: established(weights.get(part_pairs.clone())),
+            constants: established(constants.get(part_pairs)),
+            channel,
+        };
+        let channels = channel..channel + 2 * pairs.weights.len();
         let (pixels, _) = self.input.as_chunks::<C>().0.as_chunks::<IN>();
         let border = [[self.layer.quant.in_zp; C]; IN];
         let range = (self.layer.quant.act_min, self.layer.quant.act_max);
+        let row = width * 4 * OUT;
 
         let mut patch: Patch<'_, C, IN> = [[&border; POINT_ROWS]; 5];
-        let mut found = [[[[0; 4]; OUT]; COLUMNS]; ROWS];
         for block in first..(first + most).min(all) {
-            let (y, x) = (block / across * ROWS, block % across * COLUMNS);
+            let (y, x) = (block / across * BLOCK_ROWS, block % across * BLOCK_COLUMNS);
             // all columns of the first tile of a row, of the others the last three
             let from = if x == 0 { 0 } else { 2 };
             for (tile, kept) in kept.iter_mut().enumerate().take(2 * usize::from(part == 0)) {
@@ -150,74 +150,87 @@ impl Convolution<'_> {
                         patch[row] = line.get((x + column).wrapping_sub(1)).unwrap_or(&border);
                     }
                 }
-                transform::<P, C, IN>(&patch, from, kept, tile, inputs);
+                transform::<P, C, IN>(&patch, x == 0, (kept, new), tile, inputs);
             }
-            let (output, _) = self.output.as_chunks_mut::<4>().0.as_chunks_mut::<OUT>();
-            let lines = established(output.get_mut(y * width..)).chunks_exact_mut(width.max(1)).take(ROWS);
-            let mut lines = lines.map(|line| established(line.get_mut(x..(x + COLUMNS).min(width))));
-            let whole = y + ROWS <= height && x + COLUMNS <= width;
-            let mut rows = found.each_mut();
-            if whole {
-                for (row, line) in rows.iter_mut().zip(&mut lines) {
-                    if let Some(line) = line.first_chunk_mut() {
-                        *row = line;
-                    }
-                }
+            let columns = (width - x).min(BLOCK_COLUMNS);
+            let output = established(self.output.get_mut(y * row + x * 4 * OUT..));
+            if columns == BLOCK_COLUMNS {
+                pairs.outputs::<P, OUT>(mac, inputs, sums, output, row);
+            } else {
+                // at the end of a row there may be fewer pixels than are computed
+                ends::<OUT>(output, row, columns, channels.clone(), |found| {
+                    pairs.outputs::<P, OUT>(mac, inputs, sums, found, size_of::<Pixels<OUT>>());
+                });
             }
-            for (pair, (weights, constants)) in weights.clone().take(pairs).enumerate() {
-                mac.products(inputs, weights, sums);
-                finish::<OUT, 0>(sums, &constants[0], &mut rows, channel + 2 * pair);
-                finish::<OUT, 1>(sums, &constants[1], &mut rows, channel + 2 * pair + 1);
-            }
-            if whole {
-                rows.iter_mut().for_each(|row| clamp_all(row.as_flattened_mut().as_flattened_mut(), range));
-                continue;
-            }
-            // at the end of a row, or in the last rows, there may be fewer pixels than are computed
-            let channels = channel / 4..(channel + 2 * pairs) / 4;
-            for (line, found) in lines.zip(&found) {
-                let (line, found) =
-                    (line.as_flattened_mut().as_flattened_mut(), found.as_flattened().as_flattened());
-                copy_channels(line, found, 4 * OUT, 4 * channels.start..4 * channels.end);
-                clamp_all(line, range);
+            for line in output.chunks_mut(row.max(1)).take(BLOCK_ROWS) {
+                clamp_all(established(line.get_mut(..columns * 4 * OUT)), range);
             }
         }
         first + most >= all && part + 1 == parts
     }
 }
 
-/// Copies some channels of as many pixels as there are.
-#[inline(never)]
-fn copy_channels(to: &mut [i8], from: &[i8], all: usize, channels: Range<usize>) {
-    for (to, from) in to.chunks_exact_mut(all.max(1)).zip(from.chunks_exact(all.max(1))) {
-        let (to, from) = (to.get_mut(channels.clone()), from.get(channels.clone()));
-        established(to).iter_mut().zip(established(from)).for_each(|(to, from)| *to = *from);
+/// Pairs of output channels.
+struct Pairs<'a, const IN: usize> {
+    weights: &'a [Tile<IN>],
+    constants: &'a [[Constants; 2]],
+    /// The first channel.
+    channel: usize,
+}
+
+impl<const IN: usize> Pairs<'_, IN> {
+    /// The outputs of a block, whose first pixel is that of `values` and whose rows are `row` values apart.
+    #[inline(never)]
+    fn outputs<P: DualMac, const OUT: usize>(
+        &self,
+        mac: P,
+        inputs: &Tile<IN>,
+        sums: &mut Sums,
+        values: &mut [i8],
+        row: usize,
+    ) {
+        for (pair, (weights, constants)) in self.weights.iter().zip(self.constants).enumerate() {
+            mac.products(inputs, weights, sums);
+            mac.outputs::<OUT>(sums, constants, values, row, self.channel + 2 * pair);
+        }
     }
 }
 
-/// A tile's inputs, the first or the second of a block, transformed; columns before `from` are those that were kept.
+/// Some channels of the first columns of a block, which `block` computes.
+#[inline(never)]
+fn ends<const OUT: usize>(
+    output: &mut [i8],
+    row: usize,
+    columns: usize,
+    channels: Range<usize>,
+    block: impl FnOnce(&mut [i8]),
+) {
+    let mut found = [[[[0; 4]; OUT]; BLOCK_COLUMNS]; BLOCK_ROWS];
+    block(found.as_flattened_mut().as_flattened_mut().as_flattened_mut());
+    for (line, found) in output.chunks_mut(row.max(1)).zip(&found) {
+        for (to, from) in line.chunks_exact_mut(4 * OUT).zip(found).take(columns) {
+            let (to, from) = (to.get_mut(channels.clone()), from.as_flattened().get(channels.clone()));
+            established(to).iter_mut().zip(established(from)).for_each(|(to, from)| *to = *from);
+        }
+    }
+}
+
+/// A tile's inputs, the first or the second of a block, transformed; unless it is the first of a row, two columns are those that were kept.
 #[inline(never)]
 fn transform<P: DualMac, const C: usize, const GROUPS: usize>(
     patch: &Patch<'_, C, GROUPS>,
-    from: usize,
-    kept: &mut Kept<GROUPS>,
+    first_of_row: bool,
+    (kept, new): (&mut Kept<GROUPS>, &mut New),
     tile: usize,
     inputs: &mut Tile<GROUPS>,
 ) {
-    let mut new = [[[0; POINT_ROWS]; 2]; COLUMNS];
+    let [a, b, last @ ..] = patch;
     for (group, kept) in kept.iter_mut().enumerate() {
         let (vector, first) = lane::<P, GROUPS>(group, tile);
-        for (to, column) in kept.iter_mut().chain(&mut new).zip(patch).skip(from) {
-            let pairs = column.map(|pixel| {
-                // the weights of a fourth channel that is not there are zero
-                let mut four = [0; 4];
-                four.iter_mut().zip(&pixel[group]).for_each(|(to, from)| *to = *from);
-                widen(four)
-            });
-            for pair in 0..2 {
-                to[pair] = transform_column(pairs.map(|pairs| pairs[pair]));
-            }
+        if first_of_row {
+            kept.iter_mut().zip([a, b]).for_each(|(to, column)| transform_group(column, group, to));
         }
+        new.iter_mut().zip(last).for_each(|(to, column)| transform_group(column, group, to));
         for pair in 0..2 {
             let at = (first + pair) % 4;
             for row in 0..POINT_ROWS {
@@ -233,28 +246,20 @@ fn transform<P: DualMac, const C: usize, const GROUPS: usize>(
     }
 }
 
-/// A^T along the rows of two tiles, and requantisation: the `OUTPUT`-th channel of the sums.
+/// A column of a group of channels, transformed.
 #[inline(never)]
-fn finish<const OUT: usize, const OUTPUT: usize>(
-    sums: &Sums,
-    constants: &[i32; WORDS],
-    rows: &mut [&mut Pixels<OUT>; ROWS],
-    channel: usize,
+fn transform_group<const C: usize, const GROUPS: usize>(
+    column: &[&[[i8; C]; GROUPS]; POINT_ROWS],
+    group: usize,
+    to: &mut Column,
 ) {
-    let [start, scale @ ..] = *constants;
-    let requantizer = Requantizer::from_words(scale);
-    let channel = channel % (4 * OUT);
-    let sums = sums.as_flattened().as_flattened();
-    for (tile, rows) in rows.as_chunks_mut::<TILE_ROWS>().0.iter_mut().enumerate() {
-        // the sums of a row lie a column apart
-        let windows = sums.windows(4 * COLUMN + 1).skip(2 * OUTPUT + tile).step_by(4);
-        for (pixels, window) in rows.iter_mut().zip(windows) {
-            let Some(window) = window.first_chunk::<{ 4 * COLUMN + 1 }>() else { continue };
-            let row = outputs_of_row([0, 1, 2, 3, 4].map(|column| window[COLUMN * column]));
-            for (pixel, sum) in pixels.iter_mut().zip(row) {
-                let sixteen = sum.wrapping_mul(NINTH).wrapping_add(start);
-                pixel.as_flattened_mut()[channel] = requantizer.apply::<FACTOR_BITS>(sixteen);
-            }
-        }
+    let pairs = column.map(|pixel| {
+        // the weights of a fourth channel that is not there are zero
+        let mut four = [0; 4];
+        four.iter_mut().zip(&pixel[group % GROUPS]).for_each(|(to, from)| *to = *from);
+        widen(four)
+    });
+    for pair in 0..2 {
+        to[pair] = transform_column(pairs.map(|pairs| pairs[pair]));
     }
 }

@@ -29,7 +29,7 @@ use convolution::Convolution;
 pub(crate) use packing::covered as has_kernels;
 use packing::{conv_vectors, conv_words, covered};
 use stem::Stem;
-pub(crate) use transform::outputs_of_column;
+pub(crate) use transform::{FACTOR_BITS, NINTH, outputs_of_column, outputs_of_row};
 
 /// The caller's memory of a [`WinogradF2`].
 #[derive(Debug, Default)]

@@ -8,7 +8,7 @@ use super::transform::{FACTOR_BITS, filter_columns, filter_row};
 use crate::dsn::conv::{Conv, MAX_CHANNELS, WIDEST};
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::fixed::Requantizer;
-use crate::simd::dual_mac::{DualMac, I16x8, POINT_ROWS, POINTS, Tile, lane, settle};
+use crate::simd::dual_mac::{Constants, DualMac, I16x8, POINT_ROWS, POINTS, Tile, lane, settle};
 
 /// Output channels of a convolution with 64 inputs that are packed at a time: their memory is that of 32 channels.
 const OUTPUTS: usize = 16;
@@ -19,7 +19,7 @@ const fn outputs_of_step(inputs: usize) -> usize {
 }
 
 /// Words of an output channel: what a multiple of its sum starts with, then its [`Requantizer`].
-pub const WORDS: usize = 1 + Requantizer::WORDS;
+pub const WORDS: usize = size_of::<Constants>() / size_of::<i32>();
 
 /// The words of output channel `o` with `taps` weights of this `sum`, for inputs as u8 = i8 + 128 and sums times 2^`BITS`; `None`
 /// if an accumulator or the scale is not within a [`Requantizer`]'s range.
@@ -28,7 +28,7 @@ pub fn channel<const BITS: u32>(
     o: usize,
     sum: i32,
     taps: usize,
-) -> Option<[i32; WORDS]> {
+) -> Option<Constants> {
     let bias = i64::from(quant.bias(o));
     let start = bias - i64::from(i32::from(quant.in_zp) + 128) * i64::from(sum);
     if (bias.abs() + 255 * 128 * taps as i64).max(start.abs()) >= 1 << (31 - BITS) {

@@ -1,7 +1,7 @@
 //! The DSP extension of Armv7E-M and Armv8-M: two 16-bit products and their sum an instruction.
 
 use crate::simd::NativeDualMac;
-use crate::simd::dual_mac::{I16x8, Sums, Tile, plain_products};
+use crate::simd::dual_mac::{Constants, I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
 
 /// [`DualMac::BLOCKS`](crate::simd::dual_mac::DualMac::BLOCKS).
@@ -129,7 +129,73 @@ global_asm!(
     "sdp3_products 16",
 );
 
+// The outputs of a block of two tiles: rows of two channels, one after the other. Of a row three sums are made of five, times the reciprocal of nine in
+// r8, then requantised by r4-r7. r0: sums, which lie a word further for each tile and channel, r1: constants, r2: first pixel, r3: values of a row, r9: of a
+// pixel; on the stack: the end of the constants.
+global_asm!(
+    ".macro sdp3_output sum, at:vararg",
+    "mla \\sum, \\sum, r8, r4",
+    "smmla lr, \\sum, r5, r6",
+    "asr \\sum, \\sum, #31",
+    "add lr, lr, \\sum, lsl #3",
+    "asr lr, lr, r7",
+    "ssat lr, #8, lr",
+    "strb lr, [\\at]",
+    ".endm",
+    ".pushsection .text.sdp3_outputs, \"ax\", %progbits",
+    ".global sdp3_outputs",
+    ".type sdp3_outputs, %function",
+    ".p2align 2",
+    ".thumb_func",
+    "sdp3_outputs:",
+    "push {{r4-r11, lr}}",
+    "ldr r9, [sp, #36]", // behind nine registers
+    "add r8, r1, #32",
+    "push {{r8}}",
+    "movw r8, #0x8e39",
+    "movt r8, #0x38e3",
+    "1:",
+    "ldm r1!, {{r4-r7}}",
+    ".rept 2",
+    ".rept 4",
+    "ldr r11, [r0, #64]",
+    "ldr r12, [r0, #128]",
+    "ldr lr, [r0, #192]",
+    "ldr r10, [r0], #16",
+    "add r11, r11, r12",
+    "sub r12, r11, r12, lsl #1",
+    "add r10, r10, r11",
+    "add r10, r10, lr",
+    "add r12, r12, lr, lsl #1",
+    "add r11, r11, lr, lsl #2",
+    "ldr lr, [r0, #240]",
+    "add r11, r11, lr",
+    "sdp3_output r10, r2",
+    "sdp3_output r12, r2, r9",
+    "sdp3_output r11, r2, r9, lsl #1",
+    "add r2, r2, r3",
+    ".endr",
+    "sub r0, r0, #60",
+    ".endr",
+    "sub r2, r2, r3, lsl #3",
+    "add r2, r2, #1",
+    "ldr r10, [sp]",
+    "cmp r1, r10",
+    "bne 1b",
+    "add sp, sp, #4",
+    "pop {{r4-r11, pc}}",
+    ".size sdp3_outputs, . - sdp3_outputs",
+    ".popsection",
+);
+
 unsafe extern "C" {
+    fn sdp3_outputs(
+        sums: *mut Sums,
+        constants: *const [Constants; 2],
+        values: *mut i8,
+        row: usize,
+        pixel: usize,
+    );
     #[cfg(feature = "graph")]
     fn sdp3_products_1(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
     fn sdp3_products_2(inputs: *const I16x8, weights: *const I16x8, sums: *mut Sums);
@@ -155,4 +221,21 @@ pub fn products<const GROUPS: usize>(inputs: &Tile<GROUPS>, weights: &Tile<GROUP
         16 => unsafe { sdp3_products_16(x, w, sums) },
         _ => plain_products::<NativeDualMac, GROUPS>(inputs, weights, sums),
     }
+}
+
+/// The outputs of two channels of a block, of which `values` begins with the first.
+///
+/// # Safety
+///
+/// `values` is longer than seven rows, two pixels and one value.
+#[inline(always)]
+pub unsafe fn outputs(
+    sums: &mut Sums,
+    constants: &[Constants; 2],
+    values: *mut i8,
+    row: usize,
+    pixel: usize,
+) {
+    // SAFETY: it reads the sums and both channels' constants, 320 and 32 bytes in words, and writes what the caller has checked.
+    unsafe { sdp3_outputs(sums, constants, values, row, pixel) };
 }

@@ -15,7 +15,7 @@ mod products;
 pub use patch_products::{patch_products, widen};
 
 use crate::simd::conj_mac::{ComplexI16, portable};
-use crate::simd::dual_mac::{DualMac, Sums, Tile};
+use crate::simd::dual_mac::{BLOCK_ROWS, Constants, DualMac, Pixels, Sums, Tile, plain_outputs};
 use core::arch::{asm, global_asm};
 
 /// The DSP extension, with Helium's products where there is Helium.
@@ -29,6 +29,24 @@ impl DualMac for NativeDualMac {
     #[inline]
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
         products::products(inputs, weights, sums);
+    }
+
+    #[inline(always)]
+    fn outputs<const GROUPS: usize>(
+        self,
+        sums: &mut Sums,
+        constants: &[Constants; 2],
+        values: &mut [i8],
+        row: usize,
+        channel: usize,
+    ) {
+        let (pixel, first) = (4 * GROUPS, channel % (4 * GROUPS) & !1);
+        let whole = row < 1 << 24 && values.len() >= (BLOCK_ROWS - 1) * row + size_of::<Pixels<GROUPS>>();
+        if !whole {
+            return plain_outputs::<GROUPS>(sums, constants, values, row, channel);
+        }
+        // SAFETY: from the first of two channels of a pixel on there are seven rows and the rest of three pixels.
+        unsafe { products::outputs(sums, constants, values.as_mut_ptr().wrapping_add(first), row, pixel) };
     }
 }
 
