@@ -4,20 +4,19 @@ use super::dechirp::{CHIRP_WORDS, ComplexI16, write_chirp};
 use super::range_gate::write_references;
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 use crate::dims::{BEATS, Beat, Complex, ZERO_BEAT};
-use crate::simd::conj_mac::{Sum, alternating};
-use crate::simd::native_conj_mac;
+use crate::simd::conj_mac::Sum;
+use crate::simd::{native_conj_mac, native_eight_blocks};
 
-/// Whether the paper's chirp is taken two blocks at a time: where registers are many and loads cost as much as products.
-const ALTERNATING: bool = cfg!(target_arch = "riscv32");
-
-// what `alternating` relies on
+// what RISC-V's `eight_blocks` relies on
 const _: () = {
-    let mut n = 1;
-    while n <= 500 {
-        let ([re, im], [later_re, later_im]) = (CHIRP_WORDS.0[n - 1], CHIRP_WORDS.0[n + 499]);
-        let sign = if n % 2 == 0 { 1 } else { -1 };
-        assert!(later_re == sign * re && later_im == sign * im, "the chirp alternates");
-        n += 1;
+    let mut at = 0;
+    while at < 3 * 250 {
+        let (k, n) = (at / 250 + 1, at % 250 + 1);
+        let [re, im] = CHIRP_WORDS.0[n - 1];
+        let [turned_re, turned_im] = [[re, im], [-im, re], [-re, -im], [im, -re]][(k * n + k % 2) % 4];
+        let [later_re, later_im] = CHIRP_WORDS.0[n + 250 * k - 1];
+        assert!(later_re == turned_re && later_im == turned_im, "the chirp turns");
+        at += 1;
     }
 };
 
@@ -74,10 +73,8 @@ impl<'b> FastTime<'b> {
                 }
             }
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
-            (None, _) if ALTERNATING && core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) => {
-                if let (Some(samples), 125) = (pairs.first_chunk(), block) {
-                    alternating(samples, &CHIRP_WORDS.0, &mut all);
-                }
+            (None, _) if core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) => {
+                native_eight_blocks(pairs.first_chunk()?, &CHIRP_WORDS.0, &mut all);
             }
             (None, _) => native_conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {
@@ -91,15 +88,25 @@ impl<'b> FastTime<'b> {
                 }
             }
         }
+        if self.config.dechirp == Dechirp::Analog {
+            all.iter_mut().for_each(|[_, im]| *im = im.wrapping_neg());
+        }
         let mut beat = ZERO_BEAT;
         let shift = self.config.shift();
-        let round = |sum: i64| (sum.wrapping_add((1_i64 << shift) >> 1) >> shift) as i32;
-        let analog = self.config.dechirp == Dechirp::Analog;
-        for (value, [re, im]) in beat.iter_mut().zip(all) {
-            *value = Complex::new(round(re), round(if analog { im.wrapping_neg() } else { im }));
+        for (value, [re, im]) in beat.iter_mut().zip(&all) {
+            *value = Complex::new(rounded(*re, shift), rounded(*im, shift));
         }
         Some(beat)
     }
+}
+
+/// `round(sum / 2^shift)`, halves up, 32 bits of it; shifts up to 31.
+#[inline(always)]
+fn rounded(sum: i64, shift: u32) -> i32 {
+    let shift = shift & 31;
+    let (low, carry) = (sum as u32).overflowing_add((1 << shift) >> 1);
+    let high = ((sum >> 32) as u32).wrapping_add(u32::from(carry));
+    (low >> shift | high << 1 << (31 - shift)) as i32
 }
 
 /// Sums of blocks of samples.

@@ -48,65 +48,20 @@ fn block_sum(samples: &[ComplexI16], reference: &[ComplexI16]) -> [i64; 2] {
     [real.value(), imaginary.value()]
 }
 
-/// [`portable`] of eight blocks of 125 samples, of which the reference alternates in sign with itself 500 samples before, as that of
-/// [`CHIRP`](crate::signal::dechirp::CHIRP) does: `s[n + 500] = (-1)^n s[n]`, n from 1. A reference sample is loaded once for two products.
-pub fn alternating(samples: &[ComplexI16; 1000], reference: &[ComplexI16; 1000], sums: &mut [[i64; 2]; 8]) {
-    let ((samples, _), (reference, _)) = (samples.as_chunks::<125>(), reference.as_chunks::<125>());
-    let ([first @ .., _, _, _, _], [_, _, _, _, second @ ..]) = (samples, samples) else { return };
-    let (sums, later) = sums.split_at_mut(4);
-    for (k, (sum, later)) in sums.iter_mut().zip(later).enumerate() {
-        let (Some(first), Some(second), Some(reference)) = (first.get(k), second.get(k), reference.get(k))
-        else {
-            continue;
-        };
-        let [sum_of_first, [re, im]] = two_blocks(first, second, reference);
-        // a block of an odd number of samples: the next begins with the other sign
-        (*sum, *later) = (sum_of_first, if k % 2 == 0 { [re, im] } else { [-re, -im] });
-    }
-}
+/// Samples of the paper's chirp.
+pub(crate) type Chirp = [ComplexI16; 1000];
 
-/// The sums of a block and of one 500 samples later, whose reference's first sample has the other sign.
-#[inline(never)]
-fn two_blocks(
-    first: &[ComplexI16; 125],
-    second: &[ComplexI16; 125],
-    reference: &[ComplexI16; 125],
-) -> [[i64; 2]; 2] {
-    let mut sums = [const { [const { Sum { low: 0, high: 0 } }; 2] }; 2];
-    let parts = |x: &ComplexI16, s: &ComplexI16| {
-        let [i, q, c, s] = [x[0], x[1], s[0], s[1]].map(i32::from);
-        [(i * c).wrapping_add(q * s), (q * c).wrapping_sub(i * s)]
-    };
-    let mut add = |x: &ComplexI16, y: &ComplexI16, s: &ComplexI16, even: bool| {
-        let [[re, im], [later_re, later_im]] = &mut sums;
-        let [a, b] = parts(x, s);
-        re.add(a);
-        im.add(b);
-        let [a, b] = parts(y, s);
-        if even {
-            later_re.add(a);
-            later_im.add(b);
-        } else {
-            later_re.subtract(a);
-            later_im.subtract(b);
-        }
-    };
-    let ((pairs, last), (later, last_later)) = (first.as_chunks::<2>(), second.as_chunks::<2>());
-    let (references, last_reference) = reference.as_chunks::<2>();
-    for (([x0, x1], [y0, y1]), [s0, s1]) in pairs.iter().zip(later).zip(references) {
-        add(x0, y0, s0, false);
-        add(x1, y1, s1, true);
-    }
-    if let ([x], [y], [s]) = (last, last_later, last_reference) {
-        add(x, y, s, false);
-    }
-    sums.map(|parts| parts.map(|sum| sum.short_value()))
+/// [`portable`] of the paper's eight blocks of 125 samples.
+#[inline]
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]) {
+    portable(samples, reference, 125, sums);
 }
 
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.
 ///
 /// What the second lacks of the exact sum is below 2^15 2^16, so the first completes it.
-#[derive(Default)]
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C)]
 pub(crate) struct Sum {
     low: i32,
     high: i32,
@@ -119,15 +74,9 @@ impl Sum {
         self.high = self.high.wrapping_add(value >> 16);
     }
 
-    /// Takes a word away: then only [`Sum::short_value`] is right.
-    #[inline(always)]
-    fn subtract(&mut self, value: i32) {
-        self.low = self.low.wrapping_sub(value);
-        self.high = self.high.wrapping_sub(value >> 16);
-    }
-
-    /// The sum of fewer than 2^15 words, some taken away: what is lacking is below 2^15 2^16 with either sign.
-    fn short_value(&self) -> i64 {
+    /// The sum of fewer than 2^15 words, some of them taken away: what is lacking is below 2^15 2^16 with either sign.
+    #[cfg(all(target_arch = "riscv32", target_feature = "m"))]
+    pub(crate) fn short_value(&self) -> i64 {
         (i64::from(self.high) << 16) + i64::from(self.low.wrapping_sub(self.high << 16))
     }
 

@@ -99,27 +99,28 @@ fn halves(words: &I16x8) -> &[i16; 8] {
     must_cast_ref(words)
 }
 
-/// `sums[output, tile] += sum over channels`, of one point.
+/// `[output, tile]`: the sums over channels, of one point.
 #[inline(always)]
-fn accumulate<P: DualMac, const GROUPS: usize>(
+fn sums_of_point<P: DualMac, const GROUPS: usize>(
     inputs: &[I16x8; GROUPS],
     weights: &[I16x8; GROUPS],
-    sums: &mut [i32; 4],
-) {
+) -> [i32; 4] {
+    let mut sums = [0; 4];
     if P::WIDE && GROUPS.is_multiple_of(2) {
         let (inputs, weights) = (inputs.as_chunks().0, weights.as_chunks().0);
         for ([x0, x1], [w0, w1]) in inputs.iter().zip(weights) {
-            add_products([x0, x1].map(halves), [w0, w1].map(halves), sums);
+            add_products([x0, x1].map(halves), [w0, w1].map(halves), &mut sums);
         }
     } else {
         // of a short loop of known length the compiler makes more products at once than RISC-V has registers
         let groups = if cfg!(target_arch = "riscv32") && GROUPS < 8 { black_box(GROUPS) } else { GROUPS };
         for (x, w) in inputs.iter().zip(weights).take(groups) {
             if let ([x0, x1], [w0, w1]) = (halves(x).as_chunks::<4>().0, halves(w).as_chunks::<4>().0) {
-                add_products([x0, x1], [w0, w1], sums);
+                add_products([x0, x1], [w0, w1], &mut sums);
             }
         }
     }
+    sums
 }
 
 /// Adds the products of as many channels of two tiles and two outputs.
@@ -144,10 +145,10 @@ pub fn plain_products<P: DualMac, const GROUPS: usize>(
     sums: &mut Sums,
 ) {
     let ((inputs, _), (weights, _)) = (inputs.as_chunks::<POINT_ROWS>(), weights.as_chunks::<POINT_ROWS>());
+    let mut points = [[0; 4]; POINT_ROWS];
     for ((inputs, weights), sums) in inputs.iter().zip(weights).zip(sums) {
-        let mut points = [[0; 4]; POINT_ROWS];
         for ((inputs, weights), point) in inputs.iter().zip(weights).zip(&mut points) {
-            accumulate::<P, GROUPS>(inputs, weights, point);
+            *point = sums_of_point::<P, GROUPS>(inputs, weights);
         }
         for k in 0..4 {
             let outputs = outputs_of_column(points.map(|point| point[k]));
@@ -170,17 +171,21 @@ pub fn plain_outputs<const GROUPS: usize>(
     let sums = sums.as_flattened().as_flattened();
     for (output, &[start, ref scale @ ..]) in constants.iter().enumerate() {
         let (requantizer, channel) = (Requantizer::from_words(*scale), (channel + output) % (4 * GROUPS));
-        for (y, line) in values.chunks_mut(row.max(1)).take(BLOCK_ROWS).enumerate() {
-            let first = 4 * (y % TILE_ROWS) + 2 * output + y / TILE_ROWS;
-            let pixels: Option<&mut Pixels<GROUPS>> =
-                line.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.first_chunk_mut();
-            let Some(window) = sums.get(first..).and_then(|sums| sums.first_chunk::<{ 4 * COLUMN + 1 }>()) else {
-                continue;
-            };
-            let outputs = outputs_of_row([0, 1, 2, 3, 4].map(|column| window[COLUMN * column]));
-            for (pixel, sum) in pixels.into_iter().flatten().zip(outputs) {
-                let sixteen = sum.wrapping_mul(NINTH).wrapping_add(start);
-                pixel.as_flattened_mut()[channel] = requantizer.apply::<FACTOR_BITS>(sixteen);
+        let mut lines = values.chunks_mut(row.max(1));
+        for tile in 0..2 {
+            // the sums of a row lie a column apart
+            let windows = sums.windows(4 * COLUMN + 1).skip(2 * output + tile).step_by(4);
+            for (line, window) in lines.by_ref().take(TILE_ROWS).zip(windows) {
+                let pixels: Option<&mut Pixels<GROUPS>> =
+                    line.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.first_chunk_mut();
+                let (Some(pixels), Some(window)) = (pixels, window.first_chunk::<{ 4 * COLUMN + 1 }>()) else {
+                    continue;
+                };
+                let outputs = outputs_of_row([0, 1, 2, 3, 4].map(|column| window[COLUMN * column]));
+                for (pixel, sum) in pixels.iter_mut().zip(outputs) {
+                    let sixteen = sum.wrapping_mul(NINTH).wrapping_add(start);
+                    pixel.as_flattened_mut()[channel] = requantizer.apply::<FACTOR_BITS>(sixteen);
+                }
             }
         }
     }

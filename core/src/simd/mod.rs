@@ -12,13 +12,16 @@ pub mod dual_mac;
 pub mod mulh;
 #[cfg(feature = "graph")]
 pub mod patch_products;
+#[cfg(all(target_arch = "riscv32", target_feature = "m"))]
+#[allow(unsafe_code)]
+mod riscv;
 
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
 pub use arm::NativeDualMac;
-/// The fastest [`conj_mac::portable`] of the target.
+/// The fastest [`conj_mac::portable`] and [`conj_mac::eight_blocks`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
-pub use arm::conj_mac as native_conj_mac;
+pub use arm::{conj_mac as native_conj_mac, eight_blocks as native_eight_blocks};
 /// The fastest [`depthwise_products::portable`] of the target.
 #[cfg(all(feature = "graph", target_arch = "arm", arm_dsp))]
 pub use arm::depthwise_products as native_depthwise_products;
@@ -28,6 +31,9 @@ pub use arm::{patch_products as native_patch_products, widen as native_widen};
 /// The fastest [`conj_mac::portable`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub use conj_mac::portable as native_conj_mac;
+/// The fastest [`conj_mac::eight_blocks`] of the target.
+#[cfg(not(any(all(target_arch = "riscv32", target_feature = "m"), all(target_arch = "arm", arm_dsp))))]
+pub use conj_mac::eight_blocks as native_eight_blocks;
 /// The fastest [`depthwise_products::portable`] of the target.
 #[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
 pub use depthwise_products::portable as native_depthwise_products;
@@ -37,3 +43,6 @@ pub use patch_products::{portable as native_patch_products, widen as native_wide
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(all(target_arch = "arm", arm_dsp)))]
 pub type NativeDualMac = dual_mac::Plain;
+/// The fastest [`conj_mac::eight_blocks`] of the target.
+#[cfg(all(target_arch = "riscv32", target_feature = "m"))]
+pub use riscv::eight_blocks as native_eight_blocks;

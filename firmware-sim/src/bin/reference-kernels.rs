@@ -13,10 +13,11 @@ mod firmware {
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::depthwise_products::{self, DepthwiseWindow};
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, plain_products};
+    use sdp3_core::simd::dual_mac::{BLOCK_COLUMNS, BLOCK_ROWS, DualMac, I16x8, POINTS, plain_outputs, plain_products};
     use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
     use sdp3_core::simd::{
-        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_patch_products, native_widen,
+        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_eight_blocks, native_patch_products,
+        native_widen,
     };
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -65,6 +66,26 @@ mod firmware {
         }
     }
 
+    /// Outputs of two of `4 GROUPS` channels, in lines of three pixels and of more.
+    fn outputs<const GROUPS: usize>(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let sums = [[[0; 4]; 4]; 5].map(|column| column.map(|row| row.map(|_: i32| draw(random, round))));
+            let constants = [0; 2].map(|_: i32| {
+                let [start, multiplier, offset] = [0; 3].map(|_: i32| draw(random, round));
+                [start, multiplier & i32::MAX, offset, 4 + (draw(random, 5) & 15)]
+            });
+            let channel = round % (2 * GROUPS) * 2;
+            for row in [BLOCK_COLUMNS, 5].map(|pixels| pixels * 4 * GROUPS) {
+                let (mut found, mut expected) = ([[1; 64]; 5 * BLOCK_ROWS], [[1; 64]; 5 * BLOCK_ROWS]);
+                let [found_values, values] = [&mut found, &mut expected]
+                    .map(|all| &mut all.as_flattened_mut()[..(BLOCK_ROWS - 1) * row + BLOCK_COLUMNS * 4 * GROUPS]);
+                plain_outputs::<GROUPS>(&sums, &constants, values, row, channel);
+                NativeDualMac::default().outputs::<GROUPS>(&mut sums.clone(), &constants, found_values, row, channel);
+                same("outputs", round, found, expected);
+            }
+        }
+    }
+
     /// At a word's address, where the instructions load from.
     #[repr(align(4))]
     struct WordAligned<T>(T);
@@ -84,9 +105,9 @@ mod firmware {
                 same("dechirp", round, found, expected);
             }
             let (mut found, mut expected) = ([[0; 2]; 8], [[0; 2]; 8]);
-            conj_mac::alternating(&slot.0, &reference.0, &mut found);
-            conj_mac::portable(&slot.0, &reference.0, 125, &mut expected);
-            same("dechirp of two blocks at a time", round, found, expected);
+            native_eight_blocks(&slot.0, &reference.0, &mut found);
+            conj_mac::eight_blocks(&slot.0, &reference.0, &mut expected);
+            same("dechirp of the paper's blocks", round, found, expected);
         }
     }
 
@@ -160,6 +181,10 @@ mod firmware {
         products::<4>(&mut random);
         products::<8>(&mut random);
         products::<16>(&mut random);
+        outputs::<2>(&mut random);
+        outputs::<4>(&mut random);
+        outputs::<8>(&mut random);
+        outputs::<16>(&mut random);
         patches(&mut random);
         depthwise(&mut random);
         dechirping(&mut random);

@@ -236,13 +236,13 @@ fn transform<P: DualMac, const C: usize, const GROUPS: usize>(
             for row in 0..POINT_ROWS {
                 let value = |column: &Column| column[pair][row];
                 let ([a, b], [c, d, e]) = (kept.each_ref().map(value), new.each_ref().map(value));
+                (kept[0][pair][row], kept[1][pair][row]) = (d, e);
                 let points = transform_row([a, b, c, d, e]);
                 for (column, point) in points.into_iter().enumerate() {
                     inputs[POINT_ROWS * column + row][vector % GROUPS][at] = settle(point);
                 }
             }
         }
-        *kept = [new[1], new[2]];
     }
 }
 

@@ -14,7 +14,7 @@ mod products;
 #[cfg(feature = "graph")]
 pub use patch_products::{patch_products, widen};
 
-use crate::simd::conj_mac::{ComplexI16, portable};
+use crate::simd::conj_mac::{self, Chirp, ComplexI16, portable};
 use crate::simd::dual_mac::{BLOCK_ROWS, Constants, DualMac, Pixels, Sums, Tile, plain_outputs};
 use core::arch::{asm, global_asm};
 
@@ -162,17 +162,21 @@ pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, 
     if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
         return portable(samples, reference, block, sums);
     }
-    if let (1000, 1000, 125, Some(sums)) =
-        (samples.len(), reference.len(), block, sums.first_chunk_mut::<8>())
-    {
-        // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
-        return unsafe { sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums) };
-    }
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
         // SAFETY: it reads `block` samples of each and writes 16 bytes; samples are words and the first begins at a word.
         unsafe { sdp3_conj_mac_block(samples.as_ptr(), reference.as_ptr(), block / 4, block % 4, sum) };
     }
+}
+
+/// [`crate::simd::conj_mac::eight_blocks`] in the same way.
+#[inline]
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]) {
+    if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
+        return conj_mac::eight_blocks(samples, reference, sums);
+    }
+    // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
+    unsafe { sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums) };
 }
 
 // not `pure`: kept in the order of the source, they need fewer registers at a time
