@@ -10,6 +10,7 @@ pub mod conj_mac;
 pub mod depthwise_products;
 pub mod dual_mac;
 pub mod mulh;
+pub mod patch_pairs;
 #[cfg(feature = "graph")]
 pub mod patch_products;
 #[cfg(all(target_arch = "riscv32", target_feature = "m"))]
@@ -22,6 +23,9 @@ pub use arm::NativeDualMac;
 /// The fastest [`conj_mac::portable`] and [`conj_mac::eight_blocks`] of the target.
 #[cfg(all(target_arch = "arm", arm_dsp))]
 pub use arm::{conj_mac as native_conj_mac, eight_blocks as native_eight_blocks};
+/// The fastest [`patch_pairs::portable`] of the target.
+#[cfg(all(target_arch = "arm", arm_dsp))]
+pub use arm::largest_of_pairs as native_largest_of_pairs;
 /// The fastest [`depthwise_products::portable`] of the target.
 #[cfg(all(feature = "graph", target_arch = "arm", arm_dsp))]
 pub use arm::depthwise_products as native_depthwise_products;
@@ -37,6 +41,9 @@ pub use conj_mac::eight_blocks as native_eight_blocks;
 /// The fastest [`depthwise_products::portable`] of the target.
 #[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
 pub use depthwise_products::portable as native_depthwise_products;
+/// The fastest [`patch_pairs::portable`] of the target.
+#[cfg(not(all(target_arch = "arm", arm_dsp)))]
+pub use patch_pairs::portable as native_largest_of_pairs;
 /// The fastest [`patch_products::portable`] and [`patch_products::widen`] of the target.
 #[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
 pub use patch_products::{portable as native_patch_products, widen as native_widen};

@@ -16,8 +16,8 @@ mod firmware {
     use sdp3_core::simd::dual_mac::{BLOCK_COLUMNS, BLOCK_ROWS, DualMac, I16x8, POINTS, plain_outputs, plain_products};
     use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
     use sdp3_core::simd::{
-        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_eight_blocks, native_patch_products,
-        native_widen,
+        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_eight_blocks,
+        native_largest_of_pairs, native_patch_products, native_widen, patch_pairs,
     };
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -117,7 +117,25 @@ mod firmware {
             same("upper word", round, mulh::mulh(a, b), mulh::plain(a, b));
             let expected = sum.wrapping_add(mulh::plain(a, b));
             same("sum of upper words", round, mulh::mla_h(sum, a, b), expected);
-            same("products of pairs", round, mulh::add_dual(sum, a, b), mulh::plain_dual(sum, a, b));
+        }
+    }
+
+    /// Sums of pairs for up to 16 channels.
+    fn pairs(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let pairs = [[0; 5]; 4].map(|pairs| pairs.map(|_: i32| draw(random, round)));
+            let channels = [[0; patch_pairs::WORDS]; 16].map(|words| {
+                let mut words = words.map(|_: i32| draw(random, round));
+                if let [.., multiplier, _, shift] = &mut words {
+                    (*multiplier, *shift) = (*multiplier & i32::MAX, *shift & 31);
+                }
+                words
+            });
+            let (mut found, mut expected) = ([1; 16], [1; 16]);
+            let count = round % 17;
+            native_largest_of_pairs(&pairs, &channels, &mut found[..count]);
+            patch_pairs::portable(&pairs, &channels, &mut expected[..count]);
+            same("sums of pairs", round, found, expected);
         }
     }
 
@@ -185,6 +203,7 @@ mod firmware {
         outputs::<4>(&mut random);
         outputs::<8>(&mut random);
         outputs::<16>(&mut random);
+        pairs(&mut random);
         patches(&mut random);
         depthwise(&mut random);
         dechirping(&mut random);

@@ -9,13 +9,16 @@ use super::{clamp_all, packed, packed_mut};
 use crate::dsn::conv::{Conv, pad_before, same};
 use crate::dsn::established;
 use crate::fixed::{Requantizer, TIMES_FOUR};
-use crate::simd::mulh::add_dual;
+use crate::simd::native_largest_of_pairs;
+use crate::simd::patch_pairs::{self, PatchPairs};
 
 /// Points of a tile of F(2x2, 3x3).
 const POINTS: usize = 16;
 
 /// Words of a channel: its weights, `[column][row]` transformed or as they are, then those of [`channel`].
-pub const WORDS: usize = POINTS + packing::WORDS;
+pub const WORDS: usize = patch_pairs::WORDS;
+
+const _: () = assert!(WORDS == POINTS + packing::WORDS);
 
 /// Pooled values of a step with a stride of 1 and of 2: at most 50 000 and 35 000 instructions on Cortex-M4F.
 const VALUES: [usize; 2] = [512, 256];
@@ -163,10 +166,13 @@ fn patches(
             column(x.wrapping_add(3)),
             column(x.wrapping_add(4)),
         ];
-        let pairs = if PAIRS { pairs_of_patch(&patch) } else { PatchPairs::default() };
+        if PAIRS {
+            native_largest_of_pairs(&pairs_of_patch(&patch), channels, pooled);
+            continue;
+        }
         for (out, words) in pooled.iter_mut().zip(channels) {
             let [.., multiplier, offset, shift] = *words;
-            let most = if PAIRS { largest_of_pairs(&pairs, words) } else { largest_of_patch(&patch, words) };
+            let most = largest_of_patch(&patch, words);
             *out = Requantizer::from_words([multiplier, offset, shift]).apply::<TIMES_FOUR>(most);
         }
     }
@@ -192,41 +198,22 @@ fn largest_of_patch(patch: &Patch, words: &[i32; WORDS]) -> i32 {
 /// Whether a patch is multiplied by pairs of i16, where an instruction does.
 const PAIRS: bool = cfg!(all(target_arch = "arm", arm_dsp));
 
-/// A patch as pairs of i16: of the columns 0 and 1, and 2 and 3, of each row; and of each pair of outputs side by side the column
-/// beside those, rows 0 and 1, 2, 2 and 3, and 4.
-#[derive(Default)]
-struct PatchPairs {
-    rows: [[i32; 5]; 2],
-    beside: [[[i32; 2]; 2]; 2],
-}
-
+/// The patches of four outputs as pairs of i16: of each row the columns 0 and 1, then of column 2 the rows 0 and 1, and 2.
 #[inline(always)]
 fn pairs_of_patch(patch: &Patch) -> PatchPairs {
     let rows = [0, 2].map(|x| [0, 1, 2, 3, 4].map(|row| patch[x][row] | patch[x + 1][row] << 16));
-    let beside =
-        [2, 4].map(|x| [0, 2].map(|row| [patch[x][row] | patch[x][row + 1] << 16, patch[x][row + 2]]));
-    PatchPairs { rows, beside }
+    [0, 1, 2, 3].map(|k| {
+        let ([a, b, c], column) = ([0, 1, 2].map(|row| rows[k % 2][row + k / 2 * 2]), patch[k % 2 * 2 + 2]);
+        let [first, second, third] = [0, 1, 2].map(|row| column[row + k / 2 * 2]);
+        [a, b, c, first | second << 16, third]
+    })
 }
 
-/// A kernel in the same order: columns 0 and 1 of each row, then column 2.
+/// A kernel in the same order.
 fn pairs_of_taps(taps: &[i32; 9]) -> [i32; 9] {
     let pair = |low: i32, high: i32| low & 0xffff | high << 16;
     let [a, b, c, d, e, f, g, h, i] = *taps;
     [pair(a, b), pair(d, e), pair(g, h), pair(c, f), i, 0, 0, 0, 0]
-}
-
-/// [`largest_of_patch`] by pairs.
-#[inline(always)]
-fn largest_of_pairs(pairs: &PatchPairs, words: &[i32; WORDS]) -> i32 {
-    let [a, b, c, d, e, ..] = *words;
-    let [.., start, _, _, _] = *words;
-    let sums = [0, 1, 2, 3].map(|k| {
-        let (x, y) = (k % 2, k / 2);
-        let (rows, [both, last]) = (&pairs.rows[x], pairs.beside[x][y]);
-        let sum = add_dual(add_dual(start, rows[2 * y], a), rows[2 * y + 1], b);
-        add_dual(add_dual(add_dual(sum, rows[2 * y + 2], c), both, d), last, e)
-    });
-    sums.into_iter().fold(i32::MIN, i32::max)
 }
 
 /// The output for four times a sum without its start.

@@ -4,6 +4,7 @@
 
 #[cfg(feature = "graph")]
 mod depthwise_products;
+mod patch_pairs;
 #[cfg(feature = "graph")]
 mod patch_products;
 #[cfg(feature = "graph")]
@@ -11,6 +12,7 @@ pub use depthwise_products::depthwise_products;
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
+pub use patch_pairs::largest_of_pairs;
 #[cfg(feature = "graph")]
 pub use patch_products::{patch_products, widen};
 
@@ -199,17 +201,6 @@ pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
     // SAFETY: registers only; the target has the instruction.
     unsafe {
         asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
-    };
-    total
-}
-
-/// [`crate::simd::mulh::add_dual`].
-#[inline(always)]
-pub fn add_dual(sum: i32, a: i32, b: i32) -> i32 {
-    let total;
-    // SAFETY: registers and APSR.Q only; the target has the instruction.
-    unsafe {
-        asm!("smlad {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
     };
     total
 }
