@@ -72,17 +72,18 @@ pub const fn lane<P: DualMac, const GROUPS: usize>(group: usize, part: usize) ->
     if P::WIDE && GROUPS.is_multiple_of(2) { (group & !1 | part, 2 * (group & 1)) } else { (group, 2 * part) }
 }
 
-/// Four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth.
+/// Up to four int8 values as pairs of u8 = i8 + 128: the first and third, the second and fourth. What is not there is anything.
 ///
 /// A pair (l, h) is the number h 2^16 + l, so that sums and shifts of pairs are those of numbers; [`settle`] ends it.
 #[inline(always)]
-pub fn widen(four: [i8; 4]) -> [i32; 2] {
+pub fn widen<const N: usize>(values: &[i8; N]) -> [i32; 2] {
+    let byte = |k: usize| if k < N { values[k % N] as u8 } else { 0 };
     if cfg!(target_arch = "riscv32") {
         // without unaligned loads the bytes come one by one
-        let [a, b, c, d] = four.map(|v| i32::from(v as u8));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| i32::from(byte(k)));
         return [a | c << 16, b | d << 16].map(|pair| pair ^ 0x0080_0080);
     }
-    let word = u32::from_le_bytes(four.map(|v| v as u8)) ^ 0x8080_8080;
+    let word = u32::from_le_bytes([0, 1, 2, 3].map(byte)) ^ 0x8080_8080;
     [word, word >> 8].map(|pair| (pair & 0x00ff_00ff) as i32)
 }
 

@@ -146,6 +146,11 @@ impl Convolution<'_> {
                 for row in 0..POINT_ROWS {
                     let line = (y + TILE_ROWS * tile + row).checked_sub(1);
                     let line = line.and_then(|y| pixels.get(y * width..)?.get(..width)).unwrap_or(&[]);
+                    // columns 2 to 4, where they are inside and the others kept
+                    if let (false, Some([c, d, e])) = (x == 0, line.get(x + 1..).and_then(|line| line.first_chunk())) {
+                        (patch[2][row], patch[3][row], patch[4][row]) = (c, d, e);
+                        continue;
+                    }
                     for (column, patch) in patch.iter_mut().enumerate().skip(from) {
                         patch[row] = line.get((x + column).wrapping_sub(1)).unwrap_or(&border);
                     }
@@ -253,12 +258,8 @@ fn transform_group<const C: usize, const GROUPS: usize>(
     group: usize,
     to: &mut Column,
 ) {
-    let pairs = column.map(|pixel| {
-        // the weights of a fourth channel that is not there are zero
-        let mut four = [0; 4];
-        four.iter_mut().zip(&pixel[group % GROUPS]).for_each(|(to, from)| *to = *from);
-        widen(four)
-    });
+    // the weights of a fourth channel that is not there are zero
+    let pairs = column.map(|pixel| widen(&pixel[group % GROUPS]));
     for pair in 0..2 {
         to[pair] = transform_column(pairs.map(|pairs| pairs[pair]));
     }
