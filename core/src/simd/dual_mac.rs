@@ -6,7 +6,6 @@
 use crate::dsn::winograd::{FACTOR_BITS, NINTH, outputs_of_column, outputs_of_row};
 use crate::fixed::Requantizer;
 use bytemuck::must_cast_ref;
-use core::hint::black_box;
 
 /// Eight i16 in four words: four successive channels of two tiles or two outputs; in the wide order eight of one, and the same of
 /// the other in the next.
@@ -113,9 +112,7 @@ fn sums_of_point<P: DualMac, const GROUPS: usize>(
             add_products([x0, x1].map(halves), [w0, w1].map(halves), &mut sums);
         }
     } else {
-        // of a short loop of known length the compiler makes more products at once than RISC-V has registers
-        let groups = if cfg!(target_arch = "riscv32") && GROUPS < 8 { black_box(GROUPS) } else { GROUPS };
-        for (x, w) in inputs.iter().zip(weights).take(groups) {
+        for (x, w) in inputs.iter().zip(weights) {
             if let ([x0, x1], [w0, w1]) = (halves(x).as_chunks::<4>().0, halves(w).as_chunks::<4>().0) {
                 add_products([x0, x1], [w0, w1], &mut sums);
             }

@@ -48,8 +48,8 @@ pub use patch_pairs::portable as native_largest_of_pairs;
 #[cfg(all(feature = "graph", not(all(target_arch = "arm", arm_dsp))))]
 pub use patch_products::{portable as native_patch_products, widen as native_widen};
 /// The fastest [`dual_mac::DualMac`] of the target.
-#[cfg(not(all(target_arch = "arm", arm_dsp)))]
+#[cfg(not(any(all(target_arch = "riscv32", target_feature = "m"), all(target_arch = "arm", arm_dsp))))]
 pub type NativeDualMac = dual_mac::Plain;
-/// The fastest [`conj_mac::eight_blocks`] of the target.
+/// The fastest [`dual_mac::DualMac`] and [`conj_mac::eight_blocks`] of the target.
 #[cfg(all(target_arch = "riscv32", target_feature = "m"))]
-pub use riscv::eight_blocks as native_eight_blocks;
+pub use riscv::{NativeDualMac, eight_blocks as native_eight_blocks};
