@@ -60,10 +60,23 @@ impl<'b> FastTime<'b> {
         if slot.len() != self.config.values_per_slot() {
             return None;
         }
+        let (shift, mut beat) = (self.config.shift(), ZERO_BEAT);
+        for (value, [re, im]) in beat.iter_mut().zip(self.sums(slot)?) {
+            *value = Complex::new(rounded(re, shift), rounded(im, shift));
+        }
+        Some(beat)
+    }
+
+    /// The sums of a slot's blocks of samples, or of a gate.
+    #[inline(always)]
+    fn sums(&self, slot: &[i16]) -> Option<[[i64; 2]; BEATS]> {
+        let (pairs, _) = slot.as_chunks::<2>();
+        if core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) {
+            return Some(native_eight_blocks(pairs.first_chunk()?, &CHIRP_WORDS.0));
+        }
         let samples = usize::from(self.config.samples);
         let kept = usize::from(self.config.range_samples);
         let block = samples.checked_div(kept)?;
-        let (pairs, _) = slot.as_chunks::<2>();
         let mut all = [[0_i64; 2]; BEATS];
         let sums = all.get_mut(..kept)?;
         match (self.config.gate, self.config.format) {
@@ -73,9 +86,6 @@ impl<'b> FastTime<'b> {
                 }
             }
             (None, _) if self.reference.is_empty() => block_sums(pairs, block, sums),
-            (None, _) if core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) => {
-                native_eight_blocks(pairs.first_chunk()?, &CHIRP_WORDS.0, &mut all);
-            }
             (None, _) => native_conj_mac(pairs, self.reference, block, sums),
             (Some(_), SampleFormat::Complex) => {
                 for (sum, reference) in sums.iter_mut().zip(self.reference.chunks_exact(samples.max(1))) {
@@ -91,12 +101,7 @@ impl<'b> FastTime<'b> {
         if self.config.dechirp == Dechirp::Analog {
             all.iter_mut().for_each(|[_, im]| *im = im.wrapping_neg());
         }
-        let mut beat = ZERO_BEAT;
-        let shift = self.config.shift();
-        for (value, [re, im]) in beat.iter_mut().zip(&all) {
-            *value = Complex::new(rounded(*re, shift), rounded(*im, shift));
-        }
-        Some(beat)
+        Some(all)
     }
 }
 

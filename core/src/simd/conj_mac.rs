@@ -53,8 +53,10 @@ pub(crate) type Chirp = [ComplexI16; 1000];
 
 /// [`portable`] of the paper's eight blocks of 125 samples.
 #[inline]
-pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]) {
-    portable(samples, reference, 125, sums);
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
+    let mut sums = [[0; 2]; 8];
+    portable(samples, reference, 125, &mut sums);
+    sums
 }
 
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.

@@ -100,7 +100,9 @@ unsafe extern "C" {
 
 /// [`eight_blocks`](crate::simd::conj_mac::eight_blocks) of a reference that repeats itself every 250 samples but for quarter turns, as
 /// [`CHIRP`](crate::signal::dechirp::CHIRP) does: `s[n + 250 k] = i^(k n + k mod 2) s[n]`, n from 1. A reference sample is loaded once for four products.
-pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]) {
+#[inline]
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
+    let mut sums = [[0; 2]; 8];
     for half in 0..2 {
         let mut found = MaybeUninit::<[[Sum; 2]; 4]>::uninit();
         let [samples, reference] = [samples, reference].map(|from| from.as_ptr().wrapping_add(125 * half));
@@ -121,6 +123,7 @@ pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]
             };
         }
     }
+    sums
 }
 
 /// Products in scalar registers.

@@ -19,6 +19,7 @@ pub use patch_products::{patch_products, widen};
 use crate::simd::conj_mac::{self, Chirp, ComplexI16, portable};
 use crate::simd::dual_mac::{BLOCK_ROWS, Constants, DualMac, Pixels, Sums, Tile, plain_outputs};
 use core::arch::{asm, global_asm};
+use core::mem::MaybeUninit;
 
 /// The DSP extension, with Helium's products where there is Helium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -173,12 +174,16 @@ pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, 
 
 /// [`crate::simd::conj_mac::eight_blocks`] in the same way.
 #[inline]
-pub fn eight_blocks(samples: &Chirp, reference: &Chirp, sums: &mut [[i64; 2]; 8]) {
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
     if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
-        return conj_mac::eight_blocks(samples, reference, sums);
+        return conj_mac::eight_blocks(samples, reference);
     }
+    let mut sums = MaybeUninit::uninit();
     // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
-    unsafe { sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums) };
+    unsafe {
+        sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums.as_mut_ptr());
+        sums.assume_init()
+    }
 }
 
 // not `pure`: kept in the order of the source, they need fewer registers at a time
