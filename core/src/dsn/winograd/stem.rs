@@ -157,15 +157,15 @@ fn patches(
     let column = |x: usize| rows.map(|row| pixel(row, x, border));
     let mut patch: Patch = [column((4 * first).wrapping_sub(before)); 5];
     for (x, pooled) in output.chunks_exact_mut(stem.quant.channels.max(1)).enumerate() {
-        let x = (4 * (first + x)).wrapping_sub(before);
-        let [_, _, _, _, shared] = patch;
-        patch = [
-            shared,
-            column(x.wrapping_add(1)),
-            column(x.wrapping_add(2)),
-            column(x.wrapping_add(3)),
-            column(x.wrapping_add(4)),
-        ];
+        patch[0] = patch[4];
+        let x = (4 * (first + x)).wrapping_sub(before).wrapping_add(1);
+        for (row, line) in rows.iter().enumerate() {
+            let new: [i32; 4] = match line.get(x..).and_then(|line| line.first_chunk()) {
+                Some(inside) => inside.map(|v: i8| i32::from(v as u8 ^ 0x80)),
+                None => [0, 1, 2, 3].map(|k| pixel(line, x.wrapping_add(k), border)),
+            };
+            patch.iter_mut().skip(1).zip(new).for_each(|(column, value)| column[row] = value);
+        }
         if PAIRS {
             native_largest_of_pairs(&pairs_of_patch(&patch), channels, pooled);
             continue;
