@@ -10,7 +10,7 @@ use sdp3::formats::tflite::{ImportDefaults, export, import_graph, import_model};
 use sdp3::network::interchange::header;
 use sdp3::network::operator_outputs::Network;
 use sdp3::network::parameters::Architecture;
-use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
 use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::graph::{Graph, Kind, Progress, Window};
 use sdp3_core::selftest;
@@ -93,7 +93,7 @@ fn the_kernels_of_firmware_change_no_bit_of_a_graph() {
         let sizes = graph.winograd_sizes();
         let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
         let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-        let (mut kernels, mut scratch) = (WinogradF2::shared(memory), vec![0; graph.kernel_scratch()]);
+        let (mut kernels, mut scratch) = (WinogradKernels::shared(memory), vec![0; graph.kernel_scratch()]);
         let made = images(10, 16, 2, 5);
         for k in 0..made.len() {
             let mut arena = vec![0; graph.arena()];
@@ -145,7 +145,7 @@ fn the_self_test_of_a_graph_passes_with_the_kernels_of_firmware() {
     let sizes = model.shape().winograd_sizes();
     let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-    let mut kernels = WinogradF2::new(&model, memory).expect("memory of its sizes");
+    let mut kernels = WinogradKernels::new(&model, memory).expect("memory of its sizes");
     // a longer scratch than its own: the image lies at the end
     let mut scratch = vec![0; model.shape().scratch_bytes() + 100];
     let found =

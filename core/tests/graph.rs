@@ -1,7 +1,7 @@
 //! Graphs: what the parser refuses, and that steps, memory plan and interruptions change no bit.
 
 use sdp3_core::dsn::ModelError;
-use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
 use sdp3_core::graph::format::{HEADER_LEN, OPERATOR_LEN};
 use sdp3_core::graph::{Graph, Kind, Progress};
 use sdp3_core::simd::dual_mac::{DualMac, Plain};
@@ -197,7 +197,7 @@ fn by_kernels<P: DualMac>(graph: &Graph<'_>, image: &[i8], mac: P) -> (Vec<i8>, 
     let sizes = graph.winograd_sizes();
     let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-    let mut kernels = WinogradF2::shared_with_mac(mac, memory);
+    let mut kernels = WinogradKernels::shared_with_mac(mac, memory);
     let (mut arena, mut row) = (vec![0; graph.arena()], vec![0; graph.kernel_scratch()]);
     graph.input_mut(&mut arena).copy_from_slice(image);
     let mut progress = Progress::new();

@@ -7,7 +7,7 @@ use sdp3_core::dims::ROWS;
 use sdp3_core::dsn::batch_norm::BatchNormRelu;
 use sdp3_core::dsn::per_channel::PerChannelQuant;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
-use sdp3_core::dsn::{Kernels, Model, Network, Operator, Portable, WinogradF2, infer};
+use sdp3_core::dsn::{Kernels, Model, Network, Operator, Portable, WinogradKernels, infer};
 use sdp3_core::fixed::requantize;
 use sdp3_core::probe::Probe;
 use sdp3_core::simd::dual_mac::{DualMac, I16x8, Plain};
@@ -60,7 +60,7 @@ fn sizes(model: &Model<'_>, packed: usize) -> WinogradSizes {
 }
 
 /// Counts the steps that were given to plain loops.
-struct Counting<'b, P>(WinogradF2<'b, P>, usize);
+struct Counting<'b, P>(WinogradKernels<'b, P>, usize);
 
 impl<P: DualMac> Kernels for Counting<'_, P> {
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
@@ -97,8 +97,8 @@ fn compare<P: DualMac + Default>(
             let larger = WinogradSizes::new(32, 1);
             let mut memory = Memory::new(if packed == 0 { larger } else { sizes(&model, packed) });
             let kernels = match packed {
-                0 => WinogradF2::shared_with_mac(P::default(), memory.view()),
-                _ => WinogradF2::with_mac(&model, P::default(), memory.view()).expect("memory"),
+                0 => WinogradKernels::shared_with_mac(P::default(), memory.view()),
+                _ => WinogradKernels::with_mac(&model, P::default(), memory.view()).expect("memory"),
             };
             let mut kernels = Counting(kernels, 0);
             let (mut scratch, mut found) = (vec![99; scratch.len()], Layers::default());
@@ -156,7 +156,7 @@ fn one_memory_serves_models_in_turn_and_an_unfinished_image_is_given_up() {
     let most =
         models.iter().fold(WinogradSizes { vectors: 0, words: 0 }, |most, model| most.max(sizes(model, 1)));
     let mut memory = Memory::new(most);
-    let mut kernels = Counting(WinogradF2::shared_with_mac(Plain::<false>, memory.view()), 0);
+    let mut kernels = Counting(WinogradKernels::shared_with_mac(Plain::<false>, memory.view()), 0);
     for unfinished in [0, 1, 2, 7, 30, 61] {
         for model in &models {
             let image = vec![unfinished as i8; ROWS * model.frames()];
@@ -173,7 +173,7 @@ fn one_memory_serves_models_in_turn_and_an_unfinished_image_is_given_up() {
     // memory of any size gives the same bits
     for less in [most.words / 2, 10, 0] {
         let mut memory = Memory::new(WinogradSizes { vectors: less, words: less });
-        let mut kernels = Counting(WinogradF2::shared_with_mac(Plain::<false>, memory.view()), 0);
+        let mut kernels = Counting(WinogradKernels::shared_with_mac(Plain::<false>, memory.view()), 0);
         let image = vec![5; ROWS * models[0].frames()];
         let mut scratch = vec![0; models[0].shape().scratch_bytes()];
         let found = infer(&models[0], &image, &mut scratch, &mut kernels, &mut ());
@@ -190,12 +190,12 @@ fn memory_is_asked_for_to_the_element() {
     for (vectors, words) in [(0, 0), (1, 0), (0, 1)] {
         let mut memory =
             Memory::new(WinogradSizes { vectors: exact.vectors - vectors, words: exact.words - words });
-        assert_eq!(WinogradF2::new(&model, memory.view()).is_some(), vectors + words == 0);
+        assert_eq!(WinogradKernels::new(&model, memory.view()).is_some(), vectors + words == 0);
     }
     // four convolutions: packed ahead, but for those that share the last place with the other operators
     for (packed, ahead) in [(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 4)] {
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         assert_eq!(kernels.prepacked(), ahead, "{packed} packed");
     }
     // two of one block, six of three
@@ -203,7 +203,7 @@ fn memory_is_asked_for_to_the_element() {
         let bytes = random_blocks(blocks, 8, 1, 16, 1, Numbers::Usual);
         let model = Model::parse(&bytes).expect("a model");
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         assert_eq!(kernels.prepacked(), ahead, "{packed} packed of {blocks} blocks");
     }
     // weights, of few channels two tables; constants
@@ -237,7 +237,7 @@ fn what_is_packed_ahead_is_not_packed_at_a_recognition() {
     let image = vec![3; ROWS * model.frames()];
     let steps = |packed: usize| {
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         let mut kernels = Steps(kernels, Vec::new());
         let mut scratch = vec![0; model.shape().scratch_bytes()];
         infer(&model, &image, &mut scratch, &mut kernels, &mut ());
@@ -265,7 +265,7 @@ fn a_step_does_as_much_as_it_may() {
         let model = Model::parse(&bytes).expect("a model");
         let image = vec![3; ROWS * model.frames()];
         let mut memory = Memory::new(sizes(&model, 1));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         let mut kernels = Steps(Counting(kernels, 0), Vec::new());
         let mut scratch = vec![0; model.shape().scratch_bytes()];
         infer(&model, &image, &mut scratch, &mut kernels, &mut ());
@@ -312,7 +312,7 @@ fn normalised(biases: [i32; 4], scales: [(i32, i8); 4], out_zp: i8) -> Option<[i
         weights: &[0; 4],
     };
     let mut memory = Memory::new(WinogradSizes { vectors: 128, words: 0 });
-    let mut kernels = WinogradF2::shared(memory.view());
+    let mut kernels = WinogradKernels::shared(memory.view());
     let (layer, mut output) = (&BatchNormRelu { quant }, [0; 4]);
     for step in 0..2 {
         kernels.run(1, Operator::BatchNormRelu { layer, input: &[1, 2, 3, 4], output: &mut output }, step);

@@ -105,7 +105,7 @@ impl Graph<'_> {
         self.nodes().filter(Node::is_covered).map(|node| node.kernel_scratch()).max().unwrap_or(0)
     }
 
-    /// Memory of the kernels of [`WinogradF2::shared`](crate::dsn::WinogradF2::shared) for all operators that they are made for.
+    /// Memory of the kernels of [`WinogradKernels::shared`](crate::dsn::WinogradKernels::shared) for all operators that they are made for.
     pub fn winograd_sizes(&self) -> WinogradSizes {
         let sizes = |node: Node<'_>| match node.kind {
             Some(Kind::Convolution) => WinogradSizes::of_convolution(

@@ -1,7 +1,8 @@
 //! Dual multiply-accumulates of i16: what the network's Winograd kernels need of a processor.
 //!
 //! A kernel is written once over [`DualMac`]. [`Plain`] is the portable reference; `arm` has the DSP extension of Cortex-M4,
-//! M7, M33 and later, and Helium of M52, M55 and M85. All operations are integer and exact: the same bits.
+//! M7, M33 and later, and Helium of M52, M55 and M85, `riscv` the multiplications of RV32IM. All operations are integer and exact:
+//! the same bits.
 
 use crate::dsn::winograd::{FACTOR_BITS, NINTH, outputs_of_column, outputs_of_row};
 use crate::fixed::Requantizer;
@@ -50,8 +51,9 @@ pub trait DualMac: Copy {
     /// For each column of points the products summed over all channels, and the output transform of the column. Wraps.
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums);
 
-    /// The output transform of the rows of the sums, and requantisation: channels `channel`, which is even, and the next of a block. Its rows
-    /// are `row` values apart, the first pixel is that of `values`; rows that are not there are left out. What the sums are afterwards is open.
+    /// The output transform of the rows of the sums, and requantisation: channels `channel`, which is even, and the next of a
+    /// block. Its rows are `row` values apart, the first pixel is that of `values`; rows that are not there are left out. The sums
+    /// may be overwritten.
     #[inline(always)]
     fn outputs<const GROUPS: usize>(
         self,
@@ -176,7 +178,8 @@ pub fn plain_outputs<const GROUPS: usize>(
             for (line, window) in lines.by_ref().take(TILE_ROWS).zip(windows) {
                 let pixels: Option<&mut Pixels<GROUPS>> =
                     line.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.first_chunk_mut();
-                let (Some(pixels), Some(window)) = (pixels, window.first_chunk::<{ 4 * COLUMN + 1 }>()) else {
+                let (Some(pixels), Some(window)) = (pixels, window.first_chunk::<{ 4 * COLUMN + 1 }>())
+                else {
                     continue;
                 };
                 let outputs = outputs_of_row([0, 1, 2, 3, 4].map(|column| window[COLUMN * column]));

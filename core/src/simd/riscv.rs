@@ -7,10 +7,10 @@ use crate::simd::dual_mac::{DualMac, I16x8, Sums, Tile, plain_products};
 use core::arch::global_asm;
 use core::mem::MaybeUninit;
 
-// The products of 125 reference samples with those of four blocks, 250 samples apart. Each is turned back by as many quarters as its block's number times its own,
-// so that four samples have all turns. a0: the third block's sample, a1: reference, a2: where sums go, a3: the reference's end. The reference is in a4, a5, a sample
-// in a6, a7, its product in t0, t1. Sums live in t3-t6 and s0-s11: low and
-// high word of both parts, block by block.
+// The products of 125 reference samples with those of four blocks, 250 samples apart. Sample n of block k is turned back by k n
+// quarters, so that four samples have all turns. a0: the third block's sample, a1: reference, a2: where sums go, a3: the last of
+// the reference, which has no turn. The reference is in a4, a5, a sample in a6, a7, its product in t0, t1. Sums live in t3-t6 and
+// s0-s11: low and high word of both parts, block by block.
 global_asm!(
     ".option push",
     ".option arch, +m",
@@ -91,11 +91,7 @@ global_asm!(
 );
 
 unsafe extern "C" {
-    fn sdp3_four_blocks(
-        samples: *const ComplexI16,
-        reference: *const ComplexI16,
-        sums: *mut [[Sum; 2]; 4],
-    );
+    fn sdp3_four_blocks(samples: *const ComplexI16, reference: *const ComplexI16, sums: *mut [[Sum; 2]; 4]);
 }
 
 /// [`eight_blocks`](crate::simd::conj_mac::eight_blocks) of a reference that repeats itself every 250 samples but for quarter turns, as
@@ -149,9 +145,9 @@ impl DualMac for NativeDualMac {
     }
 }
 
-// Products of `groups` groups of four channels at thirty points, and the output transform of each column. a0: inputs, a1: weights, a2: where sums go, a3:
-// their end. Two tiles' inputs are in t0, t1, two outputs' weights in t2, t3; four points' sums live in a4-a7, s0-s3, s4-s7 and s8-s11. Of many groups four are done at
-// a time, until a0 is t6.
+// Products of `groups` groups of four channels at thirty points, and the output transform of each column. a0: inputs, a1:
+// weights, a2: where sums go, a3: their end. Two tiles' inputs are in t0, t1, two outputs' weights in t2, t3; four points' sums
+// live in a4-a7, s0-s3, s4-s7 and s8-s11. Of many groups four are done at a time, until a0 is t6.
 global_asm!(
     ".option push",
     ".option arch, +m",
@@ -251,7 +247,7 @@ global_asm!(
     "sdp3_far 4, a5, s1, s5",
     "sdp3_far 8, a6, s2, s6",
     "sdp3_far 12, a7, s3, s7",
-    "sdp3_point \\groups, a4, a5, a6, a7", // row 1
+    "sdp3_point \\groups, a4, a5, a6, a7",   // row 1
     "sdp3_point \\groups, s8, s9, s10, s11", // row 2
     "sdp3_near 0, a4, s8, s0, s4",
     "sdp3_near 4, a5, s9, s1, s5",

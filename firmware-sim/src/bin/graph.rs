@@ -11,7 +11,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use sdp3_core::crc32::Crc32;
-    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+    use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
     use sdp3_core::graph::{Kind, Progress};
     use sdp3_core::simd::dual_mac::I16x8;
     use sdp3_firmware_sim::graph_files::{fail, load};
@@ -44,7 +44,7 @@ mod firmware {
         {
             fail("the memory of the kernels is too small")
         }
-        let mut kernels = WinogradF2::shared(WinogradMemory { vectors, words });
+        let mut kernels = WinogradKernels::shared(WinogradMemory { vectors, words });
         let (mut progress, mut all, mut largest) = (Progress::new(), 0, 0);
         let mut operator = 0;
         loop {

@@ -16,7 +16,7 @@ mod firmware {
     use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
     use sdp3_core::dims::{Beat, Complex, FFT_LEN};
-    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
+    use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, image_mut, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
@@ -161,14 +161,14 @@ mod firmware {
         let sizes = WinogradSizes::new(model.channels(), places);
         let memory =
             WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
-        let Some(kernels) = WinogradF2::new(model, memory) else { fail("packed weights do not fit") };
+        let Some(kernels) = WinogradKernels::new(model, memory) else { fail("packed weights do not fit") };
         recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, kernels), probe)
     }
 
     /// Instructions of the largest step of a network with nothing packed ahead.
     fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
         let buffers = memory.view();
-        let mut kernels = WinogradF2::shared(buffers.kernels);
+        let mut kernels = WinogradKernels::shared(buffers.kernels);
         let Some(scratch) = NETWORK.take() else { fail("memory is taken") };
         image_mut(scratch, model.frames()).fill(1);
         let (mut network, mut largest) = (Network::new(), 0);

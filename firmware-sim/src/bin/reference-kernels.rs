@@ -13,7 +13,9 @@ mod firmware {
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::depthwise_products::{self, DepthwiseWindow};
-    use sdp3_core::simd::dual_mac::{BLOCK_COLUMNS, BLOCK_ROWS, DualMac, I16x8, POINTS, plain_outputs, plain_products};
+    use sdp3_core::simd::dual_mac::{
+        BLOCK_COLUMNS, BLOCK_ROWS, DualMac, I16x8, POINTS, plain_outputs, plain_products,
+    };
     use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
     use sdp3_core::simd::{
         conj_mac, mulh, native_conj_mac, native_depthwise_products, native_eight_blocks,
@@ -77,10 +79,17 @@ mod firmware {
             let channel = round % (2 * GROUPS) * 2;
             for row in [BLOCK_COLUMNS, 5].map(|pixels| pixels * 4 * GROUPS) {
                 let (mut found, mut expected) = ([[1; 64]; 5 * BLOCK_ROWS], [[1; 64]; 5 * BLOCK_ROWS]);
-                let [found_values, values] = [&mut found, &mut expected]
-                    .map(|all| &mut all.as_flattened_mut()[..(BLOCK_ROWS - 1) * row + BLOCK_COLUMNS * 4 * GROUPS]);
+                let [found_values, values] = [&mut found, &mut expected].map(|all| {
+                    &mut all.as_flattened_mut()[..(BLOCK_ROWS - 1) * row + BLOCK_COLUMNS * 4 * GROUPS]
+                });
                 plain_outputs::<GROUPS>(&sums, &constants, values, row, channel);
-                NativeDualMac::default().outputs::<GROUPS>(&mut sums.clone(), &constants, found_values, row, channel);
+                NativeDualMac::default().outputs::<GROUPS>(
+                    &mut sums.clone(),
+                    &constants,
+                    found_values,
+                    row,
+                    channel,
+                );
                 same("outputs", round, found, expected);
             }
         }
@@ -105,7 +114,12 @@ mod firmware {
                 same("dechirp", round, found, expected);
             }
             let expected = conj_mac::eight_blocks(&slot.0, &reference.0);
-            same("dechirp of the paper's blocks", round, native_eight_blocks(&slot.0, &reference.0), expected);
+            same(
+                "dechirp of the paper's blocks",
+                round,
+                native_eight_blocks(&slot.0, &reference.0),
+                expected,
+            );
         }
     }
 

@@ -112,8 +112,7 @@ impl Convolution<'_> {
     ) -> bool {
         let (height, width) = self.size;
         let (most, parts) = work::<P>(self.layer.inputs, 4 * OUT);
-        let (first, part, across) =
-            (step / parts * most, step % parts, width.div_ceil(BLOCK_COLUMNS).max(1));
+        let (first, part, across) = (step / parts * most, step % parts, width.div_ceil(BLOCK_COLUMNS).max(1));
         let all = height.div_ceil(BLOCK_ROWS) * across;
         let Some((inputs, sums, kept, new)) = areas::<IN>(self.scratch) else {
             established::<()>(None);
@@ -147,7 +146,9 @@ impl Convolution<'_> {
                     let line = (y + TILE_ROWS * tile + row).checked_sub(1);
                     let line = line.and_then(|y| pixels.get(y * width..)?.get(..width)).unwrap_or(&[]);
                     // columns 2 to 4, where they are inside and the others kept
-                    if let (false, Some([c, d, e])) = (x == 0, line.get(x + 1..).and_then(|line| line.first_chunk())) {
+                    if let (false, Some([c, d, e])) =
+                        (x == 0, line.get(x + 1..).and_then(|line| line.first_chunk()))
+                    {
                         (patch[2][row], patch[3][row], patch[4][row]) = (c, d, e);
                         continue;
                     }

@@ -4,9 +4,10 @@
 //!
 //! Convolutions take 30 products instead of 108 by F(4x3, 3x3) in exact integers, additions are tables, and the stem keeps no row
 //! before its pooling. The first steps of an operator pack its numbers into the caller's memory, unless they are packed ahead. An
-//! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29, of a convolution 2^27; convolutions of other
-//! than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make no such shifts or accumulators. Graphs also
-//! have kernels of 64 channels (weights are packed sixteen outputs at a time) and of the three channels of a colour image.
+//! operator with numbers that this form does not cover (a shift outside -20 to -1, an accumulator beyond 2^29, of a
+//! convolution 2^27; convolutions of other than 8, 16 or 32 channels) runs by the plain loops; training and TFLite's converter make
+//! no such shifts or accumulators. Graphs also have kernels of 64 channels (weights are packed sixteen outputs at a time) and of
+//! the three channels of a colour image.
 //!
 //! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, except of plain loops.
 
@@ -31,7 +32,7 @@ use packing::{conv_vectors, conv_words, covered};
 use stem::Stem;
 pub(crate) use transform::{FACTOR_BITS, NINTH, outputs_of_column, outputs_of_row};
 
-/// The caller's memory of a [`WinogradF2`].
+/// The caller's memory of a [`WinogradKernels`].
 #[derive(Debug, Default)]
 pub struct WinogradMemory<'b> {
     /// Transformed weights, [`WinogradSizes::vectors`] of them.
@@ -108,7 +109,7 @@ pub const fn scratch_bytes(inputs: usize, outputs: usize) -> usize {
 
 /// Kernels by F(4x3, 3x3), over the dual multiply-accumulates `P`.
 #[derive(Debug)]
-pub struct WinogradF2<'b, P = NativeDualMac> {
+pub struct WinogradKernels<'b, P = NativeDualMac> {
     mac: P,
     /// Convolutions that are prepacked: all other operators share the place behind theirs.
     prepacked: usize,
@@ -123,7 +124,7 @@ pub struct WinogradF2<'b, P = NativeDualMac> {
     words: &'b mut [i32],
 }
 
-impl<'b> WinogradF2<'b> {
+impl<'b> WinogradKernels<'b> {
     /// The fastest arithmetic of the target, for one model: as many convolutions are packed ahead as the memory holds;
     /// `None` if it is smaller than [`WinogradSizes::of`] the model.
     pub fn new(model: &Model<'_>, memory: WinogradMemory<'b>) -> Option<Self> {
@@ -137,13 +138,13 @@ impl<'b> WinogradF2<'b> {
     }
 }
 
-impl<'b, P: DualMac> WinogradF2<'b, P> {
-    /// [`WinogradF2::shared`] by the arithmetic `mac`.
+impl<'b, P: DualMac> WinogradKernels<'b, P> {
+    /// [`WinogradKernels::shared`] by the arithmetic `mac`.
     pub fn shared_with_mac(mac: P, WinogradMemory { vectors, words }: WinogradMemory<'b>) -> Self {
-        WinogradF2 { mac, prepacked: 0, ahead: 0, uncovered: 0, plain: None, vectors, words }
+        WinogradKernels { mac, prepacked: 0, ahead: 0, uncovered: 0, plain: None, vectors, words }
     }
 
-    /// [`WinogradF2::new`] by the arithmetic `mac`.
+    /// [`WinogradKernels::new`] by the arithmetic `mac`.
     pub fn with_mac(model: &Model<'_>, mac: P, memory: WinogradMemory<'b>) -> Option<Self> {
         let channels = model.channels();
         let vectors = memory.vectors.len().checked_sub(last_vectors(channels, channels))?;
@@ -153,7 +154,7 @@ impl<'b, P: DualMac> WinogradF2<'b, P> {
             .min(fit(words, conv_words(channels, channels)))
             .min(2 * model.blocks());
         let ahead = prepacked * conv_vectors(channels, channels);
-        let mut kernels = WinogradF2 { prepacked, ahead, ..Self::shared_with_mac(mac, memory) };
+        let mut kernels = WinogradKernels { prepacked, ahead, ..Self::shared_with_mac(mac, memory) };
         for number in 0..prepacked {
             let conv = model.block(number / 2)?.convs[number % 2];
             if (0..packing::steps(channels, channels))
@@ -224,7 +225,7 @@ pub(crate) fn clamp_all(values: &mut [i8], (low, high): (i8, i8)) {
     }
 }
 
-impl<P: DualMac> Kernels for WinogradF2<'_, P> {
+impl<P: DualMac> Kernels for WinogradKernels<'_, P> {
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
         let number = convolution_number(index);
         let (packing, plain) = match operator {

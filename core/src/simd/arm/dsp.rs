@@ -129,9 +129,9 @@ global_asm!(
     "sdp3_products 16",
 );
 
-// The outputs of a block of two tiles: rows of two channels, one after the other. Of a row three sums are made of five, times the reciprocal of nine in
-// r8, then requantised by r4-r7. r0: sums, which lie a word further for each tile and channel, r1: constants, r2: first pixel, r3: values of a row, r9: of a
-// pixel; on the stack: the end of the constants.
+// The outputs of a block of two tiles: rows of two channels, one after the other. Of a row three sums are made of five, times the
+// reciprocal of nine in r8, then requantised by r4-r7. r0: sums, which lie a word further for each tile and channel, r1:
+// constants, r2: first pixel, r3: values of a row, r9: of a pixel; on the stack: the end of the constants.
 global_asm!(
     ".macro sdp3_output sum, at:vararg",
     "mla \\sum, \\sum, r8, r4",

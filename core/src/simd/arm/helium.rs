@@ -83,9 +83,10 @@ global_asm!(
     "sdp3_wide_products 8",
 );
 
-// The outputs of a block of two tiles, for two channels and both tiles at once. Of a row three sums are made of five, times the reciprocal of nine in r8, then
-// requantised: what they start with is in q4, multipliers in q5, offsets in q6, shifts in q7, where the four bytes lie in q3. r0: sums, the second of the
-// three goes back there; r1: constants, r2, r6, r9: pixels, r3: values of a row; on the stack: values of a pixel.
+// The outputs of a block of two tiles, for two channels and both tiles at once. Of a row three sums are made of five, times the
+// reciprocal of nine in r8, then requantised: what they start with is in q4, multipliers in q5, offsets in q6, shifts in q7, where
+// the four bytes lie in q3. r0: sums, the second of the three goes back there; r1: constants, r2, r6, r9: pixels, r3: values of a
+// row; on the stack: values of a pixel.
 global_asm!(
     ".macro sdp3_wide_output sum, rest, at",
     "vmul.i32 \\sum, \\sum, r8",

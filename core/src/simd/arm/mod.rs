@@ -12,13 +12,14 @@ pub use depthwise_products::depthwise_products;
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
+pub mod upper_words;
 pub use patch_pairs::largest_of_pairs;
 #[cfg(feature = "graph")]
 pub use patch_products::{patch_products, widen};
 
 use crate::simd::conj_mac::{self, Chirp, ComplexI16, portable};
 use crate::simd::dual_mac::{BLOCK_ROWS, Constants, DualMac, Pixels, Sums, Tile, plain_outputs};
-use core::arch::{asm, global_asm};
+use core::arch::global_asm;
 use core::mem::MaybeUninit;
 
 /// The DSP extension, with Helium's products where there is Helium.
@@ -184,28 +185,4 @@ pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
         sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums.as_mut_ptr());
         sums.assume_init()
     }
-}
-
-// not `pure`: kept in the order of the source, they need fewer registers at a time
-
-/// [`crate::simd::mulh::mulh`].
-#[inline(always)]
-pub fn mulh(a: i32, b: i32) -> i32 {
-    let product;
-    // SAFETY: registers only; the target has the instruction.
-    unsafe {
-        asm!("smmul {}, {}, {}", lateout(reg) product, in(reg) a, in(reg) b, options(nomem, nostack, preserves_flags))
-    };
-    product
-}
-
-/// [`crate::simd::mulh::mla_h`].
-#[inline(always)]
-pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
-    let total;
-    // SAFETY: registers only; the target has the instruction.
-    unsafe {
-        asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
-    };
-    total
 }

@@ -3,8 +3,8 @@
 use crate::simd::patch_pairs::{PatchPairs, WORDS};
 use core::arch::global_asm;
 
-// r0: pairs of four outputs, r1: words of a channel, r2: value; on the stack: the last value's end. Weights live in r3-r7, the start in r8, the largest sum in r9, a sum in
-// r10, pairs in r11, r12, lr.
+// r0: pairs of four outputs, r1: words of a channel, r2: value; on the stack: the last value's end. Weights live in r3-r7, the
+// start in r8, the largest sum in r9, a sum in r10, pairs in r11, r12, lr.
 global_asm!(
     concat!(".cpu ", env!("SDP3_ARM_CPU")),
     ".macro sdp3_sum_of_pairs sum",
