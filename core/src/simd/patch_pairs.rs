@@ -1,4 +1,4 @@
-//! The stem's inner loop with a stride of 2: the largest of four sums of products of pairs, for every channel.
+//! The stem's inner loop by pairs: the largest of four sums of products of pairs, for every channel.
 
 use crate::fixed::{Requantizer, TIMES_FOUR};
 

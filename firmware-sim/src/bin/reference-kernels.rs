@@ -138,9 +138,8 @@ mod firmware {
             let pairs = [[0; 5]; 4].map(|pairs| pairs.map(|_: i32| draw(random, round)));
             let channels = [[0; patch_pairs::WORDS]; 16].map(|words| {
                 let mut words = words.map(|_: i32| draw(random, round));
-                if let [.., multiplier, _, shift] = &mut words {
-                    (*multiplier, *shift) = (*multiplier & i32::MAX, *shift & 31);
-                }
+                let [.., multiplier, _, shift] = &mut words;
+                (*multiplier, *shift) = (*multiplier & i32::MAX, *shift & 31);
                 words
             });
             let (mut found, mut expected) = ([1; 16], [1; 16]);
