@@ -6,7 +6,7 @@ use crate::fixed::{Requantizer, TIMES_FOUR};
 pub const WORDS: usize = 20;
 
 /// Of four outputs the values of five pairs of i16, of the last the lower half alone.
-pub type PatchPairs = [[i32; 5]; 4];
+pub(crate) type PatchPairs = [[i32; 5]; 4];
 
 /// The largest of four sums of products of pairs, requantised: one value a channel. Wraps.
 #[inline(always)]
