@@ -2,7 +2,7 @@
 
 use crate::fixed::{Requantizer, TIMES_FOUR};
 
-/// Words of a channel: five pairs of weights, eleven that are not read, what the sums start with, then a [`Requantizer`].
+/// Words of a channel: five pairs of weights, eleven that are not read, what the sums start with, then multiplier, offset and shift of its scale.
 pub const WORDS: usize = 20;
 
 /// Of four outputs the values of five pairs of i16, of the last the lower half alone.
