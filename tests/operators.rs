@@ -10,11 +10,10 @@ use sdp3::formats::tflite::{ImportDefaults, export, import_graph, import_model};
 use sdp3::network::interchange::header;
 use sdp3::network::operator_outputs::Network;
 use sdp3::network::parameters::Architecture;
-use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
 use sdp3_core::dsn::{Model, Portable};
 use sdp3_core::graph::{Graph, Kind, Progress, Window};
 use sdp3_core::selftest;
-use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_tests::networks::{images, layers, quantized};
 use sdp3_tests::vectors::{bytes, list, signed};
 use sdp3_tests::{call, outcome, program};
@@ -92,16 +91,17 @@ fn the_kernels_of_firmware_change_no_bit_of_a_graph() {
         // four channels are too few for a convolution
         assert_eq!(covered, if network.channels() == 4 { 4 } else { 8 });
         let sizes = graph.winograd_sizes();
-        let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+        let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
         let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-        let (mut kernels, mut row) = (WinogradF2::shared(memory), vec![0; graph.row_bytes()]);
+        let (mut kernels, mut scratch) = (WinogradKernels::shared(memory), vec![0; graph.kernel_scratch()]);
         let made = images(10, 16, 2, 5);
         for k in 0..made.len() {
             let mut arena = vec![0; graph.arena()];
             graph.input_mut(&mut arena).copy_from_slice(made.image(k));
             let (mut progress, mut found) = (Progress::new(), Vec::new());
             loop {
-                let step = graph.step_by(&mut progress, &mut arena, &mut kernels, &mut row).expect("a step");
+                let step =
+                    graph.step_by(&mut progress, &mut arena, &mut kernels, &mut scratch).expect("a step");
                 if step.done {
                     assert!(!step.node.is_covered() || !kernels.is_portable(), "operator {}", step.operator);
                     found.extend_from_slice(&arena[step.node.output.range()]);
@@ -143,9 +143,9 @@ fn the_self_test_of_a_graph_passes_with_the_kernels_of_firmware() {
     let bytes = with_graph(&network.preprocessing, &network.classes, &graph).expect("a model file");
     let model = Model::parse(&bytes).expect("a model");
     let sizes = model.shape().winograd_sizes();
-    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-    let mut kernels = WinogradF2::new(&model, memory).expect("memory of its sizes");
+    let mut kernels = WinogradKernels::new(&model, memory).expect("memory of its sizes");
     // a longer scratch than its own: the image lies at the end
     let mut scratch = vec![0; model.shape().scratch_bytes() + 100];
     let found =

@@ -11,9 +11,8 @@ pub(crate) const fn doubling_high_mul(a: i32, b: i32) -> i32 {
     if a == i32::MIN && b == i32::MIN {
         return i32::MAX;
     }
-    let product = a as i64 * b as i64;
-    let nudge = if product >= 0 { 1 << 30 } else { 1 - (1 << 30) };
-    ((product + nudge) / (1 << 31)) as i32
+    // halves up; of a negative product gemmlowp's other nudge and its division towards zero are the same
+    ((a as i64 * b as i64 + (1 << 30)) >> 31) as i32
 }
 
 /// `round(x / 2^exponent)`, halves away from zero; exponent 0 to 31, a larger one counts as 31.
@@ -45,11 +44,15 @@ pub const fn clamp_i8(value: i32, low: i8, high: i8) -> i8 {
     }
 }
 
-/// [`requantize`] with a zero point, of accumulators that are held times four: one high product and one shift.
+/// Binary logarithm of four: the least multiple of an accumulator that a [`Requantizer`] takes.
+pub(crate) const TIMES_FOUR: u32 = 2;
+
+/// [`requantize`] with a zero point, of accumulators that are held times 2^`BITS`, at least four: one high product and one shift.
 ///
 /// With m the multiplier, h = floor(4 acc m / 2^32) and e = -shift, `round(acc m / 2^31)` is `(h + 1) >> 1` as m is not
 /// negative, and rounding halves away from zero is `(x + 2^(e-1) - [acc < 0]) >> e`, where for x = 0 the last term changes
 /// nothing. Floors of floors are one: `(h + 1 + 2^e - 2 [acc < 0]) >> (e + 1)`. The zero point goes in as `zero 2^(e+1)`.
+/// With more bits everything but the high product is as many times as large: floors of floors again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requantizer {
     multiplier: i32,
@@ -58,20 +61,20 @@ pub(crate) struct Requantizer {
 }
 
 impl Requantizer {
-    /// Accumulators are smaller than this, so that four of them fit a word.
-    pub const MAX_ACCUMULATOR: i64 = 1 << 29;
+    /// Accumulators are smaller than this, so that four of them fit a word; those times 2^`BITS` are below 2^(31 - `BITS`).
+    pub const MAX_ACCUMULATOR: i64 = 1 << (31 - TIMES_FOUR);
 
     /// Words of a packed one.
     pub const WORDS: usize = 3;
 
     /// For `requantize(acc, multiplier, shift) + zero`; `None` unless the shift is in -20 to -1.
-    pub const fn new(multiplier: i32, shift: i8, zero: i8) -> Option<Self> {
+    pub const fn new<const BITS: u32>(multiplier: i32, shift: i8, zero: i8) -> Option<Self> {
         if shift < -20 || shift > -1 || multiplier < 0 {
             return None;
         }
         let shift = 1 + shift.unsigned_abs() as u32;
-        let offset = 1 + (1 << (shift - 1)) + ((zero as i32) << shift);
-        Some(Requantizer { multiplier, offset, shift })
+        let (offset, more) = (1 + (1 << (shift - 1)) + ((zero as i32) << shift), BITS - TIMES_FOUR);
+        Some(Requantizer { multiplier, offset: offset << more, shift: shift + more })
     }
 
     /// Whether all accumulators are in its range.
@@ -94,10 +97,10 @@ impl Requantizer {
         Requantizer { multiplier, offset, shift: shift as u32 }
     }
 
-    /// The output for four times an accumulator, saturated to int8.
+    /// The output for an accumulator times 2^`BITS`, saturated to int8.
     #[inline(always)]
-    pub fn apply(&self, four: i32) -> i8 {
-        let x = mla_h(self.offset, four, self.multiplier).wrapping_add((four >> 31) << 1);
+    pub fn apply<const BITS: u32>(&self, multiple: i32) -> i8 {
+        let x = mla_h(self.offset, multiple, self.multiplier).wrapping_add((multiple >> 31) << (BITS - 1));
         (x >> (self.shift & 31)).clamp(-128, 127) as i8
     }
 }

@@ -6,7 +6,7 @@
 use crate::areas::{Area, range};
 use crate::config::RadarConfig;
 use crate::dims::{Beat, Complex, ZERO_BEAT};
-use crate::dsn::winograd::{WinogradF2, WinogradMemory};
+use crate::dsn::winograd::{WinogradKernels, WinogradMemory};
 use crate::dsn::{Classification, Kernels, Logits, Network, Shape};
 use crate::early_exit::{EXITS, EarlyExit, Evidence, add_evidence, decide};
 use crate::error::Error;
@@ -92,7 +92,7 @@ impl<
     #[allow(clippy::new_without_default)] // a default would be made on the stack
     pub const fn new() -> Self {
         PipelineMemory {
-            vectors: [I16x8::ZERO; I16X8S],
+            vectors: [[0; 4]; I16X8S],
             words: [0; WORDS],
             reference: WordAligned([[0; 2]; REFERENCE]),
             beats: [ZERO_BEAT; SLOTS],
@@ -145,7 +145,7 @@ fn check<const N: usize>(buffers: [(&'static str, usize, usize); N]) -> Result<(
 pub(crate) fn shared_kernels<'b>(
     exits: &[EarlyExit<'_>],
     buffers: &mut PipelineBuffers<'b>,
-) -> Result<WinogradF2<'b>, Error> {
+) -> Result<WinogradKernels<'b>, Error> {
     let memory = core::mem::take(&mut buffers.kernels);
     for exit in exits {
         let sizes = exit.model.shape().winograd_sizes();
@@ -154,7 +154,7 @@ pub(crate) fn shared_kernels<'b>(
             ("words", sizes.words, memory.words.len()),
         ])?;
     }
-    Ok(WinogradF2::shared(memory))
+    Ok(WinogradKernels::shared(memory))
 }
 
 /// The first stage of exits that go together and fit their memory, of which as much is left as a recording needs.
@@ -200,7 +200,7 @@ struct Recognition {
 
 /// Raw slots in, classes out: the networks by the kernels `K`, the spectrogram by the transform `T`; by default the fastest of
 /// a microcontroller.
-pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
+pub struct Pipeline<'m, 'b, K = WinogradKernels<'b>, T: Stft = NativeStft> {
     front_end: FrontEnd<'b, T>,
     kernels: K,
     network: Network,
@@ -214,7 +214,7 @@ pub struct Pipeline<'m, 'b, K = WinogradF2<'b>, T: Stft = NativeStft> {
     period: u32,
 }
 
-impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradF2<'b>, T> {
+impl<'m, 'b, T: Stft> Pipeline<'m, 'b, WinogradKernels<'b>, T> {
     /// Joins exits, fewest slots first, and memory for the largest; `threshold` is the confidence that stops, above 1 for never
     /// before the last exit.
     ///

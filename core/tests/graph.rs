@@ -1,10 +1,10 @@
 //! Graphs: what the parser refuses, and that steps, memory plan and interruptions change no bit.
 
 use sdp3_core::dsn::ModelError;
-use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
 use sdp3_core::graph::format::{HEADER_LEN, OPERATOR_LEN};
 use sdp3_core::graph::{Graph, Kind, Progress};
-use sdp3_core::simd::dual_mac::{DualMac, I16x8, Plain};
+use sdp3_core::simd::dual_mac::{DualMac, Plain};
 
 const INPUT: usize = 6 * 5 * 2;
 
@@ -195,10 +195,10 @@ fn convolution(width: u16, inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
 /// The outputs by the kernels over `mac`, and whether the plain loops ended it.
 fn by_kernels<P: DualMac>(graph: &Graph<'_>, image: &[i8], mac: P) -> (Vec<i8>, bool) {
     let sizes = graph.winograd_sizes();
-    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-    let mut kernels = WinogradF2::shared_with_mac(mac, memory);
-    let (mut arena, mut row) = (vec![0; graph.arena()], vec![0; graph.row_bytes()]);
+    let mut kernels = WinogradKernels::shared_with_mac(mac, memory);
+    let (mut arena, mut row) = (vec![0; graph.arena()], vec![0; graph.kernel_scratch()]);
     graph.input_mut(&mut arena).copy_from_slice(image);
     let mut progress = Progress::new();
     loop {

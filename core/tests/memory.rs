@@ -8,7 +8,6 @@ use sdp3_core::dsn::{Kernels, Model, Portable};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::Pipeline;
 use sdp3_core::signal::stft::FixedStft;
-use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::models::{DSN_200, DSN_1000};
 use sdp3_testkit::random_model::{Numbers, Size, write};
 use support::{Memory, VALUES, noise_slots};
@@ -40,7 +39,7 @@ fn recognise(model: &Model<'_>, winograd: bool, pattern: i8) -> (Vec<i8>, [Vec<b
     let mut memory = Memory::of(model);
     memory.beats.fill([complex; 8]);
     memory.workspace.fill(complex);
-    memory.vectors.fill(I16x8([word as i16; 8]));
+    memory.vectors.fill([word; 4]);
     memory.words.fill(word);
     let before = memory.clone();
     let slots = noise_slots(model.sensing_slots(), 7);
@@ -74,7 +73,7 @@ fn all_is_used(file: &[u8]) {
     }
 }
 
-/// For the numbers of channels that the Winograd kernels cover; others need no border row.
+/// For the numbers of channels that the Winograd kernels cover; others need no scratch.
 #[test]
 fn every_element_of_the_memory_is_used() {
     for (channels, stride, slots) in [(8, 1, 200), (8, 2, 144), (16, 1, 152), (16, 2, 200), (32, 1, 160)] {

@@ -7,7 +7,7 @@ use sdp3_core::dims::ROWS;
 use sdp3_core::dsn::batch_norm::BatchNormRelu;
 use sdp3_core::dsn::per_channel::PerChannelQuant;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
-use sdp3_core::dsn::{Kernels, Model, Network, Operator, Portable, WinogradF2, infer};
+use sdp3_core::dsn::{Kernels, Model, Network, Operator, Portable, WinogradKernels, infer};
 use sdp3_core::fixed::requantize;
 use sdp3_core::probe::Probe;
 use sdp3_core::simd::dual_mac::{DualMac, I16x8, Plain};
@@ -47,7 +47,7 @@ struct Memory(Vec<I16x8>, Vec<i32>);
 
 impl Memory {
     fn new(sizes: WinogradSizes) -> Self {
-        Memory(vec![I16x8([-1; 8]); sizes.vectors], vec![-1; sizes.words])
+        Memory(vec![[-1; 4]; sizes.vectors], vec![-1; sizes.words])
     }
 
     fn view(&mut self) -> WinogradMemory<'_> {
@@ -56,11 +56,11 @@ impl Memory {
 }
 
 fn sizes(model: &Model<'_>, packed: usize) -> WinogradSizes {
-    WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), packed)
+    WinogradSizes::new(model.channels(), packed)
 }
 
 /// Counts the steps that were given to plain loops.
-struct Counting<'b, P>(WinogradF2<'b, P>, usize);
+struct Counting<'b, P>(WinogradKernels<'b, P>, usize);
 
 impl<P: DualMac> Kernels for Counting<'_, P> {
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
@@ -94,11 +94,11 @@ fn compare<P: DualMac + Default>(
         let (mut scratch, mut expected) = (vec![0; model.shape().scratch_bytes()], Layers::default());
         let answer = infer(&model, &image, &mut scratch, &mut Portable, &mut expected);
         for &packed in counts {
-            let larger = WinogradSizes::new(200, 32, 1, 1);
+            let larger = WinogradSizes::new(32, 1);
             let mut memory = Memory::new(if packed == 0 { larger } else { sizes(&model, packed) });
             let kernels = match packed {
-                0 => WinogradF2::shared_with_mac(P::default(), memory.view()),
-                _ => WinogradF2::with_mac(&model, P::default(), memory.view()).expect("memory"),
+                0 => WinogradKernels::shared_with_mac(P::default(), memory.view()),
+                _ => WinogradKernels::with_mac(&model, P::default(), memory.view()).expect("memory"),
             };
             let mut kernels = Counting(kernels, 0);
             let (mut scratch, mut found) = (vec![99; scratch.len()], Layers::default());
@@ -156,7 +156,7 @@ fn one_memory_serves_models_in_turn_and_an_unfinished_image_is_given_up() {
     let most =
         models.iter().fold(WinogradSizes { vectors: 0, words: 0 }, |most, model| most.max(sizes(model, 1)));
     let mut memory = Memory::new(most);
-    let mut kernels = Counting(WinogradF2::shared_with_mac(Plain::<false>, memory.view()), 0);
+    let mut kernels = Counting(WinogradKernels::shared_with_mac(Plain::<false>, memory.view()), 0);
     for unfinished in [0, 1, 2, 7, 30, 61] {
         for model in &models {
             let image = vec![unfinished as i8; ROWS * model.frames()];
@@ -173,7 +173,7 @@ fn one_memory_serves_models_in_turn_and_an_unfinished_image_is_given_up() {
     // memory of any size gives the same bits
     for less in [most.words / 2, 10, 0] {
         let mut memory = Memory::new(WinogradSizes { vectors: less, words: less });
-        let mut kernels = Counting(WinogradF2::shared_with_mac(Plain::<false>, memory.view()), 0);
+        let mut kernels = Counting(WinogradKernels::shared_with_mac(Plain::<false>, memory.view()), 0);
         let image = vec![5; ROWS * models[0].frames()];
         let mut scratch = vec![0; models[0].shape().scratch_bytes()];
         let found = infer(&models[0], &image, &mut scratch, &mut kernels, &mut ());
@@ -190,30 +190,31 @@ fn memory_is_asked_for_to_the_element() {
     for (vectors, words) in [(0, 0), (1, 0), (0, 1)] {
         let mut memory =
             Memory::new(WinogradSizes { vectors: exact.vectors - vectors, words: exact.words - words });
-        assert_eq!(WinogradF2::new(&model, memory.view()).is_some(), vectors + words == 0);
+        assert_eq!(WinogradKernels::new(&model, memory.view()).is_some(), vectors + words == 0);
     }
-    // four convolutions: packed ahead, but for those that share the last place
-    for (packed, ahead) in [(1, 0), (2, 1), (3, 2), (4, 4), (5, 4)] {
+    // four convolutions: packed ahead, but for those that share the last place with the other operators
+    for (packed, ahead) in [(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 4)] {
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         assert_eq!(kernels.prepacked(), ahead, "{packed} packed");
     }
     // two of one block, six of three
-    for (blocks, packed, ahead) in [(1, 1, 0), (1, 2, 2), (1, 3, 2), (3, 5, 4), (3, 6, 6), (3, 7, 6)] {
+    for (blocks, packed, ahead) in [(1, 1, 0), (1, 2, 1), (1, 3, 2), (3, 5, 4), (3, 6, 5), (3, 7, 6)] {
         let bytes = random_blocks(blocks, 8, 1, 16, 1, Numbers::Usual);
         let model = Model::parse(&bytes).expect("a model");
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         assert_eq!(kernels.prepacked(), ahead, "{packed} packed of {blocks} blocks");
     }
-    // weights and two tiles; constants and the largest of sums and a strip, the stem's weights and two tables
-    for (frames, channels, stride, packed, vectors, words, bytes) in [
-        (110, 16, 2, 1, 512 + 64, 64 + 32 + 30 * 4 * 8, 13_440),
-        (10, 8, 1, 3, 384 + 32, 3 * 32 + 512, 9_088),
-        (4, 32, 1, 1, 2048 + 128, 128 + 32 * 20, 37_888),
-        (10, 12, 1, 1, 0, 512, 2_048),
+    // weights, of few channels two tables; constants
+    for (channels, packed, vectors, words, bytes) in [
+        (16, 1, 960, 64, 15_616),
+        (8, 3, 3 * 240, 3 * 32, 11_904),
+        (32, 1, 3840, 128, 61_952),
+        (12, 1, 128, 0, 2_048),
+        (28, 2, 140, 0, 2_240),
     ] {
-        let sizes = WinogradSizes::new(frames, channels, stride, packed);
+        let sizes = WinogradSizes::new(channels, packed);
         assert_eq!((sizes, sizes.total()), (WinogradSizes { vectors, words }, bytes), "{channels} channels");
     }
 }
@@ -236,7 +237,7 @@ fn what_is_packed_ahead_is_not_packed_at_a_recognition() {
     let image = vec![3; ROWS * model.frames()];
     let steps = |packed: usize| {
         let mut memory = Memory::new(sizes(&model, packed));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         let mut kernels = Steps(kernels, Vec::new());
         let mut scratch = vec![0; model.shape().scratch_bytes()];
         infer(&model, &image, &mut scratch, &mut kernels, &mut ());
@@ -244,12 +245,12 @@ fn what_is_packed_ahead_is_not_packed_at_a_recognition() {
     };
     // behind the stem come a normalisation, two convolutions and an addition for each block
     let convolutions = [2, 3, 6, 7, 10, 11];
-    let (none, all) = (steps(1), steps(6));
+    let (none, all) = (steps(1), steps(7));
     let packing = none[2] - all[2];
     assert!(packing > 0);
-    for packed in 1..=6 {
+    for packed in 1..=7 {
         let mut expected = none.clone();
-        let ahead = if packed == 6 { 6 } else { packed - 1 };
+        let ahead = packed - 1;
         convolutions[..ahead].iter().for_each(|&index| expected[index] -= packing);
         assert_eq!(steps(packed), expected, "{packed}");
     }
@@ -264,7 +265,7 @@ fn a_step_does_as_much_as_it_may() {
         let model = Model::parse(&bytes).expect("a model");
         let image = vec![3; ROWS * model.frames()];
         let mut memory = Memory::new(sizes(&model, 1));
-        let kernels = WinogradF2::new(&model, memory.view()).expect("memory");
+        let kernels = WinogradKernels::new(&model, memory.view()).expect("memory");
         let mut kernels = Steps(Counting(kernels, 0), Vec::new());
         let mut scratch = vec![0; model.shape().scratch_bytes()];
         infer(&model, &image, &mut scratch, &mut kernels, &mut ());
@@ -275,13 +276,13 @@ fn a_step_does_as_much_as_it_may() {
         let stem_values = if stride == 1 { 512 } else { 256 };
         let stem = 1 + height * width.div_ceil(stem_values / channels);
         let normalised = 1 + (height * width).div_ceil(2560 / channels);
-        // two tiles are four columns of two rows; so many of them a step
-        let blocks = match channels {
-            8 => 4,
-            16 => 2,
-            _ => 1,
+        // two tiles are three columns of eight rows; so many of them a step, or so many steps each
+        let blocks = height.div_ceil(8) * width.div_ceil(3);
+        let conv = match channels {
+            8 => 1 + blocks.div_ceil(3),
+            16 => 1 + blocks,
+            _ => 2 + 4 * blocks,
         };
-        let conv = channels.div_ceil(16) + height.div_ceil(2) * width.div_ceil(4 * blocks);
         let added = 1 + (height * width * channels).div_ceil(2560);
         let average = channels.div_ceil((16384 / (height * width) / 4).max(1) * 4);
         let block = [normalised, conv, conv, added];
@@ -310,8 +311,8 @@ fn normalised(biases: [i32; 4], scales: [(i32, i8); 4], out_zp: i8) -> Option<[i
         shifts: &scales.map(|(_, shift)| shift as u8),
         weights: &[0; 4],
     };
-    let mut memory = Memory::new(WinogradSizes { vectors: 0, words: 512 });
-    let mut kernels = WinogradF2::shared(memory.view());
+    let mut memory = Memory::new(WinogradSizes { vectors: 128, words: 0 });
+    let mut kernels = WinogradKernels::shared(memory.view());
     let (layer, mut output) = (&BatchNormRelu { quant }, [0; 4]);
     for step in 0..2 {
         kernels.run(1, Operator::BatchNormRelu { layer, input: &[1, 2, 3, 4], output: &mut output }, step);

@@ -40,8 +40,8 @@ pub enum Operator<'a> {
         input: &'a [i8],
         /// Height and width.
         size: (usize, usize),
-        /// Scratch: a row of the input.
-        row: &'a mut [i8],
+        /// Scratch of [`winograd::scratch_bytes`](super::winograd::scratch_bytes).
+        scratch: &'a mut [i8],
         /// Of the input's shape.
         output: &'a mut [i8],
     },

@@ -24,7 +24,7 @@ pub use model::{Model, ModelError};
 pub(crate) use network::Logits;
 pub use network::{Classification, Network, image_mut, infer, scratch_bytes};
 pub use shape::Shape;
-pub use winograd::WinogradF2;
+pub use winograd::WinogradKernels;
 
 /// What [`Model::parse`] or a check of memory sizes has established to exist: the one place for what cannot happen.
 ///

@@ -8,17 +8,24 @@ use super::head::{MAX_CLASSES, arg_max, confidence};
 use super::kernels::{Kernels, Operator};
 use super::model::Model;
 use super::shape::Shape;
+use super::winograd;
 use crate::dims::ROWS;
 #[cfg(feature = "graph")]
 use crate::graph::{Graph, Progress};
 use crate::probe::Probe;
 use heapless::Vec;
 
-/// Bytes of scratch the network needs: a row of an activation map and three of them; the image lies in the last two at first.
+/// Bytes of scratch the network needs: a convolution's and three activation maps; the image lies in the last two at first.
 pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -> usize {
     let (height, width) = (same(ROWS, stem_stride) / 2, same(frames, stem_stride) / 2);
     let (map, image) = (height * width * channels, ROWS * frames);
-    width * channels + map + if 2 * map > image { 2 * map } else { image }
+    operator_bytes(channels) + map + if 2 * map > image { 2 * map } else { image }
+}
+
+/// Bytes of scratch of an operator; at least the average.
+const fn operator_bytes(channels: usize) -> usize {
+    let bytes = winograd::scratch_bytes(channels, channels);
+    if bytes > channels { bytes } else { channels }
 }
 
 impl Shape {
@@ -112,7 +119,7 @@ impl Network {
         let (stem_height, stem_width) = (same(ROWS, stride), same(frames, stride));
         let size = (stem_height / 2, stem_width / 2);
         let map = size.0 * size.1 * channels;
-        let (row, rest) = established(scratch.split_at_mut_checked(size.1 * channels));
+        let (scratch, rest) = established(scratch.split_at_mut_checked(operator_bytes(channels)));
         let (x, rest) = established(rest.split_at_mut_checked(map));
 
         let (index, step) = (self.operator as usize, self.step as usize);
@@ -128,7 +135,7 @@ impl Network {
             let end = number >= model.blocks();
             match index % 4 {
                 _ if end => {
-                    let output = established(row.get_mut(..channels));
+                    let output = established(scratch.get_mut(..channels));
                     (kernels.run(index, Operator::Average { input: x, channels, output }, step), output)
                 }
                 1 => {
@@ -137,11 +144,25 @@ impl Network {
                 }
                 2 => {
                     let layer = &model.conv(number, 0);
-                    (kernels.run(index, Operator::Conv { layer, input: a, size, row, output: b }, step), b)
+                    (
+                        kernels.run(
+                            index,
+                            Operator::Conv { layer, input: a, size, scratch, output: b },
+                            step,
+                        ),
+                        b,
+                    )
                 }
                 3 => {
                     let layer = &model.conv(number, 1);
-                    (kernels.run(index, Operator::Conv { layer, input: b, size, row, output: a }, step), a)
+                    (
+                        kernels.run(
+                            index,
+                            Operator::Conv { layer, input: b, size, scratch, output: a },
+                            step,
+                        ),
+                        a,
+                    )
                 }
                 _ => {
                     let layer = &model.add(number);

@@ -7,7 +7,7 @@ use super::window::{covered, first_inside, place, rows};
 use crate::dsn::established;
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::dsn::winograd::clamp_all;
-use crate::fixed::Requantizer;
+use crate::fixed::{Requantizer, TIMES_FOUR};
 use crate::simd::depthwise_products::DepthwiseWindow;
 use crate::simd::patch_products::{Fours, PIXELS, portable};
 use crate::simd::{native_depthwise_products, native_patch_products, native_widen};
@@ -154,8 +154,10 @@ fn finish(
                 *to = value;
             }
         };
-        match Requantizer::new(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
-            Some(by) if by.takes(sums) => places.for_each(|(at, sum)| write(at, by.apply(sum << 2))),
+        match Requantizer::new::<TIMES_FOUR>(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
+            Some(by) if by.takes(sums) => {
+                places.for_each(|(at, sum)| write(at, by.apply::<TIMES_FOUR>(sum << 2)))
+            }
             _ => places.for_each(|(at, &sum)| write(at, quant.output(o, sum))),
         }
     }
@@ -283,10 +285,11 @@ fn scale(quant: &PerChannelQuant<'_>, o: usize, sums: &[i32], values: &mut [i8])
     let shifts = established(quant.shifts.get(o..end));
     let channels = multipliers.iter().zip(shifts).zip(sums).zip(values.iter_mut()).enumerate();
     for (k, (((&multiplier, &shift), &sum), value)) in channels {
-        *value = match Requantizer::new(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
-            Some(by) if by.takes(&[sum]) => by.apply(sum << 2),
-            _ => quant.output(o + k, sum),
-        };
+        *value =
+            match Requantizer::new::<TIMES_FOUR>(i32::from_le_bytes(multiplier), shift as i8, quant.out_zp) {
+                Some(by) if by.takes(&[sum]) => by.apply::<TIMES_FOUR>(sum << 2),
+                _ => quant.output(o + k, sum),
+            };
     }
     clamp_all(values, (quant.act_min, quant.act_max));
 }

@@ -8,7 +8,7 @@ use crate::dsn::batch_norm::BatchNormRelu;
 use crate::dsn::conv::{Conv, MAX_CHANNELS};
 use crate::dsn::established;
 use crate::dsn::kernels::piece;
-use crate::dsn::winograd::{WinogradSizes, covered};
+use crate::dsn::winograd::{WinogradSizes, has_kernels, scratch_bytes};
 use crate::dsn::{Kernels, Operator};
 
 /// Instructions of a step on Cortex-M4F, roughly, if an output value does not take more.
@@ -55,17 +55,17 @@ impl<'m> Graph<'m> {
     }
 
     /// [`Graph::step`] by the kernels of the paper's network where they are made for an operator ([`Node::is_covered`]), else by the plain
-    /// loops; the same bits. `row` has [`Graph::row_bytes`]; of fewer the plain loops compute everything.
+    /// loops; the same bits. `scratch` has [`Graph::kernel_scratch`]; of fewer the plain loops compute everything.
     pub fn step_by(
         &self,
         progress: &mut Progress,
         arena: &mut [i8],
         kernels: &mut impl Kernels,
-        row: &mut [i8],
+        scratch: &mut [i8],
     ) -> Option<Step<'m>> {
         self.advance(progress, arena, |node, arena, at| {
-            match node.is_covered() && row.len() >= node.row_bytes() {
-                true => run_by(node, arena, at, kernels, row),
+            match node.is_covered() && scratch.len() >= node.kernel_scratch() {
+                true => run_by(node, arena, at, kernels, scratch),
                 false => run(node, arena, at.step as usize),
             }
         })
@@ -100,19 +100,19 @@ impl<'m> Graph<'m> {
 }
 
 impl Graph<'_> {
-    /// Bytes of a row of the widest convolution that kernels are made for.
-    pub fn row_bytes(&self) -> usize {
-        self.nodes().filter(Node::is_covered).map(|node| node.row_bytes()).max().unwrap_or(0)
+    /// Bytes of scratch of the widest convolution that kernels are made for.
+    pub fn kernel_scratch(&self) -> usize {
+        self.nodes().filter(Node::is_covered).map(|node| node.kernel_scratch()).max().unwrap_or(0)
     }
 
-    /// Memory of the kernels of [`WinogradF2::shared`](crate::dsn::WinogradF2::shared) for all operators that they are made for.
+    /// Memory of the kernels of [`WinogradKernels::shared`](crate::dsn::WinogradKernels::shared) for all operators that they are made for.
     pub fn winograd_sizes(&self) -> WinogradSizes {
         let sizes = |node: Node<'_>| match node.kind {
-            Some(Kind::Convolution) => {
-                let [_, width, inputs] = node.input.shape();
-                WinogradSizes::of_convolution(width, inputs, usize::from(node.output.channels))
-            }
-            _ => WinogradSizes::new(0, 0, 1, 0),
+            Some(Kind::Convolution) => WinogradSizes::of_convolution(
+                usize::from(node.input.channels),
+                usize::from(node.output.channels),
+            ),
+            _ => WinogradSizes::new(0, 1),
         };
         self.nodes()
             .filter(Node::is_covered)
@@ -122,10 +122,12 @@ impl Graph<'_> {
 }
 
 impl Node<'_> {
-    /// Bytes of a row that the kernels of a convolution take.
-    fn row_bytes(&self) -> usize {
-        let row = usize::from(self.input.width) * usize::from(self.input.channels);
-        if self.kind == Some(Kind::Convolution) { row } else { 0 }
+    /// Bytes of scratch that the kernels of a convolution take.
+    fn kernel_scratch(&self) -> usize {
+        match self.kind {
+            Some(Kind::Convolution) => scratch_bytes(self.input.channels.into(), self.output.channels.into()),
+            _ => 0,
+        }
     }
 
     /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep height, which is even, and width, with 8, 16,
@@ -142,7 +144,7 @@ impl Node<'_> {
                 keeps && window(1, 0) && inputs == outputs && outputs <= MAX_CHANNELS
             }
             Some(Kind::Convolution) => {
-                keeps && window(3, 1) && covered(inputs, outputs) && rows.is_multiple_of(2)
+                keeps && window(3, 1) && has_kernels(inputs, outputs) && rows.is_multiple_of(2)
             }
             _ => false,
         }
@@ -155,7 +157,7 @@ fn run_by(
     arena: &mut [i8],
     at: Progress,
     kernels: &mut impl Kernels,
-    row: &mut [i8],
+    scratch: &mut [i8],
 ) -> bool {
     let (inputs, output) = Inputs::new(arena, node.output.range());
     let (input, [height, width, channels]) = (inputs.get(node.input.range()), node.input.shape());
@@ -174,8 +176,7 @@ fn run_by(
         }
         _ => {
             let layer = &Conv { quant: node.quantization(), inputs: channels, stride: 1 };
-            let row = established(row.get_mut(..width * channels));
-            kernels.run(index, Operator::Conv { layer, input, size: (height, width), row, output }, step)
+            kernels.run(index, Operator::Conv { layer, input, size: (height, width), scratch, output }, step)
         }
     }
 }

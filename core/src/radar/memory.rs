@@ -140,7 +140,7 @@ pub(super) struct PipelinePlace<T: Stft + 'static> {
     made: &'static mut Vec<Made<T>, 1>,
 }
 
-pub(super) type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradF2<'static>, T>;
+pub(super) type Made<T> = Pipeline<'static, 'static, crate::dsn::WinogradKernels<'static>, T>;
 
 impl<T: Stft> PipelinePlace<T> {
     #[inline(never)] // what is moved does not lie under the rest

@@ -175,7 +175,7 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
 /// Between two exits with n sensing slots, and behind the last until the period's end and the next recording's first exit, there
 /// are n (N_m + 1) slots; in each a step of processing can be done, less one for each sensing slot's own.
 fn in_time<T: Stft>(
-    pipeline: &mut Pipeline<'_, '_, crate::dsn::WinogradF2<'_>, T>,
+    pipeline: &mut Pipeline<'_, '_, crate::dsn::WinogradKernels<'_>, T>,
     layout: SensingLayout,
 ) -> Result<(), Error> {
     let first = pipeline.first_exit_slots();

@@ -4,7 +4,7 @@ use super::memory::ProcessingEnds;
 use super::{Filled, Report, Totals};
 use crate::areas::{Area, range};
 use crate::crc32::{Crc32, crc32};
-use crate::dsn::{Classification, ModelError, WinogradF2};
+use crate::dsn::{Classification, ModelError, WinogradKernels};
 use crate::early_exit::EXITS;
 use crate::error::Error;
 use crate::pipeline::Pipeline;
@@ -60,7 +60,7 @@ struct Check {
 /// The task's side of a radar module.
 pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
-    pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
+    pipeline: &'static mut Pipeline<'static, 'static, WinogradKernels<'static>, T>,
     planner: Planner,
     /// Losses that no plan gives back yet.
     counts: PeriodCounts,
@@ -80,7 +80,7 @@ pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft
 
 impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
     pub(super) fn new(
-        pipeline: &'static mut Pipeline<'static, 'static, WinogradF2<'static>, T>,
+        pipeline: &'static mut Pipeline<'static, 'static, WinogradKernels<'static>, T>,
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {

@@ -342,14 +342,16 @@ pub fn project(beats: &[Beat], projection: &Projection, shift: u32, slow_time: &
 
 /// w^H b, exact: |w| |b| < 2^1.5 2^28 2^1.5 2^25.5 < 2^57.
 fn inner(projection: &Projection, beat: &Beat) -> Complex<i64> {
-    let mut sum = Complex::new(0_i64, 0_i64);
+    // sums of products alone are what the compiler multiplies onto: SMLAL
+    let (mut re, mut plus, mut minus) = (0_i64, 0_i64, 0_i64);
     for (w, b) in projection.iter().zip(beat) {
         let (wr, wi) = (i64::from(w.re), i64::from(w.im));
         let (br, bi) = (i64::from(b.re), i64::from(b.im));
-        sum.re = sum.re.wrapping_add((wr * br).wrapping_add(wi * bi));
-        sum.im = sum.im.wrapping_add((wr * bi).wrapping_sub(wi * br));
+        re = re.wrapping_add(wr * br).wrapping_add(wi * bi);
+        plus = plus.wrapping_add(wr * bi);
+        minus = minus.wrapping_add(wi * br);
     }
-    sum
+    Complex::new(re, plus.wrapping_sub(minus))
 }
 
 /// `round(x / 2^shift)`, halves up; shift 0 to 40.

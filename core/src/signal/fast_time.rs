@@ -5,7 +5,20 @@ use super::range_gate::write_references;
 use crate::config::{Dechirp, RadarConfig, SampleFormat};
 use crate::dims::{BEATS, Beat, Complex, ZERO_BEAT};
 use crate::simd::conj_mac::Sum;
-use crate::simd::native_conj_mac;
+use crate::simd::{native_conj_mac, native_eight_blocks};
+
+// what RISC-V's `eight_blocks` relies on
+const _: () = {
+    let mut at = 0;
+    while at < 3 * 250 {
+        let (k, n) = (at / 250 + 1, at % 250 + 1);
+        let [re, im] = CHIRP_WORDS.0[n - 1];
+        let [turned_re, turned_im] = [[re, im], [-im, re], [-re, -im], [im, -re]][(k * n + k % 2) % 4];
+        let [later_re, later_im] = CHIRP_WORDS.0[n + 250 * k - 1];
+        assert!(later_re == turned_re && later_im == turned_im, "the chirp turns");
+        at += 1;
+    }
+};
 
 /// A configuration and the reference samples it needs.
 #[derive(Debug)]
@@ -47,10 +60,23 @@ impl<'b> FastTime<'b> {
         if slot.len() != self.config.values_per_slot() {
             return None;
         }
+        let (shift, mut beat) = (self.config.shift(), ZERO_BEAT);
+        for (value, [re, im]) in beat.iter_mut().zip(self.sums(slot)?) {
+            *value = Complex::new(rounded(re, shift), rounded(im, shift));
+        }
+        Some(beat)
+    }
+
+    /// The sums of a slot's blocks of samples, or of a gate.
+    #[inline(always)]
+    fn sums(&self, slot: &[i16]) -> Option<[[i64; 2]; BEATS]> {
+        let (pairs, _) = slot.as_chunks::<2>();
+        if core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) {
+            return Some(native_eight_blocks(pairs.first_chunk()?, &CHIRP_WORDS.0));
+        }
         let samples = usize::from(self.config.samples);
         let kept = usize::from(self.config.range_samples);
         let block = samples.checked_div(kept)?;
-        let (pairs, _) = slot.as_chunks::<2>();
         let mut all = [[0_i64; 2]; BEATS];
         let sums = all.get_mut(..kept)?;
         match (self.config.gate, self.config.format) {
@@ -72,15 +98,20 @@ impl<'b> FastTime<'b> {
                 }
             }
         }
-        let mut beat = ZERO_BEAT;
-        let shift = self.config.shift();
-        let round = |sum: i64| (sum.wrapping_add((1_i64 << shift) >> 1) >> shift) as i32;
-        let analog = self.config.dechirp == Dechirp::Analog;
-        for (value, [re, im]) in beat.iter_mut().zip(all) {
-            *value = Complex::new(round(re), round(if analog { im.wrapping_neg() } else { im }));
+        if self.config.dechirp == Dechirp::Analog {
+            all.iter_mut().for_each(|[_, im]| *im = im.wrapping_neg());
         }
-        Some(beat)
+        Some(all)
     }
+}
+
+/// `round(sum / 2^shift)`, halves up, 32 bits of it; shifts up to 31.
+#[inline(always)]
+fn rounded(sum: i64, shift: u32) -> i32 {
+    let shift = shift & 31;
+    let (low, carry) = (sum as u32).overflowing_add((1 << shift) >> 1);
+    let high = ((sum >> 32) as u32).wrapping_add(u32::from(carry));
+    (low >> shift | high << 1 << (31 - shift)) as i32
 }
 
 /// Sums of blocks of samples.

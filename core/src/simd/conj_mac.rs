@@ -1,6 +1,7 @@
 //! Conjugate multiply-accumulate, the product of dechirping: samples times a conjugate reference, summed in blocks, exactly.
 //!
-//! [`portable`] is the reference of Arm's dual multiply-accumulates; [`super::native_conj_mac`] is the faster of the two.
+//! [`portable`] is the reference of Arm's dual multiply-accumulates and of RV32's order of the paper's blocks;
+//! [`super::native_conj_mac`] and [`super::native_eight_blocks`] are the fastest of a target.
 
 /// Complex samples: in-phase and quadrature.
 pub(crate) type ComplexI16 = [i16; 2];
@@ -48,10 +49,22 @@ fn block_sum(samples: &[ComplexI16], reference: &[ComplexI16]) -> [i64; 2] {
     [real.value(), imaginary.value()]
 }
 
+/// Samples of the paper's chirp.
+pub(crate) type Chirp = [ComplexI16; 1000];
+
+/// [`portable`] of the paper's eight blocks of 125 samples.
+#[inline]
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
+    let mut sums = [[0; 2]; 8];
+    portable(samples, reference, 125, &mut sums);
+    sums
+}
+
 /// A sum of up to 2^15 words of 32 bits, without carries: modulo 2^32, and in units of 2^16 rounded down.
 ///
 /// What the second lacks of the exact sum is below 2^15 2^16, so the first completes it.
-#[derive(Default)]
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C)]
 pub(crate) struct Sum {
     low: i32,
     high: i32,
@@ -62,6 +75,12 @@ impl Sum {
     pub(crate) fn add(&mut self, value: i32) {
         self.low = self.low.wrapping_add(value);
         self.high = self.high.wrapping_add(value >> 16);
+    }
+
+    /// The sum of fewer than 2^15 words, some of them taken away: what is lacking is below 2^15 2^16 with either sign.
+    #[cfg(all(target_arch = "riscv32", target_feature = "m"))]
+    pub(crate) fn short_value(&self) -> i64 {
+        (i64::from(self.high) << 16) + i64::from(self.low.wrapping_sub(self.high << 16))
     }
 
     pub(crate) fn value(&self) -> i64 {

@@ -4,7 +4,7 @@
 #[inline(always)]
 pub fn mulh(a: i32, b: i32) -> i32 {
     #[cfg(all(target_arch = "arm", arm_dsp))]
-    return super::arm::mulh(a, b);
+    return super::arm::upper_words::mulh(a, b);
     #[cfg(not(all(target_arch = "arm", arm_dsp)))]
     plain(a, b)
 }
@@ -13,7 +13,7 @@ pub fn mulh(a: i32, b: i32) -> i32 {
 #[inline(always)]
 pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
     #[cfg(all(target_arch = "arm", arm_dsp))]
-    return super::arm::mla_h(sum, a, b);
+    return super::arm::upper_words::mla_h(sum, a, b);
     #[cfg(not(all(target_arch = "arm", arm_dsp)))]
     sum.wrapping_add(plain(a, b))
 }

@@ -5,9 +5,8 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 use sdp3_core::crc32::crc32;
 use sdp3_core::dsn::winograd::{WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model};
-use sdp3_core::dsn::{Operator, WinogradF2};
+use sdp3_core::dsn::{Operator, WinogradKernels};
 use sdp3_core::selftest::*;
-use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_testkit::random_model::{Numbers, Size, write};
 use std::vec;
 
@@ -46,10 +45,10 @@ fn the_first_operator_that_differs_is_named() {
     let model = Model::parse(&bytes[..length]).expect("a model");
     let mut scratch = vec![0; model.shape().scratch_bytes()];
     let sizes = WinogradSizes::of(&model);
-    let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+    let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     for wrong in 0..11 {
         let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-        let mut kernels = Wrong(WinogradF2::shared(memory), wrong);
+        let mut kernels = Wrong(WinogradKernels::shared(memory), wrong);
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(5);
         let found = network(&model, &mut scratch, &mut kernels, &mut rng);
         assert_eq!(found, (wrong < 10).then_some(wrong)); // the eleventh does not exist

@@ -62,7 +62,7 @@ impl Memory {
         let sizes = WinogradSizes::of(model);
         Memory {
             workspace: vec![Complex::new(0, 0); model.shape().workspace_len()],
-            vectors: vec![I16x8::ZERO; sizes.vectors],
+            vectors: vec![[0; 4]; sizes.vectors],
             words: vec![0; sizes.words],
             ..Self::of_front_end(model.sensing_slots(), model.frames())
         }

@@ -12,7 +12,7 @@ use core::fmt::Arguments;
 use rand_core::SeedableRng;
 use sdp3_core::Error;
 use sdp3_core::digest::{Digest, DigestProbe};
-use sdp3_core::dsn::{Classification, Kernels, Model, WinogradF2};
+use sdp3_core::dsn::{Classification, Kernels, Model, WinogradKernels};
 use sdp3_core::early_exit::EarlyExit;
 use sdp3_core::pipeline::{Pipeline, PipelineBuffers, PipelineMemory};
 use sdp3_core::probe::Probe;
@@ -201,7 +201,7 @@ fn recording<T: Stft, M: Machine, B: Memory>(
         return Err(Failure::Suite("a slot is too long"));
     };
     let mut buffers = memory.buffers();
-    let Some(kernels) = WinogradF2::new(&model, core::mem::take(&mut buffers.kernels)) else {
+    let Some(kernels) = WinogradKernels::new(&model, core::mem::take(&mut buffers.kernels)) else {
         return Err(Failure::Suite("a network needs more memory than there is"));
     };
     let exit = EarlyExit::single(model);

@@ -11,7 +11,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod firmware {
     use sdp3_core::crc32::Crc32;
-    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory};
+    use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory};
     use sdp3_core::graph::{Kind, Progress};
     use sdp3_core::simd::dual_mac::I16x8;
     use sdp3_firmware_sim::graph_files::{fail, load};
@@ -21,9 +21,9 @@ mod firmware {
     static NETWORK: Single<[u8; 1 << 18]> = Single::new([0; 1 << 18]);
     static INPUT: Single<[u8; 1 << 16]> = Single::new([0; 1 << 16]);
     static ARENA: Single<[i8; 1 << 17]> = Single::new([0; 1 << 17]);
-    static ROW: Single<[i8; 1 << 12]> = Single::new([0; 1 << 12]);
-    static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([I16x8::ZERO; 1 << 12]);
-    static WORDS: Single<[i32; 1 << 13]> = Single::new([0; 1 << 13]);
+    static SCRATCH: Single<[i8; 1 << 14]> = Single::new([0; 1 << 14]);
+    static VECTORS: Single<[I16x8; 1 << 12]> = Single::new([[0; 4]; 1 << 12]);
+    static WORDS: Single<[i32; 1 << 9]> = Single::new([0; 1 << 9]);
 
     #[allow(unsafe_code)] // the symbol that start-up calls
     #[unsafe(no_mangle)]
@@ -34,18 +34,22 @@ mod firmware {
         };
         let graph = load(network, input, arena);
         let sizes = graph.winograd_sizes();
-        let (Some(row), Some(vectors), Some(words)) = (ROW.take(), VECTORS.take(), WORDS.take()) else {
+        let (Some(scratch), Some(vectors), Some(words)) = (SCRATCH.take(), VECTORS.take(), WORDS.take())
+        else {
             fail("memory is taken")
         };
-        if graph.row_bytes() > row.len() || sizes.vectors > vectors.len() || sizes.words > words.len() {
+        if graph.kernel_scratch() > scratch.len()
+            || sizes.vectors > vectors.len()
+            || sizes.words > words.len()
+        {
             fail("the memory of the kernels is too small")
         }
-        let mut kernels = WinogradF2::shared(WinogradMemory { vectors, words });
+        let mut kernels = WinogradKernels::shared(WinogradMemory { vectors, words });
         let (mut progress, mut all, mut largest) = (Progress::new(), 0, 0);
         let mut operator = 0;
         loop {
             let before = instructions();
-            let step = graph.step_by(&mut progress, arena, &mut kernels, row);
+            let step = graph.step_by(&mut progress, arena, &mut kernels, scratch);
             let count = instructions() - before;
             let Some(step) = step else { fail("a step is missing") };
             (operator, largest) = (operator + count, largest.max(count));
@@ -61,7 +65,7 @@ mod firmware {
                 break;
             }
         }
-        let memory = graph.arena() + graph.row_bytes() + sizes.total();
+        let memory = graph.arena() + graph.kernel_scratch() + sizes.total();
         println(format_args!("all {all} largest-step {largest} memory {memory}"));
         exit(0)
     }

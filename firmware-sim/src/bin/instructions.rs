@@ -16,7 +16,7 @@ mod firmware {
     use sdp3_core::crc32::crc32;
     use sdp3_core::digest::DigestProbe;
     use sdp3_core::dims::{Beat, Complex, FFT_LEN};
-    use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
+    use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory, WinogradSizes};
     use sdp3_core::dsn::{Kernels, Model, Network, Portable, image_mut, scratch_bytes};
     use sdp3_core::early_exit::EarlyExit;
     use sdp3_core::pipeline::{Pipeline, PipelineMemory};
@@ -29,7 +29,7 @@ mod firmware {
     use sdp3_testkit::signals::noise;
 
     /// Memory for the largest of the networks below.
-    type Largest = PipelineMemory<0, 1000, { SCRATCH.div_ceil(8) }, 8320, 8192>;
+    type Largest = PipelineMemory<0, 1000, { SCRATCH.div_ceil(8) }, 19200, 1024>;
     const SCRATCH: usize = scratch_bytes(64, 16, 1);
     static NETWORK: Single<[i8; SCRATCH]> = Single::new([0; SCRATCH]);
     static MEMORY: Single<Largest> = Single::new(Largest::new());
@@ -136,14 +136,14 @@ mod firmware {
     /// What computes the layers.
     #[derive(Clone, Copy, PartialEq)]
     enum By {
-        /// F(2x2, 3x3), with so many places for packed convolutions.
+        /// F(4x3, 3x3), with so many places for packed convolutions.
         Winograd(usize),
         /// The plain loops.
         Loops,
     }
 
     /// Every convolution packed ahead, for the networks of two blocks below.
-    const AHEAD: By = By::Winograd(4);
+    const AHEAD: By = By::Winograd(5);
 
     /// The part of a buffer that is wanted.
     fn part<T>(memory: &mut [T], length: usize) -> &mut [T] {
@@ -158,17 +158,17 @@ mod firmware {
         let By::Winograd(places) = by else {
             return recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, Portable), probe);
         };
-        let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
+        let sizes = WinogradSizes::new(model.channels(), places);
         let memory =
             WinogradMemory { vectors: part(vectors, sizes.vectors), words: part(words, sizes.words) };
-        let Some(kernels) = WinogradF2::new(model, memory) else { fail("packed weights do not fit") };
+        let Some(kernels) = WinogradKernels::new(model, memory) else { fail("packed weights do not fit") };
         recognise(Pipeline::<_, T>::with_kernels(exit, 2.0, buffers, kernels), probe)
     }
 
     /// Instructions of the largest step of a network with nothing packed ahead.
     fn largest_step(model: &Model<'_>, memory: &mut Largest) -> u64 {
         let buffers = memory.view();
-        let mut kernels = WinogradF2::shared(buffers.kernels);
+        let mut kernels = WinogradKernels::shared(buffers.kernels);
         let Some(scratch) = NETWORK.take() else { fail("memory is taken") };
         image_mut(scratch, model.frames()).fill(1);
         let (mut network, mut largest) = (Network::new(), 0);

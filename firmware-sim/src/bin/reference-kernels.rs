@@ -13,10 +13,13 @@ mod firmware {
     use sdp3_core::signal::dechirp::CHIRP;
     use sdp3_core::simd::NativeDualMac;
     use sdp3_core::simd::depthwise_products::{self, DepthwiseWindow};
-    use sdp3_core::simd::dual_mac::{DualMac, I16x8, POINTS, Plain, plain_products, widen};
+    use sdp3_core::simd::dual_mac::{
+        BLOCK_COLUMNS, BLOCK_ROWS, DualMac, I16x8, POINTS, plain_outputs, plain_products,
+    };
     use sdp3_core::simd::patch_products::{self, Fours, PIXELS};
     use sdp3_core::simd::{
-        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_patch_products, native_widen,
+        conj_mac, mulh, native_conj_mac, native_depthwise_products, native_eight_blocks,
+        native_largest_of_pairs, native_patch_products, native_widen, patch_pairs,
     };
     use sdp3_firmware_sim::semihosting::{exit, println};
 
@@ -51,36 +54,44 @@ mod firmware {
     fn products<const GROUPS: usize>(random: &mut impl Rng) {
         for round in 0..ROUNDS {
             let mut draw = |tile: &mut [[I16x8; GROUPS]; POINTS]| {
-                tile.as_flattened_mut().iter_mut().for_each(|I16x8(values)| {
-                    values.iter_mut().for_each(|value| *value = half(random, round));
+                tile.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|pair| {
+                    *pair = i32::from(half(random, round)) & 0xffff | i32::from(half(random, round)) << 16;
                 });
             };
-            let (mut inputs, mut weights) =
-                ([[I16x8::ZERO; GROUPS]; POINTS], [[I16x8::ZERO; GROUPS]; POINTS]);
+            let (mut inputs, mut weights) = ([[[0; 4]; GROUPS]; POINTS], [[[0; 4]; GROUPS]; POINTS]);
             draw(&mut inputs);
             draw(&mut weights);
-            let (mut found, mut expected) = ([[[1; 4]; 2]; 4], [[[2; 4]; 2]; 4]);
+            let (mut found, mut expected) = ([[[1; 4]; 4]; 5], [[[2; 4]; 4]; 5]);
             NativeDualMac::default().products(&inputs, &weights, &mut found);
             plain_products::<NativeDualMac, GROUPS>(&inputs, &weights, &mut expected);
             same("products", round, found, expected);
         }
     }
 
-    /// Sums of pairs as a tile makes them: sums of four bytes with any signs.
-    fn sums(random: &mut impl Rng) {
-        fn chain<P: DualMac>(mac: P, signs: u32, values: [i32; 4]) -> [i16; 2] {
-            let mut sum = 0;
-            for (k, value) in values.into_iter().enumerate() {
-                sum = if signs >> k & 1 == 0 { mac.add(sum, value) } else { mac.sub(sum, value) };
+    /// Outputs of two of `4 GROUPS` channels, in lines of three pixels and of more.
+    fn outputs<const GROUPS: usize>(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let sums = [[[0; 4]; 4]; 5].map(|column| column.map(|row| row.map(|_: i32| draw(random, round))));
+            let constants = [0; 2].map(|_: i32| {
+                let [start, multiplier, offset] = [0; 3].map(|_: i32| draw(random, round));
+                [start, multiplier & i32::MAX, offset, 4 + (draw(random, 5) & 15)]
+            });
+            let channel = round % (2 * GROUPS) * 2;
+            for row in [BLOCK_COLUMNS, 5].map(|pixels| pixels * 4 * GROUPS) {
+                let (mut found, mut expected) = ([[1; 64]; 5 * BLOCK_ROWS], [[1; 64]; 5 * BLOCK_ROWS]);
+                let [found_values, values] = [&mut found, &mut expected].map(|all| {
+                    &mut all.as_flattened_mut()[..(BLOCK_ROWS - 1) * row + BLOCK_COLUMNS * 4 * GROUPS]
+                });
+                plain_outputs::<GROUPS>(&sums, &constants, values, row, channel);
+                NativeDualMac::default().outputs::<GROUPS>(
+                    &mut sums.clone(),
+                    &constants,
+                    found_values,
+                    row,
+                    channel,
+                );
+                same("outputs", round, found, expected);
             }
-            mac.unpack(sum)
-        }
-        for round in 0..16 * ROUNDS {
-            let values =
-                [0; 4].map(|_: i32| widen(draw(random, round / 16).to_le_bytes().map(|b| b as i8))[0]);
-            let signs = round as u32;
-            let found = chain(NativeDualMac::default(), signs, values);
-            same("sums of pairs", round, found, chain(Plain::<false>, signs, values));
         }
     }
 
@@ -102,6 +113,13 @@ mod firmware {
                 conj_mac::portable(slot, reference, block, &mut expected);
                 same("dechirp", round, found, expected);
             }
+            let expected = conj_mac::eight_blocks(&slot.0, &reference.0);
+            same(
+                "dechirp of the paper's blocks",
+                round,
+                native_eight_blocks(&slot.0, &reference.0),
+                expected,
+            );
         }
     }
 
@@ -111,6 +129,24 @@ mod firmware {
             same("upper word", round, mulh::mulh(a, b), mulh::plain(a, b));
             let expected = sum.wrapping_add(mulh::plain(a, b));
             same("sum of upper words", round, mulh::mla_h(sum, a, b), expected);
+        }
+    }
+
+    /// Sums of pairs for up to 16 channels.
+    fn pairs(random: &mut impl Rng) {
+        for round in 0..ROUNDS {
+            let pairs = [[0; 5]; 4].map(|pairs| pairs.map(|_: i32| draw(random, round)));
+            let channels = [[0; patch_pairs::WORDS]; 16].map(|words| {
+                let mut words = words.map(|_: i32| draw(random, round));
+                let [.., multiplier, _, shift] = &mut words;
+                (*multiplier, *shift) = (*multiplier & i32::MAX, *shift & 31);
+                words
+            });
+            let (mut found, mut expected) = ([1; 16], [1; 16]);
+            let count = round % 17;
+            native_largest_of_pairs(&pairs, &channels, &mut found[..count]);
+            patch_pairs::portable(&pairs, &channels, &mut expected[..count]);
+            same("sums of pairs", round, found, expected);
         }
     }
 
@@ -174,9 +210,13 @@ mod firmware {
         products::<4>(&mut random);
         products::<8>(&mut random);
         products::<16>(&mut random);
+        outputs::<2>(&mut random);
+        outputs::<4>(&mut random);
+        outputs::<8>(&mut random);
+        outputs::<16>(&mut random);
+        pairs(&mut random);
         patches(&mut random);
         depthwise(&mut random);
-        sums(&mut random);
         dechirping(&mut random);
         upper_words(&mut random);
         println(format_args!("kernels agree"));

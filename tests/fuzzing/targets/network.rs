@@ -6,10 +6,9 @@ use libfuzzer_sys::fuzz_target;
 use sdp3::conformance::reference;
 use sdp3::network::inference::{Isa, VectorKernels};
 use sdp3_core::dims::ROWS;
-use sdp3_core::dsn::winograd::{WinogradF2, WinogradMemory, WinogradSizes};
+use sdp3_core::dsn::winograd::{WinogradKernels, WinogradMemory, WinogradSizes};
 use sdp3_core::dsn::{Kernels, Model, Portable, infer};
 use sdp3_core::probe::Probe;
-use sdp3_core::simd::dual_mac::I16x8;
 use sdp3_fuzz::{Bytes, Sizes, model};
 
 #[derive(Default, PartialEq, Debug)]
@@ -50,10 +49,10 @@ fuzz_target!(|data: &[u8]| {
     let model = Model::parse(&file).expect("a sound model");
     assert_eq!(layers(&model, &image, Portable), expected);
     for places in [1, 2 * model.blocks()] {
-        let sizes = WinogradSizes::new(model.frames(), model.channels(), model.stem_stride(), places);
-        let (mut vectors, mut words) = (vec![I16x8::ZERO; sizes.vectors], vec![0; sizes.words]);
+        let sizes = WinogradSizes::new(model.channels(), places);
+        let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
         let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
-        let kernels = WinogradF2::new(&model, memory).expect("enough memory");
+        let kernels = WinogradKernels::new(&model, memory).expect("enough memory");
         assert_eq!(layers(&model, &image, kernels), expected, "tiles, {places} places");
     }
     for isa in Isa::ALL {

@@ -1,50 +1,70 @@
-//! 3x3 convolutions with 16 products for four outputs instead of 36, exactly: Winograd's F(2x2, 3x3) in integers.
+//! 3x3 convolutions with 30 products for twelve outputs instead of 108, exactly: Winograd's F(4x3, 3x3) in integers.
 //!
-//! Source: A. Lavin, S. Gray, Fast Algorithms for Convolutional Neural Networks, CVPR 2016, section 4.1. Cost per tile:
-//! 16 products for every pair of channels instead of 36, and 64 sums of pairs for every four inputs.
+//! Source: A. Lavin, S. Gray, Fast Algorithms for Convolutional Neural Networks, CVPR 2016, section 4.1.
 //!
-//! A tile of 4x4 inputs is transformed by B^T . B, the products at 16 points are summed over the channels, and A^T . A
-//! makes 2x2 outputs. Inputs are u8 = i8 + 128 and grow to 11 bits, weights are four times G . G^T and fit 12, so sums
-//! are four times the convolution; the zero point and the 128 are in the bias. A row of tiles is transformed by columns
-//! once, into a strip, then two tiles at a time by rows: a block.
+//! A tile of 6x5 inputs is transformed by B^T . B, the products at 30 points are summed over the channels, and A^T . A makes
+//! 4x3 outputs. Inputs are u8 = i8 + 128; [`super::transform`] has the ranges. Sums are [`FACTOR`](super::transform::FACTOR)
+//! times the convolution; the zero point and the 128 are in the bias. Two tiles, one below the other, are a block.
 
+use super::clamp_all;
 use super::packing::{WORDS, packed_outputs};
-use super::{clamp_all, transform::input_transform};
+use super::transform::{transform_column, transform_row};
 use crate::dsn::conv::Conv;
 use crate::dsn::established;
-use crate::fixed::Requantizer;
-use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Sums, Tile, lane, widen};
+use crate::simd::dual_mac::{
+    BLOCK_COLUMNS, BLOCK_ROWS, Constants, DualMac, I16x8, POINT_ROWS, POINTS, Pixels, Sums, TILE_ROWS, Tile,
+    lane, settle, widen,
+};
+use bytemuck::pod_align_to_mut;
+use core::ops::Range;
 
-/// Four channels of a column, transformed: two pairs at each of four points.
-type Column = [i32; 8];
+/// Four channels of a column, transformed: two pairs at each of six points.
+type Column = [[i32; POINT_ROWS]; 2];
 
-/// Words of the sums.
-const SUMS: usize = size_of::<Sums>() / size_of::<i32>();
+/// The last two columns of a tile for each group of channels, which are the first of the tile beside it.
+type Kept<const GROUPS: usize> = [[Column; 2]; GROUPS];
 
-/// Columns of a strip: two tiles at a time, and their border.
-const fn columns(width: usize) -> usize {
-    4 * width.div_ceil(4) + 2
+/// The columns of a tile that it does not share with the one before.
+type New = [Column; BLOCK_COLUMNS];
+
+/// Bytes of scratch, wherever they begin: the inputs of two tiles, their sums, and the columns that they keep. All of it stays
+/// between two steps.
+pub const fn scratch_bytes(inputs: usize) -> usize {
+    let group = POINTS * size_of::<I16x8>() + size_of::<[[Column; 2]; 2]>();
+    align_of::<i32>() - 1 + size_of::<Sums>() + size_of::<New>() + inputs.div_ceil(4) * group
 }
 
-/// Words of the sums, then of a strip.
-pub const fn words(width: usize, inputs: usize) -> usize {
-    SUMS + columns(width) * inputs.div_ceil(4) * size_of::<Column>() / size_of::<i32>()
+/// What lies in the scratch: a block's inputs, its sums, the columns that each tile keeps, and new columns.
+type Areas<'a, const IN: usize> = (&'a mut Tile<IN>, &'a mut Sums, &'a mut [Kept<IN>; 2], &'a mut New);
+
+fn areas<const IN: usize>(scratch: &mut [i8]) -> Option<Areas<'_, IN>> {
+    let (_, words, _) = pod_align_to_mut::<i8, i32>(scratch);
+    let (sums, words) = words.split_at_mut_checked(size_of::<Sums>() / size_of::<i32>())?;
+    let (new, words) = words.split_at_mut_checked(size_of::<New>() / size_of::<i32>())?;
+    let (inputs, kept) = words.split_at_mut_checked(POINTS * IN * size_of::<I16x8>() / size_of::<i32>())?;
+    Some((
+        inputs.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
+        sums.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
+        kept.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
+        new.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut()?,
+    ))
 }
 
-/// Blocks of two tiles that a step of a convolution with so many outputs does.
-const fn blocks<P: DualMac>(outputs: usize) -> usize {
-    let [of_8, of_16, of_32] = P::BLOCKS;
+/// Blocks that a step does, and steps that a block takes: of a convolution with so many inputs and outputs.
+const fn work<P: DualMac>(inputs: usize, outputs: usize) -> (usize, usize) {
+    let [of_8, of_16, parts_of_32] = P::BLOCKS;
     match outputs {
-        8 => of_8,
-        16 => of_16,
-        _ => of_32,
+        _ if inputs > 32 => (1, 2),
+        8 => (of_8, 1),
+        16 => (of_16, 1),
+        _ => (1, parts_of_32),
     }
 }
 
-/// Steps of a convolution with so many outputs, `(height, width)`.
-pub const fn steps<P: DualMac>(outputs: usize, (height, width): (usize, usize)) -> usize {
-    let steps = width.div_ceil(4 * blocks::<P>(outputs));
-    if steps > 1 { height / 2 * steps } else { height / 2 }
+/// Steps of a convolution with so many inputs and outputs, `(height, width)`.
+pub const fn steps<P: DualMac>(inputs: usize, outputs: usize, (height, width): (usize, usize)) -> usize {
+    let (blocks, parts) = work::<P>(inputs, outputs);
+    (height.div_ceil(BLOCK_ROWS) * width.div_ceil(BLOCK_COLUMNS)).div_ceil(blocks) * parts
 }
 
 /// A convolution of stride 1: `[height, width, inputs]` to `[height, width, outputs]`.
@@ -55,26 +75,17 @@ pub(super) struct Convolution<'a> {
     pub weights: &'a [I16x8],
     pub constants: &'a [i32],
     pub input: &'a [i8],
-    pub width: usize,
-    /// A row of the input's zero point, which the first step writes.
-    pub border: &'a mut [i8],
-    /// Sums, and the strip of the row of tiles that is computed, which stays between two steps.
-    pub words: &'a mut [i32],
-    /// The inputs of two tiles.
-    pub tile: &'a mut [I16x8],
+    pub size: (usize, usize),
+    /// [`scratch_bytes`].
+    pub scratch: &'a mut [i8],
     pub output: &'a mut [i8],
 }
 
-/// Four pixels of a row: the outputs of two tiles.
-type Pixels<const GROUPS: usize> = [[[i8; 4]; GROUPS]; 4];
-
-/// A row as blocks, and the pixels that are left.
-fn pixels<const GROUPS: usize>(row: &mut [i8]) -> (&mut [Pixels<GROUPS>], &mut [[[i8; 4]; GROUPS]]) {
-    row.as_chunks_mut::<4>().0.as_chunks_mut::<GROUPS>().0.as_chunks_mut::<4>()
-}
+/// The pixels that a tile is made of, column by column.
+type Patch<'a, const C: usize, const GROUPS: usize> = [[&'a [[i8; C]; GROUPS]; POINT_ROWS]; 5];
 
 impl Convolution<'_> {
-    /// Does a step: some blocks of a row of tiles, below 45 000 instructions on Cortex-M4F; true after the last.
+    /// Does a step: some blocks or a part of one, below 45 000 instructions on Cortex-M4F; true after the last.
     pub fn run<P: DualMac>(self, mac: P, step: usize) -> bool {
         match (self.layer.inputs, self.layer.quant.channels) {
             (8, _) => self.blocks::<P, 4, 2, 2>(mac, step),
@@ -92,168 +103,165 @@ impl Convolution<'_> {
         }
     }
 
-    /// Does some blocks of a row of tiles, of inputs in `IN` groups of `C` channels and outputs in `OUT` groups of four.
+    /// Does some blocks or a part of one, of inputs in `IN` groups of `C` channels and outputs in `OUT` groups of four.
+    #[inline(never)] // a program has two of what calls it
     fn blocks<P: DualMac, const C: usize, const IN: usize, const OUT: usize>(
         self,
         mac: P,
         step: usize,
     ) -> bool {
-        let (most, line) = (blocks::<P>(4 * OUT), self.width * 4 * OUT);
-        let (all, steps) = (self.width.div_ceil(4), self.width.div_ceil(4 * most).max(1));
-        let (y, first) = (2 * (step / steps), step % steps * most);
-        let last = (first + most).min(all);
-
-        let (sums, strip) = established(self.words.split_at_mut_checked(SUMS));
-        let (strip, _) = strip.as_chunks_mut();
-        if step == 0 {
-            self.border.fill(self.layer.quant.in_zp);
-            let pixel = [self.layer.quant.in_zp; 4];
-            let edge = transform_column(mac, [pixel; 4]);
-            established(strip.get_mut(..IN)).fill(edge);
-            established(strip.get_mut((self.width + 1) * IN..)).fill(edge);
-        }
-        let (border, _) = self.border.as_chunks::<C>();
-        // the columns that these blocks read and those before them have not
-        let from = if first == 0 { 0 } else { 4 * first + 1 };
-        let lines = [0, 1, 2, 3].map(|k| {
-            let line = self.width * C * IN;
-            let line = (y + k).checked_sub(1).and_then(|y| self.input.get(y * line..)?.get(..line));
-            let line = line.map_or(border, |line| line.as_chunks().0);
-            established(line.get(from * IN..(4 * last + 1).min(self.width) * IN))
-        });
-        transform_columns(mac, lines, established(strip.get_mut((from + 1) * IN..)));
-
-        let ([inputs], [sums]) = (
-            self.tile.as_chunks_mut::<IN>().0.as_chunks_mut::<POINTS>().0,
-            sums.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0,
-        ) else {
+        let (height, width) = self.size;
+        let (most, parts) = work::<P>(self.layer.inputs, 4 * OUT);
+        let (first, part, across) = (step / parts * most, step % parts, width.div_ceil(BLOCK_COLUMNS).max(1));
+        let all = height.div_ceil(BLOCK_ROWS) * across;
+        let Some((inputs, sums, kept, new)) = areas::<IN>(self.scratch) else {
             established::<()>(None);
             return true;
         };
-        let rows = established(self.output.get_mut(y * line..));
-        let end = rows.len() <= 2 * line && last == all;
-        let (upper, lower) = established(rows.split_at_mut_checked(line));
-        let range = 16 * OUT * first..(16 * OUT * last).min(line);
-        let upper = established(upper.get_mut(range.clone()));
-        let lower = established(lower.get_mut(range));
-        let (columns, _) = strip.as_chunks::<IN>();
-        let columns = established(columns.get(4 * first..)).windows(6).step_by(4);
-        let ((upper_blocks, upper_rest), (lower_blocks, lower_rest)) = (pixels(upper), pixels(lower));
-        // the last block of a row may have fewer pixels than are computed
-        let mut found = (!upper_rest.is_empty()).then_some([[[[0; 4]; OUT]; 4]; 2]);
-        let blocks = upper_blocks.iter_mut().zip(lower_blocks).map(|(upper, lower)| [upper, lower]);
-        for (rows, columns) in blocks.chain(found.as_mut().map(|found| found.each_mut())).zip(columns) {
-            let Some(six) = columns.first_chunk() else { continue };
-            transform_rows(mac, six, inputs);
-            outputs(mac, inputs, (self.weights, self.constants), sums, rows, self.first);
-        }
-        let channels = self.first / 4..(self.first + packed_outputs(4 * OUT)) / 4;
-        for (rest, found) in [upper_rest, lower_rest].into_iter().zip(found.iter().flatten()) {
-            for (to, from) in rest.iter_mut().zip(found) {
-                let to = established(to.get_mut(channels.clone()));
-                to.iter_mut().zip(established(from.get(channels.clone()))).for_each(|(to, from)| *to = *from);
+        // the outputs of this part: pairs of them
+        let pairs = packed_outputs(4 * OUT) / 2 / parts;
+        let (weights, _) = self.weights.as_chunks::<IN>();
+        let (weights, _) = weights.as_chunks::<POINTS>();
+        let (constants, _) = self.constants.as_chunks::<WORDS>().0.as_chunks::<2>();
+        let part_pairs = part * pairs..(part + 1) * pairs;
+        let channel = self.first + 2 * part_pairs.start;
+        let pairs: Pairs<'_, IN> = Pairs {
+            weights: established(weights.get(part_pairs.clone())),
+            constants: established(constants.get(part_pairs)),
+            channel,
+        };
+        let channels = channel..channel + 2 * pairs.weights.len();
+        let (pixels, _) = self.input.as_chunks::<C>().0.as_chunks::<IN>();
+        let border = [[self.layer.quant.in_zp; C]; IN];
+        let range = (self.layer.quant.act_min, self.layer.quant.act_max);
+        let row = width * 4 * OUT;
+
+        let mut patch: Patch<'_, C, IN> = [[&border; POINT_ROWS]; 5];
+        for block in first..(first + most).min(all) {
+            let (y, x) = (block / across * BLOCK_ROWS, block % across * BLOCK_COLUMNS);
+            // all columns of the first tile of a row, of the others the last three
+            let from = if x == 0 { 0 } else { 2 };
+            for (tile, kept) in kept.iter_mut().enumerate().take(2 * usize::from(part == 0)) {
+                for row in 0..POINT_ROWS {
+                    let line = (y + TILE_ROWS * tile + row).checked_sub(1);
+                    let line = line.and_then(|y| pixels.get(y * width..)?.get(..width)).unwrap_or(&[]);
+                    // columns 2 to 4, where they are inside and the others kept
+                    if let (false, Some([c, d, e])) =
+                        (x == 0, line.get(x + 1..).and_then(|line| line.first_chunk()))
+                    {
+                        (patch[2][row], patch[3][row], patch[4][row]) = (c, d, e);
+                        continue;
+                    }
+                    for (column, patch) in patch.iter_mut().enumerate().skip(from) {
+                        patch[row] = line.get((x + column).wrapping_sub(1)).unwrap_or(&border);
+                    }
+                }
+                transform::<P, C, IN>(&patch, x == 0, (kept, new), tile, inputs);
+            }
+            let columns = (width - x).min(BLOCK_COLUMNS);
+            let output = established(self.output.get_mut(y * row + x * 4 * OUT..));
+            if columns == BLOCK_COLUMNS {
+                pairs.outputs::<P, OUT>(mac, inputs, sums, output, row);
+            } else {
+                // at the end of a row there may be fewer pixels than are computed
+                ends::<OUT>(output, row, columns, channels.clone(), |found| {
+                    pairs.outputs::<P, OUT>(mac, inputs, sums, found, size_of::<Pixels<OUT>>());
+                });
+            }
+            for line in output.chunks_mut(row.max(1)).take(BLOCK_ROWS) {
+                clamp_all(established(line.get_mut(..columns * 4 * OUT)), range);
             }
         }
-        let range = (self.layer.quant.act_min, self.layer.quant.act_max);
-        clamp_all(upper, range);
-        clamp_all(lower, range);
-        end
+        first + most >= all && part + 1 == parts
     }
 }
 
-/// Four channels of a column of four pixels, transformed.
-#[inline(always)]
-fn transform_column<P: DualMac>(mac: P, column: [[i8; 4]; 4]) -> Column {
-    let [a, b, c, d] = column.map(widen);
-    let even = input_transform(mac, [a[0], b[0], c[0], d[0]]);
-    let odd = input_transform(mac, [a[1], b[1], c[1], d[1]]);
-    [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3], odd[3]]
+/// Pairs of output channels.
+struct Pairs<'a, const IN: usize> {
+    weights: &'a [Tile<IN>],
+    constants: &'a [[Constants; 2]],
+    /// The first channel.
+    channel: usize,
 }
 
-/// Four lines of pixels, transformed column by column.
+impl<const IN: usize> Pairs<'_, IN> {
+    /// The outputs of a block, whose first pixel is that of `values` and whose rows are `row` values apart.
+    #[inline(never)]
+    fn outputs<P: DualMac, const OUT: usize>(
+        &self,
+        mac: P,
+        inputs: &Tile<IN>,
+        sums: &mut Sums,
+        values: &mut [i8],
+        row: usize,
+    ) {
+        for (pair, (weights, constants)) in self.weights.iter().zip(self.constants).enumerate() {
+            mac.products(inputs, weights, sums);
+            mac.outputs::<OUT>(sums, constants, values, row, self.channel + 2 * pair);
+        }
+    }
+}
+
+/// Some channels of the first columns of a block, which `block` computes.
 #[inline(never)]
-fn transform_columns<P: DualMac, const C: usize>(
-    mac: P,
-    [a, b, c, d]: [&[[i8; C]]; 4],
-    strip: &mut [Column],
+fn ends<const OUT: usize>(
+    output: &mut [i8],
+    row: usize,
+    columns: usize,
+    channels: Range<usize>,
+    block: impl FnOnce(&mut [i8]),
 ) {
-    // the weights of a fourth channel that is not there are zero
-    let four = |channels: &[i8; C]| {
-        let mut four = [0; 4];
-        four.iter_mut().zip(channels).for_each(|(to, from)| *to = *from);
-        four
-    };
-    for ((((a, b), c), d), out) in a.iter().zip(b).zip(c).zip(d).zip(strip) {
-        *out = transform_column(mac, [a, b, c, d].map(four));
+    let mut found = [[[[0; 4]; OUT]; BLOCK_COLUMNS]; BLOCK_ROWS];
+    block(found.as_flattened_mut().as_flattened_mut().as_flattened_mut());
+    for (line, found) in output.chunks_mut(row.max(1)).zip(&found) {
+        for (to, from) in line.chunks_exact_mut(4 * OUT).zip(found).take(columns) {
+            let (to, from) = (to.get_mut(channels.clone()), from.as_flattened().get(channels.clone()));
+            established(to).iter_mut().zip(established(from)).for_each(|(to, from)| *to = *from);
+        }
     }
 }
 
-/// Two tiles' columns, transformed row by row.
+/// A tile's inputs, the first or the second of a block, transformed; unless it is the first of a row, two columns are those that were kept.
 #[inline(never)]
-fn transform_rows<P: DualMac, const GROUPS: usize>(
-    mac: P,
-    six: &[[Column; GROUPS]; 6],
+fn transform<P: DualMac, const C: usize, const GROUPS: usize>(
+    patch: &Patch<'_, C, GROUPS>,
+    first_of_row: bool,
+    (kept, new): (&mut Kept<GROUPS>, &mut New),
+    tile: usize,
     inputs: &mut Tile<GROUPS>,
 ) {
-    for group in 0..GROUPS {
-        for (order, row) in [1, 2, 0, 3].into_iter().enumerate() {
-            for tile in 0..2 {
-                for pair in 0..2 {
-                    let value = |column: usize| six[2 * tile + column][group][(2 * row + pair) % 8];
-                    let points = input_transform(mac, [value(0), value(1), value(2), value(3)]);
-                    let (vector, first) = lane::<P, GROUPS>(group, tile);
-                    for column in 0..4 {
-                        let [low, high] = mac.unpack(points[column]);
-                        let I16x8(values) = &mut inputs[4 * column + order][vector % GROUPS];
-                        let at = (first + 2 * pair) % 8;
-                        (values[at], values[at + 1]) = (low, high);
-                    }
+    let [a, b, last @ ..] = patch;
+    for (group, kept) in kept.iter_mut().enumerate() {
+        let (vector, first) = lane::<P, GROUPS>(group, tile);
+        if first_of_row {
+            kept.iter_mut().zip([a, b]).for_each(|(to, column)| transform_group(column, group, to));
+        }
+        new.iter_mut().zip(last).for_each(|(to, column)| transform_group(column, group, to));
+        for pair in 0..2 {
+            let at = (first + pair) % 4;
+            for row in 0..POINT_ROWS {
+                let value = |column: &Column| column[pair][row];
+                let ([a, b], [c, d, e]) = (kept.each_ref().map(value), new.each_ref().map(value));
+                (kept[0][pair][row], kept[1][pair][row]) = (d, e);
+                let points = transform_row([a, b, c, d, e]);
+                for (column, point) in points.into_iter().enumerate() {
+                    inputs[POINT_ROWS * column + row][vector % GROUPS][at] = settle(point);
                 }
             }
         }
     }
 }
 
-/// The packed channels of two tiles.
-#[inline(always)]
-fn outputs<P: DualMac, const IN: usize, const OUT: usize>(
-    mac: P,
-    inputs: &Tile<IN>,
-    (weights, constants): (&[I16x8], &[i32]),
-    sums: &mut Sums,
-    mut rows: [&mut Pixels<OUT>; 2],
-    first: usize,
-) {
-    let (weights, _) = weights.as_chunks::<IN>();
-    let (weights, _) = weights.as_chunks::<POINTS>();
-    let (constants, _) = constants.as_chunks::<WORDS>();
-    let (constants, _) = constants.as_chunks::<2>();
-    for (pair, (weights, constants)) in weights.iter().zip(constants).enumerate() {
-        mac.products(inputs, weights, sums);
-        finish::<OUT, 0>(sums, &constants[0], &mut rows, first + 2 * pair);
-        finish::<OUT, 1>(sums, &constants[1], &mut rows, first + 2 * pair + 1);
-    }
-}
-
-/// A^T along the rows of two tiles, and requantisation: the `OUTPUT`-th channel of the sums.
+/// A column of a group of channels, transformed.
 #[inline(never)]
-fn finish<const OUT: usize, const OUTPUT: usize>(
-    sums: &Sums,
-    constants: &[i32; WORDS],
-    rows: &mut [&mut Pixels<OUT>; 2],
-    channel: usize,
+fn transform_group<const C: usize, const GROUPS: usize>(
+    column: &[&[[i8; C]; GROUPS]; POINT_ROWS],
+    group: usize,
+    to: &mut Column,
 ) {
-    let [start, scale @ ..] = *constants;
-    let requantizer = Requantizer::from_words(scale);
-    let channel = channel % (4 * OUT);
-    for (row, pixels) in rows.iter_mut().enumerate() {
-        for tile in 0..2 {
-            let m = [0, 1, 2, 3].map(|column| sums[column][row][2 * OUTPUT + tile]);
-            let middle = m[1].wrapping_add(start);
-            let left = m[0].wrapping_add(middle).wrapping_add(m[2]);
-            let right = middle.wrapping_sub(m[2]).wrapping_sub(m[3]);
-            pixels[2 * tile].as_flattened_mut()[channel] = requantizer.apply(left);
-            pixels[2 * tile + 1].as_flattened_mut()[channel] = requantizer.apply(right);
-        }
+    // the weights of a fourth channel that is not there are zero
+    let pairs = column.map(|pixel| widen(&pixel[group % GROUPS]));
+    for pair in 0..2 {
+        to[pair] = transform_column(pairs.map(|pairs| pairs[pair]));
     }
 }

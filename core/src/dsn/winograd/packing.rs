@@ -1,17 +1,14 @@
 //! A convolution's numbers in the order in which the kernels read them.
 //!
-//! Weights: for each pair of outputs the filter transform at 16 points, column by column, rows in the order 1, 2, 0, 3, row 3
-//! negated (see [`Tile`]); channels of a group in the order 0, 2, 1, 3, as masks take them out of a word. Constants: four words
-//! of every output channel. Cost: some 90 instructions for each pair of channels.
+//! Weights: for each pair of outputs the filter transform at 30 points, column by column (see [`Tile`]); channels of a group in
+//! the order 0, 2, 1, 3, as masks take them out of a word. Constants: four words of every output channel. Cost: some 110
+//! instructions for each pair of channels.
 
-use super::transform::filter_transform;
+use super::transform::{FACTOR_BITS, filter_columns, filter_row};
 use crate::dsn::conv::{Conv, MAX_CHANNELS, WIDEST};
 use crate::dsn::per_channel::PerChannelQuant;
 use crate::fixed::Requantizer;
-use crate::simd::dual_mac::{DualMac, I16x8, POINTS, Tile, lane};
-
-/// The channel that comes `k`-th in a group of four.
-const ORDER: [usize; 4] = [0, 2, 1, 3];
+use crate::simd::dual_mac::{Constants, DualMac, I16x8, POINT_ROWS, POINTS, Tile, lane, settle};
 
 /// Output channels of a convolution with 64 inputs that are packed at a time: their memory is that of 32 channels.
 const OUTPUTS: usize = 16;
@@ -21,20 +18,25 @@ const fn outputs_of_step(inputs: usize) -> usize {
     if inputs > MAX_CHANNELS { 8 } else { 16 }
 }
 
-/// Words of an output channel: what four times its sum starts with, then its [`Requantizer`].
-pub const WORDS: usize = 1 + Requantizer::WORDS;
+/// Words of an output channel: what a multiple of its sum starts with, then its [`Requantizer`].
+pub const WORDS: usize = size_of::<Constants>() / size_of::<i32>();
 
-/// The words of output channel `o` with `taps` weights of this `sum`, for inputs as u8 = i8 + 128; `None` if an
-/// accumulator or the scale is not within a [`Requantizer`]'s range.
-pub fn channel(quant: &PerChannelQuant<'_>, o: usize, sum: i32, taps: usize) -> Option<[i32; WORDS]> {
+/// The words of output channel `o` with `taps` weights of this `sum`, for inputs as u8 = i8 + 128 and sums times 2^`BITS`; `None`
+/// if an accumulator or the scale is not within a [`Requantizer`]'s range.
+pub fn channel<const BITS: u32>(
+    quant: &PerChannelQuant<'_>,
+    o: usize,
+    sum: i32,
+    taps: usize,
+) -> Option<Constants> {
     let bias = i64::from(quant.bias(o));
     let start = bias - i64::from(i32::from(quant.in_zp) + 128) * i64::from(sum);
-    if (bias.abs() + 255 * 128 * taps as i64).max(start.abs()) >= Requantizer::MAX_ACCUMULATOR {
+    if (bias.abs() + 255 * 128 * taps as i64).max(start.abs()) >= 1 << (31 - BITS) {
         return None;
     }
     let (multiplier, shift) = quant.scale(o);
-    let [multiplier, offset, shift] = Requantizer::new(multiplier, shift, quant.out_zp)?.to_words();
-    Some([(start << 2) as i32, multiplier, offset, shift])
+    let [multiplier, offset, shift] = Requantizer::new::<BITS>(multiplier, shift, quant.out_zp)?.to_words();
+    Some([(start << BITS) as i32, multiplier, offset, shift])
 }
 
 /// Whether there are kernels for so many inputs and outputs: 8, 16 and 32 of both, each a program of its own; of graphs 64 too, and the three
@@ -52,12 +54,7 @@ pub const fn packed_outputs(outputs: usize) -> usize {
 
 /// Transformed weights of a convolution.
 pub const fn conv_vectors(inputs: usize, outputs: usize) -> usize {
-    packed_outputs(outputs) / 2 * tile_vectors(inputs, outputs)
-}
-
-/// The input tiles of a convolution that runs.
-pub const fn tile_vectors(inputs: usize, outputs: usize) -> usize {
-    if covered(inputs, outputs) { POINTS * inputs.div_ceil(4) } else { 0 }
+    if covered(inputs, outputs) { packed_outputs(outputs) / 2 * POINTS * inputs.div_ceil(4) } else { 0 }
 }
 
 /// Words of its constants.
@@ -111,7 +108,7 @@ fn outputs<P: DualMac, const C: usize, const GROUPS: usize>(
     let all = taps.get(first..)?.iter().zip(constants).enumerate().skip(step * count).take(count);
     for (o, (taps, words)) in all {
         let sum = output::<P, C, GROUPS>(taps, o % 2, tiles.get_mut(o / 2)?);
-        *words = channel(&conv.quant, first + o, sum, 9 * conv.inputs)?;
+        *words = channel::<FACTOR_BITS>(&conv.quant, first + o, sum, 9 * conv.inputs)?;
     }
     Some(())
 }
@@ -126,14 +123,20 @@ fn output<P: DualMac, const C: usize, const GROUPS: usize>(
     let mut sum = 0;
     for group in 0..GROUPS {
         let (vector, first) = lane::<P, GROUPS>(group, part);
-        for (k, channel) in ORDER.into_iter().enumerate() {
-            let columns = filter_transform(|tap| {
-                if channel < C { i32::from(taps[tap % 9][group][channel % C] as i8) } else { 0 }
+        for k in 0..2 {
+            let taps = taps.each_ref().map(|groups| {
+                let weight = |channel: usize| {
+                    if channel < C { i32::from(groups[group][channel % C] as i8) } else { 0 }
+                };
+                weight(k) + (weight(k + 2) << 16)
             });
-            sum += columns[1][1]; // both rows of G there are 1, 1, 1
-            for (column, [a, b, c, d]) in columns.into_iter().enumerate() {
-                for (row, value) in [b, c, a, -d].into_iter().enumerate() {
-                    tile[4 * column + row][vector % GROUPS].0[(first + k) % 8] = value as i16;
+            let all = settle(taps.iter().sum());
+            sum += i32::from(all as i16) + (all >> 16);
+            let rows = filter_columns(&taps);
+            let at = (first + k) % 4;
+            for row in 0..POINT_ROWS {
+                for (column, value) in filter_row(rows.map(|values| values[row])).into_iter().enumerate() {
+                    tile[POINT_ROWS * column + row][vector % GROUPS][at] = settle(value);
                 }
             }
         }

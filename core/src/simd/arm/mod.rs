@@ -4,6 +4,7 @@
 
 #[cfg(feature = "graph")]
 mod depthwise_products;
+mod patch_pairs;
 #[cfg(feature = "graph")]
 mod patch_products;
 #[cfg(feature = "graph")]
@@ -11,12 +12,15 @@ pub use depthwise_products::depthwise_products;
 #[cfg_attr(arm_mve, path = "helium.rs")]
 #[cfg_attr(not(arm_mve), path = "dsp.rs")]
 mod products;
+pub mod upper_words;
+pub use patch_pairs::largest_of_pairs;
 #[cfg(feature = "graph")]
 pub use patch_products::{patch_products, widen};
 
-use crate::simd::conj_mac::{ComplexI16, portable};
-use crate::simd::dual_mac::{DualMac, Sums, Tile};
-use core::arch::{asm, global_asm};
+use crate::simd::conj_mac::{self, Chirp, ComplexI16, portable};
+use crate::simd::dual_mac::{BLOCK_ROWS, Constants, DualMac, Pixels, Sums, Tile, plain_outputs};
+use core::arch::global_asm;
+use core::mem::MaybeUninit;
 
 /// The DSP extension, with Helium's products where there is Helium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,34 +30,27 @@ impl DualMac for NativeDualMac {
     const WIDE: bool = cfg!(arm_mve);
     const BLOCKS: [usize; 3] = products::BLOCKS;
 
-    #[inline(always)]
-    fn add(self, a: i32, b: i32) -> i32 {
-        let sum;
-        // SAFETY: registers and APSR.GE only; the target has the instruction.
-        unsafe {
-            asm!("sadd16 {}, {}, {}", lateout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack))
-        };
-        sum
-    }
-
-    #[inline(always)]
-    fn sub(self, a: i32, b: i32) -> i32 {
-        let difference;
-        // SAFETY: registers and APSR.GE only; the target has the instruction.
-        unsafe {
-            asm!("ssub16 {}, {}, {}", lateout(reg) difference, in(reg) a, in(reg) b, options(pure, nomem, nostack))
-        };
-        difference
-    }
-
-    #[inline(always)]
-    fn unpack(self, pair: i32) -> [i16; 2] {
-        [pair as i16, (pair >> 16) as i16]
-    }
-
     #[inline]
     fn products<const GROUPS: usize>(self, inputs: &Tile<GROUPS>, weights: &Tile<GROUPS>, sums: &mut Sums) {
         products::products(inputs, weights, sums);
+    }
+
+    #[inline(always)]
+    fn outputs<const GROUPS: usize>(
+        self,
+        sums: &mut Sums,
+        constants: &[Constants; 2],
+        values: &mut [i8],
+        row: usize,
+        channel: usize,
+    ) {
+        let (pixel, first) = (4 * GROUPS, channel % (4 * GROUPS) & !1);
+        let whole = row < 1 << 24 && values.len() >= (BLOCK_ROWS - 1) * row + size_of::<Pixels<GROUPS>>();
+        if !whole {
+            return plain_outputs::<GROUPS>(sums, constants, values, row, channel);
+        }
+        // SAFETY: from the first of two channels of a pixel on there are seven rows and the rest of three pixels.
+        unsafe { products::outputs(sums, constants, values.as_mut_ptr().wrapping_add(first), row, pixel) };
     }
 }
 
@@ -169,12 +166,6 @@ pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, 
     if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
         return portable(samples, reference, block, sums);
     }
-    if let (1000, 1000, 125, Some(sums)) =
-        (samples.len(), reference.len(), block, sums.first_chunk_mut::<8>())
-    {
-        // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
-        return unsafe { sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums) };
-    }
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
         // SAFETY: it reads `block` samples of each and writes 16 bytes; samples are words and the first begins at a word.
@@ -182,26 +173,16 @@ pub fn conj_mac(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, 
     }
 }
 
-// not `pure`: kept in the order of the source, they need fewer registers at a time
-
-/// [`crate::simd::mulh::mulh`].
-#[inline(always)]
-pub fn mulh(a: i32, b: i32) -> i32 {
-    let product;
-    // SAFETY: registers only; the target has the instruction.
+/// [`crate::simd::conj_mac::eight_blocks`] in the same way.
+#[inline]
+pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
+    if !(samples.as_ptr() as usize | reference.as_ptr() as usize).is_multiple_of(4) {
+        return conj_mac::eight_blocks(samples, reference);
+    }
+    let mut sums = MaybeUninit::uninit();
+    // SAFETY: it reads 1000 samples of each and writes 128 bytes, which is what the sums are; all begin at a word.
     unsafe {
-        asm!("smmul {}, {}, {}", lateout(reg) product, in(reg) a, in(reg) b, options(nomem, nostack, preserves_flags))
-    };
-    product
-}
-
-/// [`crate::simd::mulh::mla_h`].
-#[inline(always)]
-pub fn mla_h(sum: i32, a: i32, b: i32) -> i32 {
-    let total;
-    // SAFETY: registers only; the target has the instruction.
-    unsafe {
-        asm!("smmla {}, {}, {}, {}", lateout(reg) total, in(reg) a, in(reg) b, in(reg) sum, options(nomem, nostack, preserves_flags))
-    };
-    total
+        sdp3_conj_mac_8x125(samples.as_ptr(), reference.as_ptr(), sums.as_mut_ptr());
+        sums.assume_init()
+    }
 }
