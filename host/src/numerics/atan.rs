@@ -9,13 +9,11 @@
 
 #![allow(clippy::excessive_precision)] // all digits that msun prints
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 /// Arc tangents of 1/2, 1, 3/2 and infinity.
-const HIGH: [f64; 4] = [
-    4.636_476_090_008_060_935_15e-01,
-    7.853_981_633_974_482_789_99e-01,
-    9.827_937_232_473_290_540_82e-01,
-    1.570_796_326_794_896_558_00e+00,
-];
+const HIGH: [f64; 4] =
+    [4.636_476_090_008_060_935_15e-01, FRAC_PI_4, 9.827_937_232_473_290_540_82e-01, FRAC_PI_2];
 /// What their rounding left.
 const LOW: [f64; 4] = [
     2.269_877_745_296_168_709_24e-17,
@@ -81,8 +79,8 @@ pub fn atan2<const N: usize>(y: &[f64; N], x: &[f64; N]) -> [f64; N] {
     let mut angles = atan(&slopes);
     let mut other = 0_u64;
     for n in 0..N {
-        other |= u64::from(!(slopes[n] < STEEP));
-        let behind = std::f64::consts::PI - (angles[n] - PI_LOW);
+        other |= u64::from(slopes[n] >= STEEP) | u64::from(slopes[n].is_nan());
+        let behind = PI - (angles[n] - PI_LOW);
         let angle = if x[n].is_sign_negative() { behind } else { angles[n] };
         angles[n] = angle.copysign(y[n]);
     }
