@@ -185,7 +185,7 @@ struct Pairs<'a, const IN: usize> {
 }
 
 impl<const IN: usize> Pairs<'_, IN> {
-    /// The outputs of a block, whose first pixel is that of `values` and whose rows are `row` values apart.
+    /// The outputs of a block: its first pixel is that of `values`, its rows are `row` values apart.
     #[inline(never)]
     fn outputs<P: DualMac, const OUT: usize>(
         &self,

@@ -66,7 +66,7 @@ fn normalised(x: i8, [start, scale @ .., weight]: &[i32; BATCH_NORM_WORDS]) -> i
     Requantizer::from_words(*scale).apply::<TIMES_FOUR>(sum)
 }
 
-/// Channel by channel, whose words stay in registers, four pixels at a time.
+/// Channel by channel: its words stay in registers, four pixels at a time.
 fn by_channels<const CHANNELS: usize>(words: &[[i32; BATCH_NORM_WORDS]], x: &[i8], out: &mut [i8]) {
     let ((x, _), (out, _)) = (x.as_chunks::<CHANNELS>(), out.as_chunks_mut::<CHANNELS>());
     let ((x, last), (out, last_out)) = (x.as_chunks::<4>(), out.as_chunks_mut::<4>());
