@@ -112,11 +112,13 @@ mod firmware {
         }
 
         /// Forgets what was done since the last event.
+        #[inline(never)] // the same code with and without memory of RTL
         fn start(&mut self) {
             mark(self.marks + 31);
             self.last = counters();
         }
 
+        #[inline(never)]
         fn add(&mut self, stage: Stage) {
             let now = counters();
             let stage = stage as usize;
