@@ -40,8 +40,8 @@
 //!
 //! Everything from outside is checked once ([`dsn::Model::parse`], [`radar::RadarModule::new`], [`scheduler::SensingLayout::new`]);
 //! after that nothing can fail for reasons of data. No call panics, allocates or loops without a bound. Memory is the caller's, in
-//! one type of constant size. Unsafe code is denied but for the DSP and Helium instructions of Arm in one module of
-//! [`simd`], which has a portable reference with the same bits. [`probe`] shows every stage's values to an observer, [`digest`]
+//! one type of constant size. Unsafe code is denied but for the instructions of Arm and of RISC-V, in one module
+//! of [`simd`] each, which have portable references with the same bits. [`probe`] shows every stage's values to an observer, [`digest`]
 //! folds them to one number a stage.
 #![no_std]
 #![deny(unsafe_code)]

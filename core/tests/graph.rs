@@ -168,8 +168,8 @@ fn a_large_window_is_gathered_in_parts() {
     assert!(found.iter().any(|&value| value.unsigned_abs() < 127), "{found:?}");
 }
 
-/// A 3x3 convolution of stride 1 over `[6, width, inputs]`; the last output has this shift.
-fn convolution(width: u16, inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
+/// A 3x3 convolution of stride 1 over `[height, width, inputs]`; the last output has this shift.
+fn convolution((height, width): (u16, u16), inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
     let count = usize::from(outputs);
     let mut parameters =
         vec![1_300_000_000_i32; count].into_iter().flat_map(i32::to_le_bytes).collect::<Vec<_>>();
@@ -177,8 +177,9 @@ fn convolution(width: u16, inputs: u16, outputs: u16, last: i8) -> Vec<u8> {
     parameters.extend(vec![-9_i8 as u8; count - 1]);
     parameters.push(last as u8);
     parameters.extend((0..count * 9 * usize::from(inputs)).map(|k| (k * k * 31 + k * 7 + 11) as u8));
-    let shape = |channels| [6, width, channels];
-    let [input, output] = [inputs, outputs].map(|channels| 6 * u32::from(width) * u32::from(channels));
+    let shape = |channels| [height, width, channels];
+    let [input, output] =
+        [inputs, outputs].map(|channels| u32::from(height) * u32::from(width) * u32::from(channels));
     let operators =
         operator(1, [3, 3], [1, 1], [1, 1], shape(inputs), shape(outputs), [output, 0], &parameters);
     let mut file = b"SDPG\x01\0\x01\0\0\0\0\0".to_vec();
@@ -198,11 +199,12 @@ fn by_kernels<P: DualMac>(graph: &Graph<'_>, image: &[i8], mac: P) -> (Vec<i8>, 
     let (mut vectors, mut words) = (vec![[0; 4]; sizes.vectors], vec![0; sizes.words]);
     let memory = WinogradMemory { vectors: &mut vectors, words: &mut words };
     let mut kernels = WinogradKernels::shared_with_mac(mac, memory);
-    let (mut arena, mut row) = (vec![0; graph.arena()], vec![0; graph.kernel_scratch()]);
+    let (mut arena, mut scratch) = (vec![0; graph.arena()], vec![0; graph.kernel_scratch()]);
     graph.input_mut(&mut arena).copy_from_slice(image);
     let mut progress = Progress::new();
     loop {
-        let step = graph.step_by(&mut progress, &mut arena, &mut kernels, &mut row).expect("it is not done");
+        let step =
+            graph.step_by(&mut progress, &mut arena, &mut kernels, &mut scratch).expect("it is not done");
         if step.last {
             return (graph.output(&arena).to_vec(), kernels.is_portable());
         }
@@ -213,10 +215,10 @@ fn by_kernels<P: DualMac>(graph: &Graph<'_>, image: &[i8], mac: P) -> (Vec<i8>, 
 fn the_kernels_of_wide_and_of_colour_convolutions_change_no_bit() {
     for (inputs, outputs) in [(3, 8), (3, 16), (3, 32), (64, 64), (8, 8), (16, 16), (32, 32)] {
         // one, two and more blocks, whole and in part
-        for width in [3, 4, 5, 8, 18] {
+        for size in [(6, 3), (5, 4), (8, 5), (9, 8), (1, 18), (18, 6)] {
             // no kernel has a shift of -21: of 64 channels it is met after three quarters are computed
             for (last, plain) in [(-8, false), (-21, true)] {
-                let file = convolution(width, inputs, outputs, last);
+                let file = convolution(size, inputs, outputs, last);
                 let graph = Graph::parse(&file).expect("a graph");
                 assert!(graph.nodes().all(|node| node.is_covered()), "{inputs} to {outputs}");
                 let image: Vec<i8> =
@@ -224,13 +226,13 @@ fn the_kernels_of_wide_and_of_colour_convolutions_change_no_bit() {
                 let expected = run(&graph, &image).0;
                 assert!(expected.iter().filter(|value| value.unsigned_abs() < 127).count() > 20);
                 let found = by_kernels(&graph, &image, Plain::<false>);
-                assert_eq!(found, (expected.clone(), plain), "{inputs} to {outputs}, width {width}");
+                assert_eq!(found, (expected.clone(), plain), "{inputs} to {outputs}, {size:?}");
                 assert_eq!(by_kernels(&graph, &image, Plain::<true>), (expected, plain), "in the wide order");
             }
         }
     }
     for (inputs, outputs) in [(3, 64), (4, 16), (16, 32), (64, 32)] {
-        let file = convolution(4, inputs, outputs, -8);
+        let file = convolution((6, 4), inputs, outputs, -8);
         assert!(Graph::parse(&file).is_ok_and(|graph| graph.nodes().all(|node| !node.is_covered())));
     }
 }

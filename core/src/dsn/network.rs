@@ -22,7 +22,7 @@ pub const fn scratch_bytes(frames: usize, channels: usize, stem_stride: usize) -
     operator_bytes(channels) + map + if 2 * map > image { 2 * map } else { image }
 }
 
-/// Bytes of scratch of an operator; at least the average.
+/// Bytes of scratch of an operator: a convolution's, at least the outputs of the average.
 const fn operator_bytes(channels: usize) -> usize {
     let bytes = winograd::scratch_bytes(channels, channels);
     if bytes > channels { bytes } else { channels }

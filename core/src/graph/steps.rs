@@ -130,8 +130,8 @@ impl Node<'_> {
         }
     }
 
-    /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep height, which is even, and width, with 8, 16,
-    /// 32 or 64 inputs and outputs or three inputs and 8, 16 or 32 outputs; depthwise 1x1 convolutions of at most 32 channels; additions.
+    /// Whether the kernels of the paper's network compute it: 3x3 convolutions of stride 1 that keep height and width, with 8, 16, 32
+    /// or 64 inputs and outputs or three inputs and 8, 16 or 32 outputs; depthwise 1x1 convolutions of at most 32 channels; additions.
     pub fn is_covered(&self) -> bool {
         let ([height, width, inputs], [rows, columns, outputs]) = (self.input.shape(), self.output.shape());
         let keeps = (height, width) == (rows, columns);
@@ -143,9 +143,7 @@ impl Node<'_> {
             Some(Kind::DepthwiseConvolution) => {
                 keeps && window(1, 0) && inputs == outputs && outputs <= MAX_CHANNELS
             }
-            Some(Kind::Convolution) => {
-                keeps && window(3, 1) && has_kernels(inputs, outputs) && rows.is_multiple_of(2)
-            }
+            Some(Kind::Convolution) => keeps && window(3, 1) && has_kernels(inputs, outputs),
             _ => false,
         }
     }

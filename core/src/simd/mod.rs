@@ -51,6 +51,6 @@ pub use patch_products::{portable as native_patch_products, widen as native_wide
 /// The fastest [`dual_mac::DualMac`] of the target.
 #[cfg(not(any(all(target_arch = "riscv32", target_feature = "m"), all(target_arch = "arm", arm_dsp))))]
 pub type NativeDualMac = dual_mac::Plain;
-/// The fastest [`dual_mac::DualMac`] and [`conj_mac::eight_blocks`] of the target.
+/// The fastest [`dual_mac::DualMac`] of the target, and [`conj_mac::eight_blocks`] for the paper's chirp alone.
 #[cfg(all(target_arch = "riscv32", target_feature = "m"))]
 pub use riscv::{NativeDualMac, eight_blocks as native_eight_blocks};

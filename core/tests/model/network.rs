@@ -7,7 +7,7 @@ use sdp3_core::dsn::{Kernels, Model, Operator, Portable};
 use sdp3_testkit::random_model::{Numbers, Size, write};
 
 #[test]
-fn the_scratch_is_three_maps_or_one_and_the_image_and_a_row() {
+fn the_scratch_is_a_convolutions_and_three_maps_or_one_and_the_image() {
     assert_eq!(scratch_bytes(110, 16, 2), 3 * (16 * 27 * 16) + 3155);
     assert_eq!(scratch_bytes(10, 8, 1), 3 * (32 * 5 * 8) + 1811);
     assert_eq!(scratch_bytes(9, 8, 2), 16 * 2 * 8 + 64 * 9 + 1811);

@@ -112,7 +112,7 @@ mod firmware {
         }
 
         /// Forgets what was done since the last event.
-        #[inline(never)] // the same code with and without memory of RTL
+        #[inline(never)] // else the builds for QEMU and for RTL inline differently, and their instructions differ
         fn start(&mut self) {
             mark(self.marks + 31);
             self.last = counters();

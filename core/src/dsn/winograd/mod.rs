@@ -9,7 +9,7 @@
 //! no such shifts or accumulators. Graphs also have kernels of 64 channels (weights are packed sixteen outputs at a time) and of
 //! the three channels of a colour image.
 //!
-//! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, except of plain loops.
+//! Cost: a step takes at most some 45 000 instructions on Cortex-M4F, 82 000 of a convolution of 64 channels, except of plain loops.
 
 mod convolution;
 mod packing;
