@@ -4,27 +4,29 @@
 //! special, and a row of the kernel is one run of successive words. Cost: 9 inputs / 2 or 9 inputs / 4 vector products
 //! a pixel and sixteen outputs.
 
-use super::layer::{Convolution, OutputGroup, requantize, reserve, store};
-use super::simd::{LANES, SimdI32};
+use super::layer::{Convolution, finish, reserve};
+use super::simd::{I32x16, SimdI32};
 
-/// Sums of `P` successive pixels: three runs of `run` words, `row` words apart; a pixel is `step` words.
+/// Sums of `P` successive pixels, of three rows of pixels of `STEP` words. A word goes into all sums that it belongs to at once, so that
+/// it need not be kept.
 #[inline(always)]
-pub fn tile<S: SimdI32, const P: usize>(
+fn tile<S: SimdI32, const STEP: usize, const P: usize>(
     simd: S,
     start: S::I32,
-    group: &OutputGroup,
-    (run, step): (usize, usize),
-    words: &[i32],
-    row: usize,
+    weights: &[[I32x16; STEP]],
+    rows: [&[[i32; STEP]]; 3],
 ) -> [S::I32; P] {
     let mut sums = [start; P];
-    for ky in 0..3 {
-        let words = &words[ky * row..][..(P - 1) * step + run];
-        let weights = &group.weights[ky * run..][..run];
-        for k in 0..run {
-            let w = simd.load(&weights[k]);
-            for p in 0..P {
-                sums[p] = simd.dot(sums[p], words[p * step + k], w);
+    for (row, weights) in rows.into_iter().zip(weights.as_chunks::<3>().0) {
+        let row = &row[..P + 2];
+        for k in 0..STEP {
+            let w = [simd.load(&weights[0][k]), simd.load(&weights[1][k]), simd.load(&weights[2][k])];
+            for eight in (0..P).step_by(8) {
+                for kx in 0..3 {
+                    for p in eight..(eight + 8).min(P) {
+                        sums[p] = simd.dot(sums[p], row[p + kx][k], w[kx]);
+                    }
+                }
             }
         }
     }
@@ -33,38 +35,41 @@ pub fn tile<S: SimdI32, const P: usize>(
 
 impl Convolution<'_> {
     #[inline(always)]
-    fn rows<S: SimdI32, const CHANNEL_GROUPS: usize, const P: usize>(mut self, simd: S) {
-        let step = CHANNEL_GROUPS * (4 / S::INPUTS);
+    fn rows<S: SimdI32, const STEP: usize, const P: usize>(mut self, simd: S) {
         let (height, width) = self.size;
         let columns = width.next_multiple_of(P) + 2;
-        let row = columns * step;
-        reserve(self.words, (height + 2) * row);
-        self.pad_input(simd, step, (height + 2, columns));
-        let (quant, words) = (&self.layer.quant, &self.words[..]);
+        reserve(self.words, (height + 2) * columns * STEP);
+        self.pad_input(simd, STEP, (height + 2, columns));
+        let (pixels, _) = self.words.as_chunks::<STEP>();
+        let quant = &self.layer.quant;
         let channels = quant.channels;
-        for (group, first) in self.groups.iter().zip((0..).step_by(LANES)) {
+        for group in self.groups {
             let start = simd.load(&group.start);
+            let (weights, _) = group.weights.as_chunks::<STEP>();
             let rows = self.output.chunks_exact_mut(width * channels);
             for (y, out) in rows.take(height).enumerate() {
                 for x in (0..width).step_by(P) {
-                    let words = &words[y * row + x * step..];
-                    let sums = tile::<S, P>(simd, start, group, (3 * step, step), words, row);
+                    let row = |ky: usize| &pixels[(y + ky) * columns + x..];
+                    let sums = tile::<S, STEP, P>(simd, start, weights, [row(0), row(1), row(2)]);
                     let (fours, _) = sums.as_chunks::<4>();
-                    for (k, &four) in fours.iter().enumerate().take_while(|(k, _)| x + 4 * k < width) {
-                        let values = requantize(simd, quant, &group.requantizer, four);
-                        store(&values, first, channels, out, x + 4 * k);
+                    // by hand: the compiler leaves a loop, with the sums in memory
+                    finish(simd, quant, group, fours[0], out, x);
+                    if P == 16 {
+                        finish(simd, quant, group, fours[1], out, x + 4);
+                        finish(simd, quant, group, fours[2], out, x + 8);
+                        finish(simd, quant, group, fours[3], out, x + 12);
                     }
                 }
             }
         }
     }
 
-    /// The convolution, for four times `CHANNEL_GROUPS` inputs.
+    /// The convolution, for pixels of `STEP` words.
     #[inline(always)]
-    pub fn direct<S: SimdI32, const CHANNEL_GROUPS: usize>(self, simd: S) {
+    pub fn direct<S: SimdI32, const STEP: usize>(self, simd: S) {
         match S::TILE {
-            4 => self.rows::<S, CHANNEL_GROUPS, 4>(simd),
-            _ => self.rows::<S, CHANNEL_GROUPS, 16>(simd),
+            4 => self.rows::<S, STEP, 4>(simd),
+            _ => self.rows::<S, STEP, 16>(simd),
         }
     }
 }

@@ -7,6 +7,8 @@ use sdp3_core::dsn::per_channel::PerChannelQuant;
 /// Sixteen output channels of a convolution.
 #[derive(Debug)]
 pub struct OutputGroup {
+    /// The first of them.
+    pub first: usize,
     /// What the sums start with.
     pub start: I32x16,
     pub requantizer: Requantizer,
@@ -38,15 +40,18 @@ impl Kernel for Convolution<'_> {
         if by_winograd(inputs, S::INPUTS) {
             return if inputs == 16 { self.winograd::<S, 8>(simd) } else { self.winograd::<S, 16>(simd) };
         }
-        match inputs / 4 {
-            1 => self.direct::<S, 1>(simd),
-            2 => self.direct::<S, 2>(simd),
-            3 => self.direct::<S, 3>(simd),
-            4 => self.direct::<S, 4>(simd),
-            5 => self.direct::<S, 5>(simd),
-            6 => self.direct::<S, 6>(simd),
-            7 => self.direct::<S, 7>(simd),
-            _ => self.direct::<S, 8>(simd),
+        match (S::INPUTS, inputs / 4) {
+            (4, 1) => self.direct::<S, 1>(simd),
+            (4, 2) | (_, 1) => self.direct::<S, 2>(simd),
+            (4, 3) => self.direct::<S, 3>(simd),
+            (4, 4) | (_, 2) => self.direct::<S, 4>(simd),
+            (4, 5) => self.direct::<S, 5>(simd),
+            (4, 6) | (_, 3) => self.direct::<S, 6>(simd),
+            (4, 7) => self.direct::<S, 7>(simd),
+            (4, _) => self.direct::<S, 8>(simd),
+            (_, 5) => self.direct::<S, 10>(simd),
+            (_, 6) => self.direct::<S, 12>(simd),
+            _ => self.direct::<S, 14>(simd),
         }
     }
 }
@@ -81,44 +86,34 @@ impl Convolution<'_> {
     }
 }
 
-/// Requantises the sums of four pixels.
+/// Requantises the sums of four pixels from `pixel` on, and writes those of them that the row has.
 #[inline(always)]
-pub fn requantize<S: SimdI32>(
+pub fn finish<S: SimdI32>(
     simd: S,
     quant: &PerChannelQuant<'_>,
-    by: &Requantizer,
+    group: &OutputGroup,
     sums: [S::I32; 4],
-) -> [i8; 4 * LANES] {
+    row: &mut [i8],
+    pixel: usize,
+) {
+    let Some(rest) = row.get_mut(pixel * quant.channels..).filter(|rest| !rest.is_empty()) else { return };
     let mut values = sums;
-    // results of negative sums are below the zero point: where that is the least output, their rounding is no matter
-    if quant.act_min >= quant.out_zp {
-        for value in &mut values {
-            *value = simd.requantize::<false>(simd.add(*value, *value), by);
-        }
-    } else {
-        for value in &mut values {
-            *value = simd.requantize::<true>(simd.add(*value, *value), by);
-        }
+    for value in &mut values {
+        *value = simd.requantize::<true>(simd.add(*value, *value), &group.requantizer);
     }
-    simd.narrow(values, quant.act_min, quant.act_max)
-}
-
-/// Writes sixteen channels, `first` and those behind it, of up to four pixels of a row.
-#[inline(always)]
-pub fn store(values: &[i8; 4 * LANES], first: usize, channels: usize, row: &mut [i8], pixel: usize) {
-    let rest = &mut row[pixel * channels..];
-    if channels == LANES
+    let values = simd.narrow(values, quant.act_min, quant.act_max);
+    if quant.channels == LANES
         && let Some(out) = rest.first_chunk_mut()
     {
-        *out = *values;
+        *out = values;
     } else {
-        store_partial(values, first, channels, rest);
+        write_partial(values, group.first, quant.channels, rest);
     }
 }
 
-/// [`store`] where pixels are not whole vectors, or fewer than four are left.
+/// Writes sixteen channels of up to four pixels where pixels are not whole vectors, or fewer than four are left.
 #[inline(never)]
-fn store_partial(values: &[i8; 4 * LANES], first: usize, channels: usize, rest: &mut [i8]) {
+fn write_partial(values: [i8; 4 * LANES], first: usize, channels: usize, rest: &mut [i8]) {
     let (values, _) = values.as_chunks::<LANES>();
     for (values, pixel) in values.iter().zip(rest.chunks_exact_mut(channels)) {
         for (out, &value) in pixel.iter_mut().skip(first).zip(values) {

@@ -43,6 +43,8 @@ pub struct VectorKernels {
     operators: Vec<Option<Packed>>,
     /// The padded input of a convolution.
     words: Vec<i32>,
+    /// That of the stem.
+    bytes: Vec<[u8; 4]>,
 }
 
 impl VectorKernels {
@@ -63,7 +65,7 @@ impl VectorKernels {
                 operators.push(linear.or_else(requantized));
             }
         }
-        isa.available().then_some(VectorKernels { backend, operators, words: Vec::new() })
+        isa.available().then_some(VectorKernels { backend, operators, words: Vec::new(), bytes: Vec::new() })
     }
 
     /// [`VectorKernels::new`] for this processor's fastest instruction set.
@@ -80,10 +82,10 @@ impl Kernels for VectorKernels {
     /// If the operator is not the one of the model at this index.
     fn run(&mut self, index: usize, operator: Operator<'_>, step: usize) -> bool {
         let Some(backend) = self.backend else { return Portable.run(index, operator, step) };
-        let words = &mut self.words;
-        match (operator, self.operators.get(index).and_then(Option::as_ref)) {
+        let VectorKernels { operators, words, bytes, .. } = self;
+        match (operator, operators.get(index).and_then(Option::as_ref)) {
             (Operator::Stem { layer, image, size, output, .. }, Some(Packed::Conv(groups))) => {
-                backend.dispatch(Stem { layer, groups, words, image, size, output });
+                backend.dispatch(Stem { layer, groups, words, bytes, image, size, output });
             }
             (Operator::BatchNormRelu { layer, input, output }, Some(Packed::BatchNormRelu(phases))) => {
                 backend.dispatch(PointwiseBatchNorm { layer, phases, input, output });

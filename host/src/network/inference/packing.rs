@@ -83,7 +83,7 @@ fn output_group(conv: &Conv<'_>, first: usize, word_inputs: usize) -> Option<Out
             }
         }
     }
-    Some(OutputGroup { start, requantizer, weights })
+    Some(OutputGroup { first, start, requantizer, weights })
 }
 
 /// One word of weights in each lane: two i16 or four i8.

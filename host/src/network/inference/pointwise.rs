@@ -9,39 +9,23 @@ use sdp3_core::dsn::batch_norm::BatchNormRelu;
 /// Values in a step: four vectors.
 const STEP: usize = 4 * LANES;
 
-/// The `k`-th 64 values; behind the end zeros.
+/// Sets `x` to `f` of the place of 64 values, of those in `x` and of those in `other`, which are as many; behind the end are zeros.
+///
+/// Whole steps are read where they are: a copy on the stack may cross lines of the cache, and reading it then waits for its writing.
 #[inline(always)]
-fn load(values: &[i8], k: usize) -> [i8; STEP] {
-    let rest = &values[k * STEP..];
-    match rest.first_chunk() {
-        Some(whole) => *whole,
-        None => load_partial(rest),
+fn each_step(x: &mut [i8], other: &[i8], f: impl Fn(usize, &[i8; STEP], &[i8; STEP]) -> [i8; STEP]) {
+    let ((x, last_x), (other, last_other)) = (x.as_chunks_mut(), other.as_chunks());
+    for (k, (x, other)) in x.iter_mut().zip(other).enumerate() {
+        *x = f(k, x, other);
     }
-}
-
-/// Fewer than 64 values, and zeros.
-#[inline(never)]
-fn load_partial(rest: &[i8]) -> [i8; STEP] {
-    let mut out = [0; STEP];
-    out[..rest.len()].copy_from_slice(rest);
-    out
-}
-
-/// Writes the `k`-th 64 values, as many of them as there are.
-#[inline(always)]
-fn store(values: &mut [i8], k: usize, step: &[i8; STEP]) {
-    let rest = &mut values[k * STEP..];
-    if let Some(whole) = rest.first_chunk_mut() {
-        *whole = *step;
-    } else {
-        store_partial(rest, step);
+    if !last_x.is_empty() {
+        let mut ends = [[0; STEP]; 2];
+        for (end, last) in ends.iter_mut().zip([&*last_x, last_other]) {
+            end[..last.len()].copy_from_slice(last);
+        }
+        let [end_x, end_other] = &ends;
+        last_x.copy_from_slice(&f(x.len(), end_x, end_other)[..last_x.len()]);
     }
-}
-
-/// Writes fewer than 64 values.
-#[inline(never)]
-fn store_partial(rest: &mut [i8], step: &[i8; STEP]) {
-    rest.copy_from_slice(&step[..rest.len()]);
 }
 
 /// Four vectors of 64 values.
@@ -64,18 +48,23 @@ impl PointwiseBatchNorm<'_> {
     fn all<S: SimdI32, const SIGNED: bool>(self, simd: S) {
         let quant = &self.layer.quant;
         let (low, high) = (quant.act_min, quant.act_max);
-        for k in 0..self.output.len().div_ceil(STEP) {
-            let mut v = widen(simd, &load(self.input, k));
-            for (i, v) in v.iter_mut().enumerate() {
-                // the remainder is 0 without a division where the channels begin again with every vector
-                let phase = if self.phases.len() == 1 { 0 } else { (4 * k + i) % self.phases.len() };
-                let phase = &self.phases[phase];
-                let product = simd.multiply(*v, simd.load(&phase.weights));
-                let sum = simd.add(product, simd.load(&phase.start));
-                *v = simd.requantize::<SIGNED>(sum, &phase.requantizer);
-            }
-            store(self.output, k, &simd.narrow(v, low, high));
-        }
+        each_step(
+            self.output,
+            self.input,
+            #[inline(always)]
+            |k: usize, _: &[i8; STEP], input: &[i8; STEP]| {
+                let mut v = widen(simd, input);
+                for (i, v) in v.iter_mut().enumerate() {
+                    // the remainder is 0 without a division where the channels begin again with every vector
+                    let phase = if self.phases.len() == 1 { 0 } else { (4 * k + i) % self.phases.len() };
+                    let phase = &self.phases[phase];
+                    let product = simd.multiply(*v, simd.load(&phase.weights));
+                    let sum = simd.add(product, simd.load(&phase.start));
+                    *v = simd.requantize::<SIGNED>(sum, &phase.requantizer);
+                }
+                simd.narrow(v, low, high)
+            },
+        );
     }
 }
 
@@ -103,14 +92,20 @@ impl Kernel for PointwiseAdd<'_> {
     fn run<S: SimdI32>(self, simd: S) {
         let ([a, b], start) =
             (self.form.weights.each_ref().map(|w| simd.load(w)), simd.load(&self.form.start));
-        for k in 0..self.x.len().div_ceil(STEP) {
-            let (mut u, v) = (widen(simd, &load(self.x, k)), widen(simd, &load(self.branch, k)));
-            for i in 0..4 {
-                let left = simd.add(simd.multiply_low(u[i], a), start);
-                u[i] = simd.shift_right(simd.add(left, simd.multiply_low(v[i], b)), self.form.shift);
-            }
-            store(self.x, k, &simd.narrow(u, self.layer.act_min, self.layer.act_max));
-        }
+        let (shift, low, high) = (self.form.shift, self.layer.act_min, self.layer.act_max);
+        each_step(
+            self.x,
+            self.branch,
+            #[inline(always)]
+            |_: usize, x: &[i8; STEP], branch: &[i8; STEP]| {
+                let (mut u, v) = (widen(simd, x), widen(simd, branch));
+                for i in 0..4 {
+                    let left = simd.add(simd.multiply_low(u[i], a), start);
+                    u[i] = simd.shift_right(simd.add(left, simd.multiply_low(v[i], b)), shift);
+                }
+                simd.narrow(u, low, high)
+            },
+        );
     }
 }
 
@@ -138,15 +133,20 @@ impl RequantizedAdd<'_> {
     fn all<S: SimdI32, const A: bool, const B: bool>(self, simd: S) {
         let PackedAdd { terms: [a, b], sum } = self.packed;
         let (low, high) = (self.layer.act_min, self.layer.act_max);
-        for k in 0..self.x.len().div_ceil(STEP) {
-            let (mut u, v) = (widen(simd, &load(self.x, k)), widen(simd, &load(self.branch, k)));
-            for i in 0..4 {
-                let (left, right) = (term::<S, A>(simd, u[i], a), term::<S, B>(simd, v[i], b));
-                let both = simd.add(left, right);
-                u[i] = simd.requantize::<true>(simd.add(both, both), sum);
-            }
-            store(self.x, k, &simd.narrow(u, low, high));
-        }
+        each_step(
+            self.x,
+            self.branch,
+            #[inline(always)]
+            |_: usize, x: &[i8; STEP], branch: &[i8; STEP]| {
+                let (mut u, v) = (widen(simd, x), widen(simd, branch));
+                for i in 0..4 {
+                    let (left, right) = (term::<S, A>(simd, u[i], a), term::<S, B>(simd, v[i], b));
+                    let both = simd.add(left, right);
+                    u[i] = simd.requantize::<true>(simd.add(both, both), sum);
+                }
+                simd.narrow(u, low, high)
+            },
+        );
     }
 }
 

@@ -11,7 +11,7 @@
 //! Cost per 16 outputs of 16 pixels: 36 inputs / 2 vector products instead of 144 inputs / 2, and 11 one-dimensional
 //! transforms.
 
-use super::layer::{Convolution, OutputGroup, requantize, reserve, store};
+use super::layer::{Convolution, OutputGroup, finish, reserve};
 use super::simd::{LANES, SimdI32};
 use std::array::from_fn;
 
@@ -190,7 +190,7 @@ impl Convolution<'_> {
             transform_columns(simd, &map[y * row..], row, transformed);
             for x in (0..width).step_by(BLOCK) {
                 transform_rows(simd, &transformed[x * STEP..], row, &mut inputs);
-                for (group, first) in self.groups.iter().zip((0..).step_by(LANES)) {
+                for group in self.groups {
                     let start = simd.load(&group.start);
                     products(simd, group, &inputs, &mut sums);
                     for (tile, sums) in sums.iter().enumerate() {
@@ -200,8 +200,7 @@ impl Convolution<'_> {
                         }
                         let lines = self.output[y * width * channels..].chunks_exact_mut(width * channels);
                         for (line, &four) in lines.zip(&output_tile(simd, start, sums)) {
-                            let values = requantize(simd, quant, &group.requantizer, four);
-                            store(&values, first, channels, line, at);
+                            finish(simd, quant, group, four, line, at);
                         }
                     }
                 }
