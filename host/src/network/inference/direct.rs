@@ -1,14 +1,14 @@
 //! 3x3 convolutions on vectors: sixteen outputs in the lanes, a row of pixels in registers.
 //!
 //! The input is first rewritten as words of two or four inputs, with a border of its zero point: then no pixel is
-//! special, and a row of the kernel is one run of successive words. Cost: 9 inputs / 2 or 9 inputs / 4 vector products
-//! a pixel and sixteen outputs.
+//! special. Cost: 9 inputs / 2 or 9 inputs / 4 vector products a pixel and sixteen outputs, and a word is read once for the three
+//! columns of the kernel.
 
 use super::layer::{Convolution, finish, reserve};
 use super::simd::{I32x16, SimdI32};
 
-/// Sums of `P` successive pixels, of three rows of pixels of `STEP` words. A word goes into all sums that it belongs to at once, so that
-/// it need not be kept.
+/// Sums of `P` successive pixels, of three rows of pixels of `STEP` words. Eight pixels at a time, column by column of the kernel: ten words
+/// fit in registers beside sixteen sums, and successive products do not wait for each other.
 #[inline(always)]
 fn tile<S: SimdI32, const STEP: usize, const P: usize>(
     simd: S,

@@ -40,6 +40,7 @@ impl Kernel for Convolution<'_> {
         if by_winograd(inputs, S::INPUTS) {
             return if inputs == 16 { self.winograd::<S, 8>(simd) } else { self.winograd::<S, 16>(simd) };
         }
+        // the words of a pixel; sixteen inputs in pairs, and 32, were above
         match (S::INPUTS, inputs / 4) {
             (4, 1) => self.direct::<S, 1>(simd),
             (4, 2) | (_, 1) => self.direct::<S, 2>(simd),
@@ -56,11 +57,19 @@ impl Kernel for Convolution<'_> {
     }
 }
 
-/// Makes a buffer hold `length` words.
-pub fn reserve(words: &mut Vec<i32>, length: usize) {
+/// Makes a buffer hold `length` words, or their bytes.
+pub fn reserve<T: Copy + Default>(words: &mut Vec<T>, length: usize) {
     if words.len() < length {
-        words.resize(length, 0);
+        words.resize(length, T::default());
     }
+}
+
+/// The word that borders are made of: all its inputs are the zero point.
+#[inline(always)]
+pub fn border_word<S: SimdI32>(simd: S, zero: i8) -> i32 {
+    let mut words = [0; 2];
+    simd.input_words(&[zero; 4], &mut words[..4 / S::INPUTS]);
+    words[0]
 }
 
 impl Convolution<'_> {
@@ -68,9 +77,7 @@ impl Convolution<'_> {
     #[inline(always)]
     pub fn pad_input<S: SimdI32>(&mut self, simd: S, step: usize, (rows, columns): (usize, usize)) {
         let (height, width) = self.size;
-        let mut border = [0; 2];
-        simd.input_words(&[self.layer.quant.in_zp; 4], &mut border[..4 / S::INPUTS]);
-        let [border, _] = border; // all inputs of it are the same
+        let border = border_word(simd, self.layer.quant.in_zp);
         let row_length = width * self.layer.inputs;
         for (y, words) in self.words.chunks_exact_mut(columns * step).take(rows).enumerate() {
             if y == 0 || y > height {

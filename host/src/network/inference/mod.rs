@@ -43,7 +43,7 @@ pub struct VectorKernels {
     operators: Vec<Option<Packed>>,
     /// The padded input of a convolution.
     words: Vec<i32>,
-    /// That of the stem.
+    /// The padded image, as bytes of words: the stem reads words that begin in the middle of one.
     bytes: Vec<[u8; 4]>,
 }
 

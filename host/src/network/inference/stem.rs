@@ -1,6 +1,6 @@
 //! The input convolution with its pooling on vectors.
 
-use super::layer::{OutputGroup, finish, reserve};
+use super::layer::{OutputGroup, border_word, finish, reserve};
 use super::simd::{Kernel, SimdI32};
 use sdp3_core::dsn::conv::{Conv, pad_before, same};
 use std::array::from_fn;
@@ -41,17 +41,13 @@ impl Stem<'_> {
         let (height, width) = self.size;
         let (zero, stride) = (self.layer.quant.in_zp, self.layer.stride);
         let (above, columns) = (pad_before(height, stride), same(width, stride));
-        let mut border = [0; 2];
-        simd.input_words(&[zero; 4], &mut border[..4 / S::INPUTS]);
-        let [border, _] = border;
+        let border = border_word(simd, zero);
         let row = (MARGIN + columns.next_multiple_of(STEM_TILE) * stride + 4) / S::INPUTS;
         let count = (same(height, stride) - 1) * stride + 3;
         reserve(self.words, row);
         let words = &mut self.words[..row];
         words.fill(border);
-        if self.bytes.len() < count * row {
-            self.bytes.resize(count * row, [0; 4]);
-        }
+        reserve(self.bytes, count * row);
         for (y, bytes) in self.bytes.chunks_exact_mut(row).take(count).enumerate() {
             match y.checked_sub(above).filter(|&y| y < height) {
                 Some(y) => {
