@@ -54,7 +54,11 @@ fn a_dataset_teaches_what_its_simulation_would() {
     done(here, "train --data @/long --scenario @/s.toml --seed 3 -q --out @/c");
     done(here, "train --scenario @/s.toml --seed 3 -q --out @/d");
     done(here, "quantize --data @/data --out @/a --seed 3 -q");
-    done(here, "quantize --out @/b --seed 3 -q");
+    // later commands take the seed of the networks
+    done(here, "quantize --out @/b -q");
+    done(here, "early-exits --calibrate-per-class 8 --out @/b -q");
+    let exits = fs::read_to_string(here.join("b/early-exits.json")).expect("early exits");
+    assert!(exits.contains("\"seed\": 3,"), "{exits}");
     for name in ["dsn-200.json", "dsn-300.json", "dsn-200.sdp3", "dsn-300.sdp3"] {
         let read = |out: &str| fs::read(here.join(out).join("models").join(name)).expect("a network");
         assert!(read("a") == read("b"), "{name}");

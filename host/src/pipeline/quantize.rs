@@ -1,6 +1,7 @@
 //! Quantise as a command of its own: model files from the float networks of the output folder.
 
 use super::learn::{How, class_names};
+use super::stored::TRAIN_FIRST;
 use super::train::network_name;
 use super::{Job, budget};
 use crate::dataset::Stored;
@@ -17,8 +18,8 @@ impl Job {
     ///
     /// Networks that are not there or damaged; a dataset that does not fit; a folder that cannot be written.
     pub fn quantize_networks(mut self, data: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
-        const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
         self.scenario = self.run_scenario()?;
+        self.seed = self.folder_seed()?;
         let networks = self
             .scenario
             .frame

@@ -4,7 +4,7 @@ use super::Job;
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::{self, QUANTIZE_FIRST, check_use};
 use crate::report::{Live, paper::draw};
-use crate::results::{Accuracy, CurvePoint, Figures, Run};
+use crate::results::{Accuracy, CurvePoint, Figures, Run, Trainings};
 use crate::scenario::{Class, Scenario};
 use crate::store::difference::difference;
 use crate::store::digest::sha256;
@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
+/// How the networks were trained.
+pub(super) const TRAINING: &str = "training.json";
 /// File of what a run's figures show.
 pub(super) const FIGURES: &str = "figures.json";
 
@@ -23,6 +25,8 @@ const PAGE_PROGRAM: &str = "sdp3-page.wasm";
 
 /// What makes the files of a run.
 pub const RUN_FIRST: &str = "`sdp3 run` with the same --out makes it";
+/// What makes the networks.
+pub(super) const TRAIN_FIRST: &str = "`sdp3 train` with the same --out makes it";
 
 /// Accuracies as points of the learning curve.
 pub fn points(accuracy: &[Accuracy]) -> Vec<CurvePoint> {
@@ -106,16 +110,27 @@ impl Job {
         Ok(Scenario::resolve(Some(&self.output.path("scenario.toml")), &self.given.set)?)
     }
 
-    /// The job in the scenario of the output folder and, if a run is there, with its seed, unless others are given.
+    /// The seed that is given, or that of the folder's networks: they are then tested on recordings that they have not learned from.
     ///
     /// # Errors
     ///
-    /// A run that is none; a scenario that is missing or cannot be.
+    /// A training or a run that is none.
+    pub(super) fn folder_seed(&self) -> Result<u64, OutputError> {
+        let trained = || self.output.read_result::<Trainings>(TRAINING, TRAIN_FIRST);
+        match self.given.seed {
+            None if self.output.path(TRAINING).exists() => Ok(trained()?.1.seed.unwrap_or(self.seed)),
+            None if self.has_run() => Ok(self.run()?.seed),
+            _ => Ok(self.seed),
+        }
+    }
+
+    /// The job in the scenario of the output folder and with the seed of its networks, unless others are given.
+    ///
+    /// # Errors
+    ///
+    /// A training or a run that is none; a scenario that is missing or cannot be.
     pub(super) fn of_folder(self) -> Result<Self, Failure> {
-        let seed = match self.given.seed {
-            None if self.has_run() => self.run()?.seed,
-            _ => self.seed,
-        };
+        let seed = self.folder_seed()?;
         Ok(Job { scenario: self.trained_scenario()?, seed, output: self.output.of_seed(seed), ..self })
     }
 

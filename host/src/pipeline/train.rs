@@ -2,6 +2,7 @@
 
 use super::expected::Work;
 use super::learn::{How, Trained, class_names};
+use super::stored::TRAINING;
 use super::{Job, budget};
 use crate::dataset::Stored;
 use crate::error::Failure;
@@ -9,7 +10,7 @@ use crate::formats::{model_file, table};
 use crate::network::recipe::Recipe;
 use crate::network::spectrograms::{Collected, Part};
 use crate::network::training::Backend;
-use crate::results::{Epoch, Training};
+use crate::results::{Epoch, Training, Trainings};
 use crate::scenario::Scenario;
 use crate::store::output::OutputError;
 use std::path::PathBuf;
@@ -108,7 +109,7 @@ impl Job {
         for (parameters, n) in trained.parameters.iter().zip(&self.scenario.frame.sensing_slots) {
             self.output.write_json(&network_name(*n), parameters)?;
         }
-        self.output.write_json("training.json", &trained.training)?;
+        self.output.write_result(TRAINING, &Trainings { networks: trained.training.clone() })?;
         Ok(())
     }
 

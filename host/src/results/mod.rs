@@ -384,6 +384,13 @@ pub struct Training {
     pub float_loss: f64,
 }
 
+/// How every network of a folder was trained: what `training.json` holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Trainings {
+    /// One network per `N_s`.
+    pub networks: Vec<Training>,
+}
+
 /// Everything the pictures show, beside [`Run`]: what `figures.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Figures {

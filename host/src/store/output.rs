@@ -99,7 +99,7 @@ pub(crate) struct Provenance {
     #[serde(skip_serializing_if = "Option::is_none")]
     commit_date: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    seed: Option<u64>,
+    pub(crate) seed: Option<u64>,
     /// Of the scenario's text.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) scenario_sha256: Option<String>,
