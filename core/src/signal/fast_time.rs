@@ -71,7 +71,8 @@ impl<'b> FastTime<'b> {
     #[inline(always)]
     fn sums(&self, slot: &[i16]) -> Option<[[i64; 2]; BEATS]> {
         let (pairs, _) = slot.as_chunks::<2>();
-        if core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) {
+        let eight = usize::from(self.config.range_samples) == BEATS;
+        if eight && core::ptr::eq(self.reference, &CHIRP_WORDS.0[..]) {
             return Some(native_eight_blocks(pairs.first_chunk()?, &CHIRP_WORDS.0));
         }
         let samples = usize::from(self.config.samples);

@@ -38,6 +38,7 @@ fn a_full_scale_slot_of_any_configuration_stays_within_the_stated_magnitude() {
     let mut configs = vec![RadarConfig::PAPER, RadarConfig::BGT60, RadarConfig::IWR, blocks];
     configs.extend([1, 2, 32].map(|bins| RadarConfig { gate: gate(bins), ..wide }));
     configs.extend([64, 200, 2048].map(|samples| RadarConfig { samples, ..RadarConfig::PAPER }));
+    configs.extend([1, 2, 4, 5].map(|range_samples| RadarConfig { range_samples, ..RadarConfig::PAPER }));
     configs.extend([64, 2048].map(|samples| RadarConfig { samples, range_samples: 1, ..RadarConfig::PAPER }));
     configs.push(RadarConfig { samples: 2048, range_samples: 1, ..blocks });
     configs.extend([RadarConfig::DOPPLER, RadarConfig::DOPPLER_IQ]);
