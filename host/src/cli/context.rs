@@ -35,7 +35,7 @@ pub struct Common {
     #[arg(long, global = true, value_name = "FIELD=VALUE")]
     pub set: Vec<Override>,
     /// Seed of everything random [default: 1]
-    #[arg(long, global = true)]
+    #[arg(long, global = true, value_parser = clap::value_parser!(u64).range(..1 << 53))]
     pub seed: Option<u64>,
     /// Folder for results.
     #[arg(long, global = true, default_value = "out", value_name = "DIR")]

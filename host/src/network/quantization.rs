@@ -53,7 +53,7 @@ pub fn quantize_folded(
     if images.is_empty() {
         return Err(no_images());
     }
-    let images = evenly_spaced(images, CALIBRATION_IMAGES);
+    let images = drawn(images, CALIBRATION_IMAGES);
     let mut best: Option<(f64, Rule, ActivationQuant, Converted)> = None;
     let mut int8_loss = Vec::new();
     for (rule, activation_quant) in calibrate(float, &images) {
@@ -89,7 +89,7 @@ pub fn quantize_folded(
 }
 
 /// At most `most` images, drawn without regard to their order, which may repeat the classes.
-fn evenly_spaced(images: &Images, most: usize) -> Images {
+fn drawn(images: &Images, most: usize) -> Images {
     let mut chosen = shuffled(images.len(), 0, 0);
     chosen.truncate(most);
     Images {
@@ -285,7 +285,7 @@ mod tests {
     #[test]
     fn calibration_sees_every_class() {
         let images = stripes(10, 100, 1);
-        let chosen = evenly_spaced(&images, CALIBRATION_IMAGES);
+        let chosen = drawn(&images, CALIBRATION_IMAGES);
         assert_eq!((chosen.len(), chosen.pixels.len()), (100, 100 * 640));
         for class in 0..5 {
             let count = chosen.labels.iter().filter(|&&l| l == class).count();

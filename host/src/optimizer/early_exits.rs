@@ -39,15 +39,15 @@ pub fn gains(policy: &Policy, calibration: Evaluated, test: Evaluated) -> Vec<Ea
     rows.collect()
 }
 
-/// The upper envelope of all thresholds and last exits: accuracy against expected throughput of one user placement. Chosen
-/// on the calibration recordings, stated on the test recordings.
+/// The upper envelope of all thresholds and last exits: accuracy against expected throughput of one user placement. Each point on
+/// the calibration recordings, which it is chosen by, and what it reaches on the test recordings.
 pub fn region(
     policy: &Policy,
     calibration: Evaluated,
     test: Evaluated,
     theorem: &Theorem,
     case: u32,
-) -> Vec<EarlyExitRegionPoint> {
+) -> Vec<(Point, EarlyExitRegionPoint)> {
     let mut all = Vec::new();
     for last in 0..policy.exits.len() {
         for threshold in Policy::thresholds() {
@@ -64,15 +64,23 @@ pub fn region(
         better
     });
     front
-        .map(|(_, _, threshold, last)| {
+        .map(|(sensing_slots, accuracy, threshold, last)| {
+            let throughput_bit = |slots| theorem.throughput_bit(slots);
+            let calibrated = Point {
+                sensing_slots: sensing_slots.round() as u32,
+                shares: Vec::new(),
+                accuracy,
+                throughput_bit: throughput_bit(sensing_slots),
+            };
             let point = policy.evaluate(test.exit_classes, &test.exit_logits.truth, threshold, last);
-            let throughput_bit = theorem.throughput_bit(point.sensing_slots);
-            EarlyExitRegionPoint { case, throughput_bit, point }
+            let throughput_bit = throughput_bit(point.sensing_slots);
+            (calibrated, EarlyExitRegionPoint { case, throughput_bit, point })
         })
         .collect()
 }
 
-/// Everything `sdp3 early-exits` states. `rule` chooses among the points of case `optimizer.case`.
+/// Everything `sdp3 early-exits` states. `rule` chooses among the points of case `optimizer.case`, by what they reach on the calibration
+/// recordings.
 ///
 /// # Errors
 ///
@@ -99,14 +107,8 @@ pub fn outcome(
             throughput_bit: theorem.throughput_bit(f64::from(e.sensing_slots)),
         }));
     }
-    let own: Vec<&EarlyExitRegionPoint> = all.iter().filter(|p| p.case == scenario.optimizer.case).collect();
-    let point = |p: &&EarlyExitRegionPoint| Point {
-        sensing_slots: p.point.sensing_slots.round() as u32,
-        shares: Vec::new(),
-        accuracy: p.point.accuracy,
-        throughput_bit: p.throughput_bit,
-    };
-    let points: Vec<Point> = own.iter().map(point).collect();
+    let own = all.iter().filter(|(_, p)| p.case == scenario.optimizer.case);
+    let (points, own): (Vec<Point>, Vec<&EarlyExitRegionPoint>) = own.map(|(c, p)| (c.clone(), p)).unzip();
     let chosen = choose(&points, rule).ok_or_else(|| OptimizerError::unreachable(rule, &points))?;
     let operating_point = own[chosen].clone();
     let fused = |exit: usize| policy.evaluate(evaluated.exit_classes, &test.truth, 2.0, exit).accuracy;
@@ -115,7 +117,7 @@ pub fn outcome(
         tested: test.truth.len() as u32,
         gains: gains(policy, fitted, evaluated),
         fused_accuracy: (0..policy.exits.len()).map(fused).collect(),
-        region: all,
+        region: all.into_iter().map(|(_, point)| point).collect(),
         static_region: still,
         operating_point,
         exits: policy.exits.clone(),

@@ -106,12 +106,14 @@ pub fn rows(
         let (mut scenario, mut values, mut behind) = (scenario.clone(), Vec::new(), combinations(sweeps));
         for sweep in sweeps {
             behind /= sweep.values.len() as u64;
-            values.push(sweep.values[(number / behind) as usize % sweep.values.len()]);
-            apply(&mut scenario, sweep.axis, values[values.len() - 1], seed);
+            values.push((sweep.axis, sweep.values[(number / behind) as usize % sweep.values.len()]));
         }
+        let distance = values.iter().find(|(axis, _)| *axis == Axis::Distance).map_or(1.0, |(_, value)| *value);
+        // every user's distance: after the further users are there
+        values.sort_by_key(|(axis, _)| *axis == Axis::Distance);
+        values.iter().for_each(|&(axis, value)| apply(&mut scenario, axis, value, seed));
         scenario.check("command line, --sweep").map_err(OptimizerError::Scenario)?;
         for case in cases(curve, points, &scenario, rule, seed)? {
-            let distance = sweeps.iter().position(|s| s.axis == Axis::Distance).map_or(1.0, |k| values[k]);
             let point = case.operating_point;
             rows.push(SweepRow {
                 carrier_hz: scenario.radar.carrier_hz,

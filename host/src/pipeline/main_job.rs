@@ -96,22 +96,25 @@ impl Job {
         Ok((run, page))
     }
 
-    /// The scenario's rho, or else the calibration's. That of a measurement is used only at its own carrier.
+    /// The scenario's rho, or else the calibration's. That of a measurement is used only at its own carrier, as rho^(t / T) if its samples
+    /// are T apart and the steps of the scenario's room t.
     fn rho_used(&self, calibration: &Calibration, measured: bool) -> f64 {
         let other = (calibration.carrier_hz / self.scenario.radar.carrier_hz - 1.0).abs() >= SAME_CARRIER;
-        let rho = match self.scenario.channel.rho {
-            Some(rho) => rho,
+        let intervals_s = [calibration.interval_s, self.scenario.rho_interval_s()];
+        let (rho, why) = match self.scenario.channel.rho {
+            Some(rho) => (rho, "channel.rho states it".into()),
             None if measured && other => {
                 self.warn_of_rho();
-                stored_rho(&self.scenario).0
+                (stored_rho(&self.scenario).0, "the measurement is at another carrier".into())
             }
-            None => calibration.rho,
+            None => {
+                let [from_ms, to_ms] = intervals_s.map(|s| 1e3 * s);
+                let rho = libm::pow(calibration.rho, intervals_s[1] / intervals_s[0]);
+                (rho, format!("{} from one {from_ms} ms to the next, for {to_ms} ms", calibration.rho))
+            }
         };
         if rho != calibration.rho {
-            let text = format!(
-                "rho = {rho} is used: the measurement is at another carrier or the scenario gives it"
-            );
-            self.progress.note("calibrate", &text);
+            self.progress.note("calibrate", &format!("rho = {rho} is used: {why}"));
         }
         rho
     }

@@ -68,8 +68,7 @@ impl Job {
     /// Models that are not there, or of another radar; recordings beyond the budget.
     pub fn retest(self) -> Result<(Self, Retested), Failure> {
         let job = self.of_folder()?;
-        let run_rho = if job.has_run() { Some(job.run()?.rho) } else { None };
-        let rho = job.scenario.channel.rho.or(run_rho).unwrap_or_else(|| job.rho());
+        let rho = job.rho();
         let models = job.models(QUANTIZE_FIRST)?;
         dataset::check(&job.scenario)?;
         #[cfg(feature = "train")]

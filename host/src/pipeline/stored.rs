@@ -6,6 +6,7 @@ use crate::formats::model_file::{self, QUANTIZE_FIRST, check_use};
 use crate::report::{Live, paper::draw};
 use crate::results::{Accuracy, CurvePoint, Figures, Run, Trainings};
 use crate::scenario::{Class, Scenario};
+use crate::simulator::calibration::rho_of;
 use crate::store::difference::difference;
 use crate::store::digest::sha256;
 use crate::store::limited;
@@ -124,14 +125,18 @@ impl Job {
         }
     }
 
-    /// The job in the scenario of the output folder and with the seed of its networks, unless others are given.
+    /// The job in the scenario of the output folder, with the seed of its networks and the rho of its run, unless others are given.
     ///
     /// # Errors
     ///
     /// A training or a run that is none; a scenario that is missing or cannot be.
     pub(super) fn of_folder(self) -> Result<Self, Failure> {
-        let seed = self.folder_seed()?;
-        Ok(Job { scenario: self.trained_scenario()?, seed, output: self.output.of_seed(seed), ..self })
+        let (seed, mut scenario) = (self.folder_seed()?, self.trained_scenario()?);
+        if self.has_run() && scenario.channel.rho.is_none() {
+            // that of a measurement is in no scenario
+            scenario.channel.rho = Some(self.run()?.rho).filter(|&rho| rho != rho_of(&scenario));
+        }
+        Ok(Job { scenario, seed, output: self.output.of_seed(seed), ..self })
     }
 
     /// Whether the output folder has a run.

@@ -141,12 +141,12 @@ pub(super) fn read(source: Source) -> Result<Contents, MeasuredError> {
     let carrier_hz = captures.first().and_then(|c| c.frequency);
     if let Some(samples) = global.slot_samples {
         let sixteen = matches!(global.datatype.as_str(), "ci16_le" | "ri16_le");
-        if !SAMPLES.contains(&samples) || !sixteen || bytes.len() % (item * samples) != 0 {
+        if !(1..=*SAMPLES.end()).contains(&samples) || !sixteen || bytes.len() % (item * samples) != 0 {
             let what = format!("{samples} of {} in {} bytes", global.datatype, bytes.len());
             return Err(source.value(
                 "sdp3:slot_samples",
                 what,
-                "whole slots of 64 to 2048 ci16_le or ri16_le",
+                "whole slots of 1 to 2048 ci16_le or ri16_le",
             ));
         }
         let values: Vec<i16> = bytes.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect();

@@ -325,6 +325,8 @@ pub struct Calibration {
     pub carrier_hz: f64,
     /// The rho in use.
     pub rho: f64,
+    /// Time between the samples that rho correlates, in s.
+    pub interval_s: f64,
     /// Divergence at that rho, if a curve was computed.
     pub kl: Option<f64>,
     /// Divergence at rho = 1 (no sensing uncertainty), if a curve was computed.

@@ -2,7 +2,7 @@
 
 use super::overrides::{ORIGIN, Override};
 use super::rules::{Rule, Rules};
-use super::{Scenario, ScenarioError, SpectrogramSettings};
+use super::{Advance, Scenario, ScenarioError, SpectrogramSettings};
 use crate::error::Invalid;
 use crate::text::is_printable;
 use sdp3_core::dims::FFT_LEN;
@@ -18,6 +18,14 @@ impl Scenario {
     /// Time between two sensing slots in s.
     pub fn interval_s(&self) -> f64 {
         self.frame.slot_s * f64::from(self.frame.spacing_slots + 1)
+    }
+
+    /// Time between the responses of the room that rho correlates, in s.
+    pub fn rho_interval_s(&self) -> f64 {
+        match self.channel.advance {
+            Advance::SensingSlot => self.interval_s(),
+            Advance::Slot => self.frame.slot_s,
+        }
     }
 
     /// Length of a period in s.

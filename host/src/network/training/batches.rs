@@ -4,13 +4,16 @@ use burn::tensor::{Device, Tensor, TensorData};
 
 use crate::network::parameters::Images;
 
-/// Cuts images into those to learn from and, evenly among those of a label, the share that validates.
-pub fn split(labels: &[u8], share: f64) -> (Vec<usize>, Vec<usize>) {
-    let mut seen = [0u32; 256];
+/// Cuts images into those to learn from and, of every label's, the last share, which validates: whole recordings of `windows` images
+/// each, so that no recording is on both sides.
+pub fn split(labels: &[u8], share: f64, windows: usize) -> (Vec<usize>, Vec<usize>) {
+    let mut left = [0_usize; 256];
+    labels.iter().for_each(|&label| left[usize::from(label)] += 1);
+    let validate = left.map(|all| (all as f64 * share / windows as f64 + 1e-9) as usize * windows);
     (0..labels.len()).partition(|&i| {
-        let n = &mut seen[usize::from(labels[i])];
-        *n += 1;
-        (f64::from(*n) * share).floor() == (f64::from(*n - 1) * share).floor()
+        let label = usize::from(labels[i]);
+        left[label] -= 1;
+        left[label] >= validate[label]
     })
 }
 
@@ -76,9 +79,9 @@ mod tests {
     #[test]
     fn validation_takes_its_share_of_every_label() {
         let labels = [0, 0, 1, 0, 1, 1, 0, 1];
-        let (train, validate) = split(&labels, 0.25);
+        let (train, validate) = split(&labels, 0.25, 1);
         assert_eq!(validate, [6, 7]);
         assert_eq!(train, [0, 1, 2, 3, 4, 5]);
-        assert_eq!(split(&labels, 0.0).1.len(), 0);
+        assert_eq!(split(&labels, 0.0, 1).1.len(), 0);
     }
 }

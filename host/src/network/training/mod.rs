@@ -292,7 +292,7 @@ impl<'a> Learner<'a> {
             optimizer = optimizer.from_bytes(bytes).map_err(|_| Undecodable("optimizer"))?;
             (epochs, best) = (checkpoint.epochs.clone(), checkpoint.best.clone());
         }
-        let (train, validate) = split(&images.labels, settings.validation);
+        let (train, validate) = split(&images.labels, settings.validation, settings.windows as usize);
         let network = Network::new(&parameters, &job.backend.device().autodiff());
         let workspace = Workspace::default();
         let backend = job.backend;

@@ -1,12 +1,12 @@
 //! A measured signal beside simulated ones: on the same windows, by intensities and by spectra.
 
-use super::conditioning::{ac_couple, clutter_free, moving_windows, remove_mean};
+use super::conditioning::{ac_couple, moving_windows, remove_mean};
 use super::divergence::{Counts, divergence};
 use super::intensity::{Intensity, LEVELS, histogram};
 use super::room_fit::{DRAWS, FEWEST_WINDOWS, RoomFit as SpectralFits, STREAM, fit, interval};
 use super::sensor::SensorSimulation;
 use super::spectrum::{Bands, Conditioning, Spectrum};
-use super::{PEOPLE, beats_of};
+use super::{PEOPLE, beats_of, without_clutter};
 use crate::error::Invalid;
 use crate::numerics::random::Random;
 use crate::numerics::resample::resample;
@@ -68,7 +68,7 @@ pub fn slow_time(signal: &Signal, radar: &Radar) -> Result<Slow, Invalid> {
                 Invalid::new("values a slot", slots.per_slot, legal).at(&signal.title)
             })?;
             let summed = beats.iter().map(|b| b.iter().sum::<Complex64>() / BLOCKS as f64).collect();
-            Slow { signal: clutter_free(&beats), summed: Some(summed), rate_hz: signal.rate_hz, real: false }
+            Slow { signal: without_clutter(&beats, config.range_samples), summed: Some(summed), rate_hz: signal.rate_hz, real: false }
         }
     })
 }
@@ -141,7 +141,6 @@ impl Comparison {
     pub fn sensor(&self, seed: u64, class: Class) -> SensorSimulation<'_> {
         let mut sensor = SensorSimulation::new(&self.at_carrier, seed, class, self.real, self.slots as u32);
         sensor.intensity = Intensity::new(WINDOW, HOP);
-        sensor.hop = HOP;
         sensor.single_cell = self.single_cell;
         sensor
     }

@@ -45,15 +45,19 @@ fn beats_of(slots: &Slots, radar: RadarConfig) -> Option<Vec<Blocks>> {
     Some(slots.beats(radar)?.iter().map(complex).collect())
 }
 
-/// The slow time of raw slots, without what stands still; `None` if they are not of this radar.
-pub fn slots_without_clutter(slots: &Slots, radar: RadarConfig) -> Option<Vec<Complex64>> {
-    let beats = beats_of(slots, radar)?;
-    if radar.range_samples > 1 {
-        return Some(clutter_free(&beats));
+/// The slow time of so many range samples a slot, without what stands still: of a single one its mean is removed.
+fn without_clutter(beats: &[Blocks], range_samples: u8) -> Vec<Complex64> {
+    if range_samples > 1 {
+        return clutter_free(beats);
     }
     let mut slow: Vec<Complex64> = beats.iter().map(|[first, ..]| *first).collect();
     remove_mean(&mut slow);
-    Some(slow)
+    slow
+}
+
+/// The slow time of raw slots, without what stands still; `None` if they are not of this radar.
+pub fn slots_without_clutter(slots: &Slots, radar: RadarConfig) -> Option<Vec<Complex64>> {
+    Some(without_clutter(&beats_of(slots, radar)?, radar.range_samples))
 }
 
 /// D(measured || simulated) in nats of the scenario's channel model as it is, at this rho, and the simulated shares of the levels.
@@ -102,6 +106,7 @@ pub fn calibrate_measured(
         ),
         carrier_hz,
         rho: curve[best].rho,
+        interval_s: 1.0 / rate_hz,
         kl: Some(curve[best].kl),
         kl_without_uncertainty: curve.last().map(|p| p.kl),
         curve_of: format!("intensities of {title} against {PEOPLE} simulated recordings of {}", class.name()),
@@ -125,6 +130,7 @@ pub fn recover(scenario: &Scenario, rho: f64, source: &str, seed: u64, progress:
         source: source.to_owned(),
         carrier_hz: scenario.radar.carrier_hz,
         rho,
+        interval_s: scenario.rho_interval_s(),
         kl: Some(curve[best].kl),
         kl_without_uncertainty: curve.last().map(|p| p.kl),
         curve_of: format!(

@@ -1,9 +1,9 @@
 //! Simulated people as a sensor shows them, conditioned as the measured signal is.
 
-use super::conditioning::{ac_couple, clutter_free, remove_mean};
+use super::conditioning::{ac_couple, remove_mean};
 use super::divergence::{Counts, EVALUATIONS, search};
 use super::intensity::{Intensity, LEVELS, histogram};
-use super::{PEOPLE, Progress};
+use super::{PEOPLE, Progress, without_clutter};
 use crate::numerics::random::Random;
 use crate::results::{KlPoint, Spectrogram};
 use crate::scenario::{Class, Scenario};
@@ -30,16 +30,14 @@ pub struct SensorSimulation<'a> {
     pub single_cell: bool,
     pub slots: u32,
     pub intensity: Intensity,
-    pub hop: usize,
 }
 
 impl<'a> SensorSimulation<'a> {
     /// Complex recordings of `slots` sensing slots as the scenario's front end shows them; real ones if asked.
     pub fn new(scenario: &'a Scenario, seed: u64, class: Class, real: bool, slots: u32) -> Self {
         let settings = &scenario.spectrogram;
-        let hop = usize::from(settings.hop);
-        let intensity = Intensity::new(usize::from(settings.window), hop);
-        SensorSimulation { scenario, seed, class, real, single_cell: false, slots, intensity, hop }
+        let intensity = Intensity::new(usize::from(settings.window), usize::from(settings.hop));
+        SensorSimulation { scenario, seed, class, real, single_cell: false, slots, intensity }
     }
 
     /// A person's slow-time signal before conditioning, with what settles before the window: one range sample of a sensor that has one
@@ -94,7 +92,7 @@ impl<'a> SensorSimulation<'a> {
         }
         let mut simulation = Simulation::new(self.scenario, rho, self.seed, set, self.class, index);
         let mut beats = simulation.advance_blocks(SETTLE_SLOTS + self.slots);
-        clutter_free(&beats.split_off(SETTLE_SLOTS as usize))
+        without_clutter(&beats.split_off(SETTLE_SLOTS as usize), self.scenario.radar.range_samples)
     }
 
     /// Intensities of signals, together.

@@ -27,12 +27,12 @@ const CROSS_SECTION_M2: [f64; 2] = [0.02, 0.5];
 /// Nearest an object stands to an end in m.
 const AWAY_M: f64 = 0.5;
 /// ITU-R M.2135-1 Table A1-7, indoor hotspot, line of sight: clusters, rays, ratio of the delays' spread to the delay spread, shadowing of a cluster
-/// in dB, spread of a cluster's rays in degrees, mean K factor in dB.
+/// in dB, spread of a cluster's rays in degrees at departure and arrival, mean K factor in dB.
 const CLUSTERS: usize = 15;
 const RAYS: usize = 20;
 const DELAY_RATIO: f64 = 3.6;
 const CLUSTER_SHADOWING_DB: f64 = 6.0;
-const RAY_SPREAD_DEG: f64 = 8.0;
+const RAY_SPREAD_DEG: [f64; 2] = [5.0, 8.0];
 const K_DB: f64 = 7.0;
 
 /// An object: place, root of its cross section in m, phase.
@@ -81,11 +81,13 @@ fn stochastic(paths: &[StaticPath], first: f64, random: &mut Random) -> Vec<Path
         });
         let Some(StaticPath { path: around, .. }) = around.or(paths.last()) else { continue };
         for _ in 0..RAYS {
-            let mut turn = |direction: Vec3| {
-                let angle = [0; 2].map(|_| RAY_SPREAD_DEG * PI / 180.0 * random.laplacian());
+            let mut turn = |direction: Vec3, spread_deg: f64| {
+                let angle = [0; 2].map(|_| spread_deg * PI / 180.0 * random.laplacian());
                 rotated(direction, angle)
             };
-            let (departure, arrival) = (turn(around.departure), turn(around.arrival));
+            let [at_departure, at_arrival] = RAY_SPREAD_DEG;
+            let departure = turn(around.departure, at_departure);
+            let arrival = turn(around.arrival, at_arrival);
             let gain = phasor(TAU * random.uniform()) * (power * scale).sqrt();
             rays.push(Path { gain, delay_s: first + delay, departure, arrival });
         }
