@@ -83,6 +83,17 @@ fn later_commands_go_on_in_the_runs_scenario_with_its_seed() {
             assert!(text.contains("name = \"small\""), "{words:?}: {text}");
         }
     }
+    // a run that began in the same folder and did not end has written its scenario
+    let scenario = out.join("scenario.toml");
+    let text = std::fs::read_to_string(&scenario).expect("a scenario");
+    std::fs::write(&scenario, text.replace("name = \"small\"", "name = \"other\"")).expect("a scenario");
+    for words in [&["predict"][..], &["optimize"], &["schedule"], &["verify"], &["report"]] {
+        let mut command = Command::new(program());
+        command.args(words).args(["-q", "--out"]).arg(&out);
+        let (code, _, stderr) = outcome(&command.output().expect("it starts"));
+        assert_eq!(code, 2, "{words:?}: {stderr}");
+        assert!(stderr.contains("another scenario than run.json is of"), "{words:?}: {stderr}");
+    }
 }
 
 /// Every file below a folder, by its path from there, with its bytes.

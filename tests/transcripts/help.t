@@ -41,7 +41,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -136,7 +136,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -217,7 +217,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -268,7 +268,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -329,7 +329,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -412,7 +412,7 @@ Help: the tool and every command, with examples.
             Picture to draw, .svg, .png or .pdf: each recording's spectrogram, with class and confidence over time below it
   
         --format <FORMAT>
-            What is printed, unless --json is given
+            What is printed, where --json is not given
   
             Possible values:
             - text:  A line a window: its time in s, its class, its confidence, the slots it used
@@ -441,7 +441,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -483,7 +483,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -505,7 +505,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -615,7 +615,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -697,7 +697,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -790,7 +790,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -877,7 +877,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -940,7 +940,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -982,7 +982,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1024,7 +1024,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1087,7 +1087,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1135,7 +1135,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1162,7 +1162,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1187,7 +1187,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1215,7 +1215,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1241,7 +1241,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1285,7 +1285,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1326,7 +1326,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1356,7 +1356,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1409,7 +1409,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1504,7 +1504,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1561,7 +1561,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1609,7 +1609,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1636,7 +1636,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1662,7 +1662,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1702,7 +1702,7 @@ Help: the tool and every command, with examples.
             [default: out]
   
         --threads <THREADS>
-            Threads; 0 takes all processors. Results do not depend on it
+            Threads, at most 1024; 0 takes all processors. Results do not depend on it
             
             [default: 0]
   
@@ -1742,7 +1742,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1766,7 +1766,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>  Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>        Seed of everything random [default: 1]
         --out <DIR>          Folder for results [default: out]
-        --threads <THREADS>  Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>  Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>  Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>    Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json               Print results as JSON, and nothing else, on stdout
@@ -1793,7 +1793,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout
@@ -1818,7 +1818,7 @@ Help: the tool and every command, with examples.
         --set <FIELD=VALUE>          Set a field over the scenario, such as radar.carrier_hz=24e9 or frame.sensing_slots=[200,300]. May be given several times; the resolved scenario beside the results has it
         --seed <SEED>                Seed of everything random [default: 1]
         --out <DIR>                  Folder for results [default: out]
-        --threads <THREADS>          Threads; 0 takes all processors. Results do not depend on it [default: 0]
+        --threads <THREADS>          Threads, at most 1024; 0 takes all processors. Results do not depend on it [default: 0]
         --max-memory <SIZE>          Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB [default: 4GiB]
         --max-time <TIME>            Refuse what would take longer by its estimate, before it begins; such as 90s, 10m, 12h or 30d [default: 30d]
         --json                       Print results as JSON, and nothing else, on stdout

@@ -42,6 +42,32 @@ Learning curves, regions and schedules from a table of accuracies.
   zones: |dA / dR|, both over their span, above 5.000, between, below 0.2; every N_s in boundary.csv
   The people of the scenario are in the users' channels.
 
+  $ sdp3 optimize -q --points points.csv --accuracy -0.1
+  sdp3: command line: --accuracy is -0.1, must be 0 to 1
+  [2]
+
+  $ sdp3 optimize -q --points points.csv --weights 0,0
+  sdp3: command line: --weights is 0,0, must be two numbers, at least one of them above 0
+  [2]
+
+  $ sdp3 optimize -q --points points.csv --sweep users=1 --sweep users=2
+  sdp3: command line: --sweep is users twice, must be each axis once, with all its values
+  [2]
+
+  $ sdp3 predict --points points.csv --threads 20000
+  error: invalid value '20000' for '--threads <THREADS>': 20000 is not in 0..=1024
+  
+  For more information, try '--help'.
+  [2]
+
+  $ sdp3 verify --firmware nowhere
+  sdp3: command line: --firmware is nowhere, must be a folder that firmware-sim/build made
+  [2]
+
+  $ sdp3 run -q --set frame.sensing_slots=[200] --out one
+  sdp3: frame.sensing_slots is [200], must be at least 2 numbers: a learning curve goes through their accuracies; `sdp3 train` takes 1
+  [2]
+
   $ sdp3 optimize -q --points points.csv --set communication.power_w=0.1 --sweep users=1,2
   carrier_hz\tpower_w\tusers\tdistance\tcase\tsensing_slots\taccuracy\tthroughput_bit\tthroughput_mbit_s (esc)
   3500000000\t0.1\t1\t1\t1\t326\t0.9034692688492608\t68630320\t68.63032 (esc)

@@ -82,6 +82,12 @@ A sweep of four cells: where it stands, merged with and without all of them. Nee
   cells
   merged.csv
   merged.json
+  partial-accuracy-over-rho.pdf
+  partial-accuracy-over-rho.png
+  partial-accuracy-over-rho.svg
+  partial-throughput-over-rho.pdf
+  partial-throughput-over-rho.png
+  partial-throughput-over-rho.svg
   partial.csv
   partial.json
   sweep.toml

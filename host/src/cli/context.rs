@@ -8,7 +8,7 @@ use crate::scenario::budget::{Budget, Memory, Time};
 use crate::scenario::{Override, Scenario};
 use crate::store::output::{Output, OutputError, to_json};
 use crate::text::{printable_json, shown};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::ops::RangeInclusive;
@@ -40,8 +40,8 @@ pub struct Common {
     /// Folder for results.
     #[arg(long, global = true, default_value = "out", value_name = "DIR")]
     pub out: PathBuf,
-    /// Threads; 0 takes all processors. Results do not depend on it.
-    #[arg(long, global = true, default_value_t = 0)]
+    /// Threads, at most 1024; 0 takes all processors. Results do not depend on it.
+    #[arg(long, global = true, default_value_t = 0, value_parser = RangedU64ValueParser::<usize>::new().range(..=1024))]
     pub threads: usize,
     /// Refuse what would need more memory by its estimate, before it begins; such as 500M or 8GiB.
     #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB")]

@@ -3,7 +3,7 @@
 use super::context::{Context, Preset};
 use super::simulator::MeasuredArgs;
 use crate::conformance::qemu::MACHINES;
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::pipeline::verify::{REFERENCE, TARGETS, Targets};
 use crate::results::Verify;
 use clap::Args;
@@ -39,13 +39,23 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
-    pub fn targets(self) -> Targets {
-        Targets { names: self.targets, firmware: self.firmware }
+    /// # Errors
+    ///
+    /// A folder of firmware that is none.
+    pub fn targets(self) -> Result<Targets, Invalid> {
+        if let Some(folder) = self.firmware.as_ref().filter(|folder| !folder.is_dir()) {
+            return Err(Invalid::option(
+                "--firmware",
+                folder.display(),
+                "a folder that firmware-sim/build made",
+            ));
+        }
+        Ok(Targets { names: self.targets, firmware: self.firmware })
     }
 }
 
 pub fn verify(context: &Context, args: VerifyArgs) -> Result<bool, Failure> {
-    let verify = context.job()?.verify_run(&args.targets())?;
+    let verify = context.job()?.verify_run(&args.targets()?)?;
     context.print(&verify, || table(&verify))?;
     Ok(verify.mismatches == 0)
 }

@@ -94,8 +94,8 @@ pub struct ClassifyArgs {
     /// Picture to draw, .svg, .png or .pdf: each recording's spectrogram, with class and confidence over time below it.
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// What is printed, unless --json is given.
-    #[arg(long, value_enum, default_value_t = Format::Text)]
+    /// What is printed, where --json is not given.
+    #[arg(long, value_enum, default_value_t = Format::Text, conflicts_with = "json")]
     pub format: Format,
     /// Windows of less confidence are `unknown`.
     #[arg(long, value_name = "0..1", default_value_t = 0.0)]
@@ -140,7 +140,6 @@ pub fn classify(context: &Context, args: ClassifyArgs) -> Result<bool, Failure> 
         least_confidence,
     } = args;
     let picture = picture.map(|file| drawn_as(&file).map(|form| (file, form))).transpose()?;
-    let format = if context.common.json { Format::Text } else { format };
     let early_exits = early_exits.map(|folder| EarlyExits { folder, threshold });
     let stated = stated.stated(context.common.budget());
     let request = Classify { model: model.into(), early_exits, step, least_confidence, guard, stated };

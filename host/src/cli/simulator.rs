@@ -59,10 +59,10 @@ pub struct TargetsArgs {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = count(INDEX))]
     pub index: u32,
     /// Seconds between two instants; absent: from one sensing slot to the next.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub every_s: Option<f64>,
     /// Seconds in all; absent: those of a recording.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub duration_s: Option<f64>,
 }
 

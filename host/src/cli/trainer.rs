@@ -18,7 +18,7 @@ use crate::results::Reproduction;
 pub fn run(context: &Context, args: RunArgs) -> Result<bool, Failure> {
     let RunArgs { preset, resume, measured, verify } = args;
     let (quick, measured) = (preset == Preset::Quick, measurement(measured, context.common.budget()));
-    let ask = MainJob { quick, resume, measured, targets: verify.targets() };
+    let ask = MainJob { quick, resume, measured, targets: verify.targets()? };
     let (run, page) = context.job()?.main_job(&ask)?;
     context.print(&run, || format!("{}\nreport: {}", job::table(&run.verify), page.display()))?;
     Ok(run.verify.mismatches == 0)

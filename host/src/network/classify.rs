@@ -97,7 +97,7 @@ impl Classify {
         let stored = self.stored()?;
         let exits = Exits::new(&stored)?;
         let mut slot = vec![0; 2 * exits.last.radar().values_per_slot()];
-        let (mut windows, mut slots) = (0, 0);
+        let (mut windows, mut slots, mut read) = (0, 0, 0);
         let mut counted = |window: &ClassifiedWindow| {
             windows += 1;
             slots += u64::from(window.slots_used);
@@ -123,8 +123,13 @@ impl Classify {
                     }
                 }
                 push(slot.as_chunks().0.iter().map(|&pair| i16::from_le_bytes(pair)).collect())?;
+                read += 1;
             }
         })?;
+        if windows == 0 {
+            let legal = format!("at least {}", exits.last.sensing_slots());
+            return Err(Invalid::new("slots", read, legal).at("standard input").into());
+        }
         Ok(Ended { early_exits: self.used(&stored, &exits, windows, slots), supervision })
     }
 

@@ -55,6 +55,25 @@ impl std::str::FromStr for Sweep {
     }
 }
 
+/// Refuses an axis that is given twice.
+///
+/// # Errors
+///
+/// See [`Invalid`].
+pub fn check(sweeps: &[Sweep]) -> Result<(), Invalid> {
+    for (n, sweep) in sweeps.iter().enumerate() {
+        if sweeps[..n].iter().any(|other| other.axis == sweep.axis) {
+            let (_, name) = Axis::ALL[sweep.axis as usize];
+            return Err(Invalid::option(
+                "--sweep",
+                format!("{name} twice"),
+                "each axis once, with all its values",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Stream number of the places of further users.
 const STREAM: u64 = 202;
 
@@ -108,7 +127,8 @@ pub fn rows(
             behind /= sweep.values.len() as u64;
             values.push((sweep.axis, sweep.values[(number / behind) as usize % sweep.values.len()]));
         }
-        let distance = values.iter().find(|(axis, _)| *axis == Axis::Distance).map_or(1.0, |(_, value)| *value);
+        let distance =
+            values.iter().find(|(axis, _)| *axis == Axis::Distance).map_or(1.0, |(_, value)| *value);
         // every user's distance: after the further users are there
         values.sort_by_key(|(axis, _)| *axis == Axis::Distance);
         values.iter().for_each(|&(axis, value)| apply(&mut scenario, axis, value, seed));
@@ -136,6 +156,22 @@ pub fn rows(
 mod tests {
     use super::*;
     use crate::results::Parameters;
+
+    #[test]
+    fn axes_may_be_given_in_any_order_and_once() {
+        let parameters = Parameters { alpha: 61906.0, beta: 2.4297, gamma: Some(0.9499), epsilon: None };
+        let curve = Curve { model: "pow3".into(), parameters, rmse: 0.0 };
+        let mut printed = crate::scenario::builtin::named("as-printed".as_ref()).unwrap().scenario();
+        printed.communication.power_w = 1e-7;
+        let found = |sweeps: [&str; 2]| {
+            let sweeps = sweeps.map(|text| text.parse::<Sweep>().unwrap());
+            check(&sweeps).unwrap();
+            rows(&printed, (&curve, &[]), Rule::AccuracyAtLeast(0.9), &sweeps, 1).unwrap()
+        };
+        assert_eq!(found(["users=6", "distance=0.5"]), found(["distance=0.5", "users=6"]));
+        let twice = ["users=6", "power_w=1", "users=5"].map(|text| text.parse::<Sweep>().unwrap());
+        assert!(check(&twice).unwrap_err().to_string().contains("users twice"));
+    }
 
     #[test]
     fn every_combination_gets_a_row_and_physics_its_way() {

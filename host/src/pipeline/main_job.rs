@@ -5,7 +5,7 @@ use super::learn::{How, class_names};
 use super::simulate::Measured;
 use super::verify::{REFERENCE, Targets};
 use super::{Job, budget};
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::network::early_exits;
 use crate::network::parameters::Images;
 use crate::network::spectrograms::{Collected, Part, picture};
@@ -40,6 +40,10 @@ impl Job {
     /// Any of the stages'.
     pub fn main_job(mut self, ask: &MainJob) -> Result<(Run, PathBuf), Failure> {
         self.size(ask.quick)?;
+        let slots = &self.scenario.frame.sensing_slots;
+        let legal =
+            "at least 2 numbers: a learning curve goes through their accuracies; `sdp3 train` takes 1";
+        Invalid::unless(slots.len() > 1, "frame.sensing_slots", format!("{slots:?}"), legal)?;
         budget::regions(&self.scenario, self.budget, 1)?;
         self.warn_of_aliasing();
         self.note_near_field();

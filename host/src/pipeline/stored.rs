@@ -10,12 +10,14 @@ use crate::simulator::calibration::rho_of;
 use crate::store::difference::difference;
 use crate::store::digest::sha256;
 use crate::store::limited;
-use crate::store::output::OutputError;
+use crate::store::output::{OutputError, Provenance};
 use sdp3_core::dsn::Model;
 use std::path::{Path, PathBuf};
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
+/// The scenario that the folder's results are of.
+const SCENARIO: &str = "scenario.toml";
 /// How the networks were trained.
 pub(super) const TRAINING: &str = "training.json";
 /// File of what a run's figures show.
@@ -56,7 +58,21 @@ impl Job {
     ///
     /// No run, or a file that is none.
     pub fn run(&self) -> Result<Run, OutputError> {
-        Ok(self.output.read_result(RUN, RUN_FIRST)?.0)
+        let (run, made) = self.output.read_result(RUN, RUN_FIRST)?;
+        match self.is_of_folder(&made) {
+            true => Ok(run),
+            false => {
+                let reason =
+                    format!("another scenario than {RUN} is of: a later command began with it; {RUN_FIRST}");
+                Err(OutputError::Content { path: self.output.path(SCENARIO), reason })
+            }
+        }
+    }
+
+    /// Whether a result is of the folder's scenario.
+    fn is_of_folder(&self, made: &Provenance) -> bool {
+        let scenario = self.output.read(SCENARIO, RUN_FIRST);
+        scenario.is_ok_and(|text| made.scenario_sha256 == Some(sha256([text.as_slice()])))
     }
 
     /// The seed of what was made with `own`: one that is given must be the same.
@@ -139,9 +155,12 @@ impl Job {
         Ok(Job { scenario, seed, output: self.output.of_seed(seed), ..self })
     }
 
-    /// Whether the output folder has a run.
+    /// Whether the output folder has a run of its scenario, or a file in its place that is none.
     pub(super) fn has_run(&self) -> bool {
-        self.output.path(RUN).exists()
+        match self.output.read_result::<Run>(RUN, RUN_FIRST) {
+            Ok((_, made)) => self.is_of_folder(&made),
+            Err(_) => self.output.path(RUN).exists(),
+        }
     }
 
     /// The models of every N_s of the scenario, each for its radar; `hint` says what makes them.
@@ -179,7 +198,7 @@ impl Job {
     ///
     /// A run that is not there, of another scenario than the one given, or with files of several runs; a file that is no program.
     pub fn report(self, program: Option<&Path>) -> Result<PathBuf, Failure> {
-        let (run, made) = self.output.read_result::<Run>(RUN, RUN_FIRST)?;
+        let (run, (_, made)) = (self.run()?, self.output.read_result::<Run>(RUN, RUN_FIRST)?);
         let (figures, with) = self.output.read_result::<Figures>(FIGURES, RUN_FIRST)?;
         let scenario = self.run_scenario()?;
         let refuse = |file: &str, field: &str, found: &str, must: &str| {
@@ -188,11 +207,6 @@ impl Job {
         };
         if let Some((field, found, must)) = with.other_run(&made) {
             return Err(refuse(FIGURES, &format!("provenance.{field}"), &found, &must).into());
-        }
-        let (found, must) =
-            (sha256([scenario.to_toml().as_bytes()]), made.scenario_sha256.unwrap_or_default());
-        if found != must {
-            return Err(refuse("scenario.toml", "SHA-256", &found, &must).into());
         }
         let job = Job { scenario, ..self };
         job.page(&run, &figures, program)

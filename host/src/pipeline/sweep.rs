@@ -90,8 +90,9 @@ fn run(_: &Sweep, _: Shard, _: &Path, _: RunContext) -> Result<Swept, Failure> {
 pub fn join(folder: &Path, partial: bool) -> Result<Merged, Failure> {
     let merged = merge::merge(folder, partial)?;
     let output = Output::create(folder)?;
+    let prefix = if partial { "partial-" } else { "" };
     for (name, svg) in report::sweep::pictures(&merged) {
-        draw(&output, &name, &svg)?;
+        draw(&output, &format!("{prefix}{name}"), &svg)?;
     }
     Ok(merged)
 }

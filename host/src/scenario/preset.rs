@@ -109,7 +109,7 @@ mod tests {
         // a built-in scenario's own sizes stay too
         let (found, _) = Scenario::quick(Some(Path::new("small-radar")), &[]).unwrap();
         assert_eq!((found.learning.blocks, found.learning.epochs), (3, 12));
-        assert_eq!(found.frame.sensing_slots, [200]);
+        assert_eq!(found.frame.sensing_slots, [160, 200, 240]);
         assert_eq!(Scenario::quick(None, &[]).unwrap().0.learning.epochs, 12);
         let (found, words) = Scenario::comparison(None, &set).unwrap();
         assert_eq!((found.learning.windows, found.learning.test_per_class), (2, 100));

@@ -78,11 +78,13 @@ impl Rule {
         self.field.split(['[', ' ']).next().unwrap_or_default()
     }
 
-    /// What of the field is meant: `how many`, an axis, an entry; empty if all.
+    /// What of the field is meant: `how many`, an axis, each entry, a field of each entry; empty if all.
     pub fn part(&self) -> &str {
         match self.field.split_once('(') {
             Some((_, part)) => part.trim_end_matches(')'),
-            None if self.field.contains('[') => "each",
+            None if self.field.contains('[') => {
+                self.field.split_once("].").map_or("each", |(_, of_entry)| of_entry)
+            }
             None => "",
         }
     }

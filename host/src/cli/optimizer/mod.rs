@@ -5,7 +5,7 @@ mod schedule;
 use super::context::{Context, count, one_of};
 use crate::error::{Failure, Invalid};
 use crate::optimizer::Rule;
-use crate::optimizer::sweep::Sweep;
+use crate::optimizer::sweep::{Sweep, check};
 use crate::predictor::Model;
 use crate::report::{early_exits, tables};
 use crate::results::{Link, Optimum};
@@ -58,16 +58,16 @@ pub struct EarlyExitsArgs {
 #[group(multiple = false)]
 pub struct RuleArgs {
     /// Accuracy of at least this, 0 to 1.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
     /// Throughput of at least this, in bits per period.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub throughput: Option<f64>,
     /// Weight of accuracy, 0 to 1; throughput has the rest, both over their span on the boundary.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub weight: Option<f64>,
     /// w_A and w_R of the paper's sum w_A A + w_R R, R in bits per period.
-    #[arg(long, value_name = "WA,WR", value_parser = pair)]
+    #[arg(long, value_name = "WA,WR", value_parser = pair, allow_hyphen_values = true)]
     pub weights: Option<(f64, f64)>,
 }
 
@@ -90,7 +90,13 @@ fn rule(args: &RuleArgs) -> Result<Option<Rule>, Failure> {
         RuleArgs { accuracy: Some(a), .. } => Some(Rule::AccuracyAtLeast(share("--accuracy", a)?)),
         RuleArgs { throughput: Some(r), .. } => Some(Rule::ThroughputAtLeast(positive("--throughput", r)?)),
         RuleArgs { weights: Some((a, r)), .. } => {
-            Some(Rule::Weights(positive("--weights (WA)", a)?, positive("--weights (WR)", r)?))
+            let (a, r) = (positive("--weights (WA)", a)?, positive("--weights (WR)", r)?);
+            if a + r == 0.0 {
+                return Err(
+                    Invalid::option("--weights", "0,0", "two numbers, at least one of them above 0").into()
+                );
+            }
+            Some(Rule::Weights(a, r))
         }
         RuleArgs { weight: Some(weight), .. } => Some(Rule::Weighted(share("--weight", weight)?)),
         _ => None,
@@ -105,6 +111,7 @@ pub fn predict(context: &Context, args: &PredictArgs) -> Result<bool, Failure> {
 
 pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure> {
     let rule = rule(&args.rule)?;
+    check(&args.sweep)?;
     let job = context.job()?;
     let (job, retested) = match args.retest {
         true => job.retest().map(|(job, found)| (job, Some(found)))?,

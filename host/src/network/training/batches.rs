@@ -83,5 +83,9 @@ mod tests {
         assert_eq!(validate, [6, 7]);
         assert_eq!(train, [0, 1, 2, 3, 4, 5]);
         assert_eq!(split(&labels, 0.0, 1).1.len(), 0);
+        // recordings of three images: 0.2 of five recordings is one
+        let labels: Vec<u8> = (0..30).map(|image| (image / 3 % 2) as u8).collect();
+        let (train, validate) = split(&labels, 0.2, 3);
+        assert_eq!((train.len(), validate), (24, vec![24, 25, 26, 27, 28, 29]));
     }
 }

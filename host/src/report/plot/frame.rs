@@ -3,6 +3,7 @@
 use super::style::{Style, escape, number};
 use super::{Medium, Plot, RIGHT, Shape, TOP};
 use std::fmt::Write;
+use std::ptr;
 
 /// Opacity of a band.
 pub(super) const BAND: f64 = 0.2;
@@ -96,16 +97,33 @@ impl Frame<'_> {
             }
             Shape::Mark { x, label } => {
                 let ((px, top), (_, bottom)) = top_bottom(*x);
-                let near_right = px + self.medium.width_of(label) + 8.0 > self.medium.width - RIGHT;
-                let (anchor, shift) = if near_right { ("end", -4.0) } else { ("start", 4.0) };
+                let (from, to) = self.label_span(*x, label);
+                let (anchor, at) = if from < px { ("end", to) } else { ("start", from) };
+                let before =
+                    self.plot.shapes.iter().map(|(_, one)| one).take_while(|one| !ptr::eq(*one, shape));
+                let spans = before.filter_map(|one| match one {
+                    Shape::Mark { x, label } => Some(self.label_span(*x, label)),
+                    _ => None,
+                });
+                // below those that it would be printed over
+                let row = spans.filter(|other| from < other.1 && other.0 < to).count() as f64;
                 format!(
                     "<path d=\"M{px:.1} {top}V{bottom}\" stroke=\"{colour}\" stroke-dasharray=\"3 3\"/>\
                      <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
-                    px + shift,
-                    top + self.medium.font,
+                    at,
+                    top + self.medium.font * (1.0 + 1.2 * row),
                     escape(label)
                 )
             }
+        }
+    }
+
+    /// Where the label of a mark at x begins and ends: to its right where there is room.
+    fn label_span(&self, x: f64, label: &str) -> (f64, f64) {
+        let ((px, _), width) = (self.at((x, self.plot.y.low)), self.medium.width_of(label));
+        match px + width + 8.0 > self.medium.width - RIGHT {
+            true => (px - 4.0 - width, px - 4.0),
+            false => (px + 4.0, px + 4.0 + width),
         }
     }
 

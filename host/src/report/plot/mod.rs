@@ -37,7 +37,8 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let margin = ((high - low) * 0.05).max(1e-9);
+        // numbers of four digits tell the ticks apart
+        let margin = ((high - low) * 0.05).max(1e-3 * high.abs().max(low.abs())).max(1e-9);
         Axis { low: low - margin, high: high + margin, name: name.into(), log: false, whole: false }
     }
 
@@ -237,7 +238,8 @@ impl Plot {
     pub fn html(&self) -> String {
         let medium = Medium::PAGE;
         let entry = |(k, s): (usize, &Series)| (s.name.clone(), self.sample(k, 0.0, 8.0, medium));
-        let entries: Vec<_> = self.series.iter().enumerate().map(entry).collect();
+        let named = self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+        let entries: Vec<_> = named.map(entry).collect();
         self.drawn(medium, medium.height, "") + &legend(&entries)
     }
 
@@ -245,7 +247,7 @@ impl Plot {
     fn legend(&self, medium: Medium) -> (String, usize) {
         let first = 10.0;
         let (mut x, mut row, mut svg) = (first, 0, String::new());
-        for (k, series) in self.series.iter().enumerate() {
+        for (k, series) in self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
             let width = SAMPLE + 6.0 + medium.width_of(&series.name) + 10.0;
             if x > first && x + width > medium.width {
                 (x, row) = (first, row + 1);
@@ -261,7 +263,7 @@ impl Plot {
             );
             x += width;
         }
-        let rows = if self.series.is_empty() { 0 } else { row + 1 };
+        let rows = if svg.is_empty() { 0 } else { row + 1 };
         (format!("<g class=\"legend\">{svg}</g>"), rows)
     }
 

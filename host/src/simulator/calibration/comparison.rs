@@ -68,7 +68,12 @@ pub fn slow_time(signal: &Signal, radar: &Radar) -> Result<Slow, Invalid> {
                 Invalid::new("values a slot", slots.per_slot, legal).at(&signal.title)
             })?;
             let summed = beats.iter().map(|b| b.iter().sum::<Complex64>() / BLOCKS as f64).collect();
-            Slow { signal: without_clutter(&beats, config.range_samples), summed: Some(summed), rate_hz: signal.rate_hz, real: false }
+            Slow {
+                signal: without_clutter(&beats, config.range_samples),
+                summed: Some(summed),
+                rate_hz: signal.rate_hz,
+                real: false,
+            }
         }
     })
 }

@@ -188,6 +188,17 @@ mod tests {
     }
 
     #[test]
+    fn one_range_sample_loses_its_mean_alone() {
+        let scenario = crate::scenario::builtin::named("doppler-24ghz".as_ref()).unwrap().scenario();
+        assert_eq!(scenario.radar.range_samples, 1);
+        let sensor = SensorSimulation::new(&scenario, 1, Class::AdultWalking, false, 500);
+        let power = |signal: &[Complex64]| signal.iter().map(Complex64::norm_sqr).sum::<f64>();
+        let signal = sensor.signal(0.99, Set::Calibration, 0);
+        let mean = signal.iter().sum::<Complex64>() / 500.0;
+        assert!(power(&signal) > 1e6 * 500.0 * mean.norm_sqr(), "{}", power(&signal));
+    }
+
+    #[test]
     fn a_silent_or_short_signal_is_refused() {
         let signal = |n: usize| Signal {
             samples: Samples::Complex(vec![Complex64::new(0.5, 0.5); n]),
