@@ -147,6 +147,7 @@ impl Job {
         rule: Option<Rule>,
         retested: Option<Retested>,
     ) -> Result<Optimum, Failure> {
+        self.warn_of_aliasing();
         self.note_room();
         budget::regions(&self.scenario, self.budget, 1)?;
         let outcome = self.optimize(&curve, points, rule)?;
