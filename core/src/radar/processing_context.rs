@@ -260,10 +260,12 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         })
     }
 
-    /// The rest of this period's sensing slots go to the users.
+    /// The rest of this period's sensing slots go to the users; nothing happens if it is over.
     fn end_sensing(&mut self, period: u32) {
-        self.ends.release.store(period, Ordering::Release);
-        self.unused |= period == self.period;
+        if period == self.period {
+            self.ends.release.store(period, Ordering::Release);
+            self.unused = true;
+        }
     }
 
     /// Checks another piece of the model that was used; after the last the classification is given, or its damage.
@@ -292,7 +294,8 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
             return Progress::Event(Event::Fault(Fault::Model(ModelError::Checksum { stated, computed })));
         }
         self.damaged &= !bit;
-        if stop {
+        // a later period's release stays
+        if stop && period == self.period {
             self.ends.release.store(period, Ordering::Release);
         }
         Progress::Event(Event::Classification { period, classification })

@@ -355,3 +355,19 @@ fn samples_of_a_period_without_a_recording_are_not_looked_at() {
     assert!(matches!(faults[..], [Fault::SlotsSkipped { slots: 8, .. }]), "{faults:?}");
     assert!(!radio.play(900).contains(&Use::Sense), "released");
 }
+
+#[test]
+fn a_late_recognition_leaves_the_release_of_the_next_period() {
+    let layout = SensingLayout::new(800, 3, 200).unwrap();
+    // when the class of period 1 comes depends on the polls
+    for polls in 1..20 {
+        let mut radio = Radio::with(make(retained(), Settings { layout, ..settings() }).unwrap(), 0);
+        radio.polls = polls;
+        radio.play(804);
+        // the second sensing slot of period 2: too few are left
+        silent_slot(&mut radio);
+        let sensed = radio.play(795).into_iter().filter(|&slot| slot == Use::Sense).count();
+        assert!(sensed <= 1, "{polls} polls: {sensed} sensed");
+        assert_eq!(radio.classified(), [1], "{polls} polls");
+    }
+}
