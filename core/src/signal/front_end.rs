@@ -279,9 +279,8 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
                 let end = job.slots.min(from + SLOTS_A_STEP);
                 let turned = self.fast_time.config().one_sided();
                 for beats in self.beats.get(from..end)?.chunks(if turned { 1 } else { SLOTS_A_STEP }) {
-                    // back by a quarter: the sum of what the slots were before their turns, turned as a whole
-                    let quarter = |z: Complex<i64>| Complex::new(z.im, z.re.wrapping_neg());
-                    sum = if turned { sum.map(quarter) } else { sum };
+                    // so it becomes the sum of what the slots were before their turns, turned as a whole
+                    sum = if turned { sum.map(|z| Complex::new(z.im, z.re.wrapping_neg())) } else { sum };
                     add_slots(&mut sum, beats);
                 }
                 if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(solver, &sum, probe) }
