@@ -205,6 +205,7 @@ pub struct Pipeline<'m, 'b, K = WinogradKernels<'b>, T: Stft = NativeStft> {
     kernels: K,
     network: Network,
     exits: Vec<EarlyExit<'m>, EXITS>,
+    pub(crate) steps: Vec<u32, EXITS>,
     threshold: f32,
     next_exit: usize,
     /// Logits of the exits passed.
@@ -279,6 +280,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
             kernels,
             network: Network::new(),
             exits: Vec::new(),
+            steps: Vec::new(),
             threshold,
             next_exit: 0,
             logits: Vec::new(),
@@ -410,16 +412,17 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         Some(classification)
     }
 
-    /// Steps of a recognition by exit number `exit`, counted by running its network once on the image that lies in memory.
-    pub(crate) fn count_steps(&mut self, exit: usize) -> usize {
-        let Some(EarlyExit { model, .. }) = self.exits.get(exit) else { return 0 };
-        let mut network = Network::new();
-        let mut steps = image_steps(model.preprocessing().kept, model.sensing_slots(), model.frames()) + 1;
-        let scratch = must_cast_slice_mut(self.front_end.workspace());
-        while network.step(model, scratch, &mut self.kernels, &mut ()).is_none() {
-            steps += 1;
+    /// Counts the steps of a recognition by each exit, by running its network once on the image that lies in memory.
+    pub(crate) fn count_steps(&mut self) {
+        for EarlyExit { model, .. } in &self.exits {
+            let (mut network, kept) = (Network::new(), model.preprocessing().kept);
+            let mut steps = image_steps(kept, model.sensing_slots(), model.frames()) as u32 + 1;
+            let scratch = must_cast_slice_mut(self.front_end.workspace());
+            while network.step(model, scratch, &mut self.kernels, &mut ()).is_none() {
+                steps += 1;
+            }
+            let _ = self.steps.push(steps); // as many places as exits
         }
-        steps
     }
 
     /// [`selftest::run`] in the memory of this pipeline, before the first slot: 5 kB of stack less. Zeros where that is smaller than 40 slots

@@ -2,9 +2,9 @@
 
 mod support;
 
-use sdp3_core::config::RadarConfig;
+use sdp3_core::config::{Dechirp, RadarConfig, SampleFormat};
 use sdp3_core::dims::{BEATS, Beat, Complex, ROWS, ZERO_BEAT};
-use sdp3_core::signal::clutter::{GRAM_SLOTS, SvdRange};
+use sdp3_core::signal::clutter::{ADAPTIVE, GRAM_SLOTS, SvdRange};
 use sdp3_core::signal::front_end::{FrontEnd, Preprocessing};
 use sdp3_core::signal::stft::{FixedStft, FloatStft, Stft};
 use support::{Memory, noise_slots};
@@ -154,4 +154,39 @@ fn one_output_has_its_frequencies_from_zero_to_half_the_slot_rate() {
     }
     assert!(RadarConfig::DOPPLER.one_sided());
     assert!(!RadarConfig::DOPPLER_IQ.one_sided() && !RadarConfig::BGT60.one_sided());
+}
+
+/// The brightest row of every frame of static blocks of thousands and a mover of 100 at 0.1 cycles a slot; 200 slots.
+fn rows_of_clutter(format: SampleFormat, first: u8) -> Vec<usize> {
+    let radar = RadarConfig { samples: 64, format, dechirp: Dechirp::Analog, ..RadarConfig::PAPER };
+    let kept = SvdRange { first, last: 8 };
+    let settings = Preprocessing { kept, bins_per_row: 2, ..Preprocessing::default() };
+    let mut memory = Memory::of_front_end(200, 10);
+    let mut front_end =
+        FrontEnd::<FixedStft>::new(radar, settings, memory.view().front_end).expect("legal settings");
+    for n in 0..200 {
+        // the beat of a sweep is the conjugate of the range samples
+        let (im, re) = (-core::f64::consts::TAU * 0.1 * f64::from(n)).sin_cos();
+        let mut slot = vec![0; radar.values_per_slot()];
+        for (k, sample) in slot.chunks_mut(radar.values_per_slot() / 64).enumerate() {
+            let block = (k / 8) as i32;
+            let mover = if block == 3 { 100.0 } else { 0.0 };
+            let values = [5000 - 900 * block + (mover * re) as i32, 300 * block + (mover * im) as i32];
+            sample.iter_mut().zip(values).for_each(|(to, value)| *to = value as i16);
+        }
+        assert!(front_end.push(&slot, &mut ()));
+    }
+    let image = front_end.image(&mut ()).expect("an image");
+    let frames = image.len() / ROWS;
+    (0..frames).filter_map(|frame| (0..ROWS).max_by_key(|row| image[row * frames + frame])).collect()
+}
+
+#[test]
+fn what_is_static_is_dropped_of_one_output_too() {
+    // 25.6 bins of 256 are nearest to bins 26 and 27, row 13 above 0 Hz: that is row 32 of complex samples and row 0 of real ones
+    for first in [2, ADAPTIVE] {
+        assert_eq!(rows_of_clutter(SampleFormat::Complex, first), [45; 10], "first {first}");
+        assert_eq!(rows_of_clutter(SampleFormat::Real, first), [13; 10], "first {first}");
+    }
+    assert_eq!(rows_of_clutter(SampleFormat::Real, 1), [0; 10], "kept");
 }

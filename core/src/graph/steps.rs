@@ -97,9 +97,7 @@ impl<'m> Graph<'m> {
         }
         Some(Step { operator, node, done, last })
     }
-}
 
-impl Graph<'_> {
     /// Bytes of scratch of the widest convolution that kernels are made for.
     pub fn kernel_scratch(&self) -> usize {
         self.nodes().filter(Node::is_covered).map(|node| node.kernel_scratch()).max().unwrap_or(0)

@@ -24,16 +24,13 @@ pub use slot_context::{SlotAction, SlotContext};
 
 use crate::dims::BEATS;
 use crate::dsn::{Model, Shape};
-use crate::early_exit::{EXITS, EarlyExit};
+use crate::early_exit::EarlyExit;
 use crate::error::Error;
-use crate::pipeline::Pipeline;
 use crate::scheduler::{PeriodCounts, Planner, SensingLayout, USERS};
-use crate::signal::clutter::{ADAPTIVE, SvdRange};
 use crate::signal::front_end::slow_time_steps;
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::Fault;
 use crate::supervision::retained::Retained;
-use heapless::Vec;
 use memory::{Made, ProcessingEnds, SlotEnds};
 use processing_context::CHECK_BYTES;
 
@@ -104,11 +101,12 @@ pub struct RadarModule<const VALUES: usize, T: Stft + 'static = NativeStft> {
 }
 
 impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
-    /// Joins models, fewest sensing slots first, memory and what survived a reset in `retained`.
+    /// Joins models, fewest sensing slots first, memory and what survived a reset in `retained`. Cost: one inference by each exit, which
+    /// counts its steps. No slot is played meanwhile: after a reset that is usually an [`Outage`](Fault::Outage), and a period begins.
     ///
     /// # Errors
     ///
-    /// [`Error`] names what does not fit: models, memory, plan, or time.
+    /// [`Error`] names what does not fit: models, memory, plan, or time. The memory stays taken.
     pub fn new<
         const REFERENCE: usize,
         const SLOTS: usize,
@@ -137,6 +135,11 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
         if values != VALUES {
             return Err(Error::Memory { buffer: "slot buffer", need: values, have: VALUES });
         }
+        let (need, have) = (pipeline.first_exit_slots(), settings.layout.slots());
+        if (have as usize) < need {
+            return Err(Error::SensingSlots { need, have });
+        }
+        pipeline.count_steps();
         in_time(pipeline, settings.layout)?;
         let planner = Planner::new(settings.layout, settings.rates);
         let (slot_ends, processing_ends) = links;
@@ -174,43 +177,31 @@ impl<const VALUES: usize, T: Stft> RadarModule<VALUES, T> {
 ///
 /// Between two exits with n sensing slots, and behind the last until the period's end and the next recording's first exit, there
 /// are n (N_m + 1) slots; in each a step of processing can be done, less one for each sensing slot's own.
-fn in_time<T: Stft>(
-    pipeline: &mut Pipeline<'_, '_, crate::dsn::WinogradKernels<'_>, T>,
-    layout: SensingLayout,
-) -> Result<(), Error> {
-    let first = pipeline.first_exit_slots();
-    if (layout.slots() as usize) < first {
-        return Err(Error::SensingSlots { need: first, have: layout.slots() });
-    }
-    let step = layout.spacing() as usize + 1;
-    let total = layout.slots() as usize;
-    // exits that a period reaches
-    let mut slots: Vec<usize, EXITS> = Vec::new();
-    let mut kept = SvdRange { first: ADAPTIVE, last: 8 }; // that of all exits
-    for exit in pipeline.exits() {
-        let _ = slots.push(exit.model.sensing_slots()); // as many places as exits
-        kept = exit.model.preprocessing().kept;
-    }
-    let reached = slots.iter().filter(|&&slots| slots <= total).count();
+fn in_time<T: Stft>(pipeline: &Made<T>, layout: SensingLayout) -> Result<(), Error> {
+    let slots = |exit: &EarlyExit<'_>| exit.model.sensing_slots();
+    let (step, total) = (layout.spacing() as usize + 1, layout.slots() as usize);
+    let (first, most) = (pipeline.first_exit_slots(), pipeline.exits().last().map_or(0, slots));
     let fits = |need: usize, have: usize| {
         if need > have { Err(Error::Deadline { need: need as u32, have: have as u32 }) } else { Ok(()) }
     };
-    for (k, &taken) in slots.iter().enumerate().take(reached) {
+    // exits that a period reaches
+    let exits = pipeline.exits().iter().zip(&pipeline.steps);
+    let mut reached = exits.take_while(|(exit, _)| slots(exit) <= total).peekable();
+    while let Some((exit, &steps)) = reached.next() {
+        let taken = slots(exit);
         let rest = (layout.period() as usize).saturating_sub(taken * step);
-        let (between, sensing) = match slots.get(k + 1).filter(|_| k + 1 < reached) {
-            Some(next) => ((next - taken) * step, next - taken),
+        let (between, sensing) = match reached.peek() {
+            Some((next, _)) => ((slots(next) - taken) * step, slots(next) - taken),
             // what is left of the period, and the next one up to its first exit
             None => {
                 // of which the first wait in memory of the slow time until that is made
-                let waiting = first.min(slots.last().map_or(0, |most| most / BEATS));
+                let (waiting, kept) = (first.min(most / BEATS), exit.model.preprocessing().kept);
                 fits(slow_time_steps(kept, taken) + total - taken + waiting, rest + waiting * step)?;
                 (rest + first * step, total - taken + first)
             }
         };
-        let check =
-            pipeline.exits().get(k).map_or(0, |exit| exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1);
-        let need = pipeline.count_steps(k) + check + sensing;
-        fits(need, between)?;
+        let check = exit.model.bytes().len().div_ceil(CHECK_BYTES) + 1;
+        fits(steps as usize + check + sensing, between)?;
     }
     Ok(())
 }

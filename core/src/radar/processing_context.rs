@@ -1,14 +1,13 @@
 //! The task: takes sensing slots out of their queue, recognises, plans, and checks the models, one bounded step a call.
 
-use super::memory::ProcessingEnds;
+use super::memory::{Made, ProcessingEnds};
 use super::{Filled, Report, Totals};
 use crate::areas::{Area, range};
 use crate::crc32::{Crc32, crc32};
-use crate::dsn::{Classification, ModelError, WinogradKernels};
+use crate::dsn::{Classification, ModelError};
 use crate::early_exit::EXITS;
 use crate::error::Error;
-use crate::pipeline::Pipeline;
-use crate::scheduler::{Changes, PeriodCounts, PeriodReport, PlanError, Planner, SensingLayout};
+use crate::scheduler::{Changes, PeriodCounts, PeriodReport, Planner, SensingLayout};
 use crate::signal::stft::{NativeStft, Stft};
 use crate::supervision::retained::Message;
 use crate::supervision::{Fault, sample_health};
@@ -60,7 +59,7 @@ struct Check {
 /// The task's side of a radar module.
 pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft> {
     ends: ProcessingEnds<VALUES>,
-    pipeline: &'static mut Pipeline<'static, 'static, WinogradKernels<'static>, T>,
+    pipeline: &'static mut Made<T>,
     planner: Planner,
     /// Losses that no plan gives back yet.
     counts: PeriodCounts,
@@ -80,7 +79,7 @@ pub struct ProcessingContext<const VALUES: usize, T: Stft + 'static = NativeStft
 
 impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
     pub(super) fn new(
-        pipeline: &'static mut Pipeline<'static, 'static, WinogradKernels<'static>, T>,
+        pipeline: &'static mut Made<T>,
         planner: Planner,
         ends: ProcessingEnds<VALUES>,
     ) -> Self {
@@ -139,18 +138,25 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         self.planner.set_rate(user, rate);
     }
 
-    /// N, N_m and N_s, likewise.
-    pub fn set_layout(&mut self, layout: SensingLayout) {
-        self.planner.set_layout(layout);
-    }
-
-    /// N_s alone, likewise.
+    /// N, N_m and N_s, likewise. With fewer sensing slots than the first exit needs nothing is recognised: the users get them.
     ///
     /// # Errors
     ///
-    /// [`PlanError::Spacing`], and nothing changes, if they do not fit the period.
-    pub fn set_sensing_slots(&mut self, slots: u32) -> Result<(), PlanError> {
-        self.planner.set_sensing_slots(slots)
+    /// [`Error::Deadline`], and nothing changes, if a recognition would be late, as [`RadarModule::new`](super::RadarModule::new) finds.
+    pub fn set_layout(&mut self, layout: SensingLayout) -> Result<(), Error> {
+        super::in_time(self.pipeline, layout)?;
+        self.planner.set_layout(layout);
+        Ok(())
+    }
+
+    /// [`ProcessingContext::set_layout`] with N_s alone.
+    ///
+    /// # Errors
+    ///
+    /// As there, and [`PlanError::Spacing`](crate::scheduler::PlanError::Spacing) if they do not fit the period.
+    pub fn set_sensing_slots(&mut self, slots: u32) -> Result<(), Error> {
+        let layout = self.planner.target();
+        self.set_layout(SensingLayout::new(layout.period(), layout.spacing(), slots)?)
     }
 
     /// Confidence that ends a period's sensing early, from the next classification on.
@@ -158,12 +164,13 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         self.pipeline.set_threshold(threshold);
     }
 
-    /// The signal chain's self test, at power-on: [`Pipeline::test_signal_chain`]. Before the first slot.
+    /// The signal chain's self test, at power-on, before the first slot:
+    /// [`Pipeline::test_signal_chain`](crate::pipeline::Pipeline::test_signal_chain).
     pub fn test_signal_chain(&mut self, rng: &mut impl Rng) -> [u64; 2] {
         self.pipeline.test_signal_chain(rng)
     }
 
-    /// Whether the networks' kernels work, at power-on: [`Pipeline::self_test`]. Before the first slot.
+    /// Whether the networks' kernels work, at power-on, before the first slot: [`Pipeline::self_test`](crate::pipeline::Pipeline::self_test).
     pub fn self_test(&mut self, rng: &mut impl Rng) -> bool {
         self.pipeline.self_test(rng)
     }
@@ -260,10 +267,12 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
         })
     }
 
-    /// The rest of this period's sensing slots go to the users.
+    /// The rest of this period's sensing slots go to the users; nothing happens if it is over.
     fn end_sensing(&mut self, period: u32) {
-        self.ends.release.store(period, Ordering::Release);
-        self.unused |= period == self.period;
+        if period == self.period {
+            self.ends.release.store(period, Ordering::Release);
+            self.unused = true;
+        }
     }
 
     /// Checks another piece of the model that was used; after the last the classification is given, or its damage.
@@ -292,7 +301,8 @@ impl<const VALUES: usize, T: Stft> ProcessingContext<VALUES, T> {
             return Progress::Event(Event::Fault(Fault::Model(ModelError::Checksum { stated, computed })));
         }
         self.damaged &= !bit;
-        if stop {
+        // a later period's release stays
+        if stop && period == self.period {
             self.ends.release.store(period, Ordering::Release);
         }
         Progress::Event(Event::Classification { period, classification })

@@ -30,9 +30,7 @@ impl PeriodCounts {
             SlotUse::Idle => (),
         }
     }
-}
 
-impl PeriodCounts {
     /// Adds another period's.
     pub(crate) fn add(&mut self, other: &Self) {
         for (lost, more) in self.lost.iter_mut().zip(other.lost) {

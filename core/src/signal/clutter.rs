@@ -251,13 +251,13 @@ impl ClutterSolver {
     }
 }
 
-/// Adds range samples to their sum over slots.
-pub(crate) fn add_slots(sum: &mut Sum, beats: &[Beat]) {
+/// Adds range sample `k` of slots to its sum. If slots are `turned` by (-j)^n, the sum is that before their turns, turned as a whole.
+#[inline(never)]
+pub(crate) fn add_samples(sum: &mut Complex<i64>, k: usize, beats: &[Beat], turned: bool) {
     for beat in beats {
-        for (sum, b) in sum.iter_mut().zip(beat) {
-            sum.re = sum.re.wrapping_add(i64::from(b.re));
-            sum.im = sum.im.wrapping_add(i64::from(b.im));
-        }
+        let (Complex { re, im }, b) = (*sum, beat[k % BEATS]);
+        let (re, im) = if turned { (im, re.wrapping_neg()) } else { (re, im) };
+        *sum = Complex::new(re.wrapping_add(i64::from(b.re)), im.wrapping_add(i64::from(b.im)));
     }
 }
 
@@ -266,7 +266,7 @@ pub fn clutter_projection(beats: &[Beat], kept: SvdRange) -> Projection {
     let (mut gram, mut sum) = (Gram::new(), Sum::default());
     beats.iter().for_each(|beat| gram.add(beat));
     if kept.first == ADAPTIVE {
-        add_slots(&mut sum, beats);
+        sum.iter_mut().enumerate().for_each(|(k, sum)| add_samples(sum, k, beats, false));
     }
     let mut solver = ClutterSolver::new();
     solver.begin(&gram, kept);

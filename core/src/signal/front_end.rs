@@ -5,7 +5,7 @@
 
 use super::clutter::{
     ADAPTIVE, ClutterSolver, GRAM_SLOTS, Gram, Projection, SOLVER_STEPS, Sum, SvdRange, UNIT_PROJECTION,
-    add_slots, largest_part, project, slow_time_shift,
+    add_samples, largest_part, project, slow_time_shift,
 };
 use super::fast_time::FastTime;
 use super::logarithm::FLOOR;
@@ -277,7 +277,8 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
             }
             Stage::Sum { from, mut sum } => {
                 let end = job.slots.min(from + SLOTS_A_STEP);
-                add_slots(&mut sum, self.beats.get(from..end)?);
+                let (beats, turned) = (self.beats.get(from..end)?, self.fast_time.config().one_sided());
+                sum.iter_mut().enumerate().for_each(|(k, sum)| add_samples(sum, k, beats, turned));
                 if end < job.slots { Stage::Sum { from: end, sum } } else { job.project(solver, &sum, probe) }
             }
             Stage::Scale { from, largest } => {

@@ -12,9 +12,7 @@ pub struct Fours(pub [[[i16; 2]; PIXELS]; 2]);
 impl Fours {
     /// Zeros.
     pub const ZERO: Self = Fours([[[0; 2]; PIXELS]; 2]);
-}
 
-impl Fours {
     /// Writes value `at` of the four of window `pixel`, less `zero`.
     #[inline(always)]
     pub fn set(&mut self, pixel: usize, at: usize, value: i8, zero: i8) {

@@ -5,7 +5,7 @@
 //! | slots skipped, repeated, late; a counter that wraps or restarts | the radio numbers its slots: [`SlotContext::begin`] | played through as lost, given again, refused; else a new period |
 //! | a bit of the schedule's memory flips | a checksum over all words of [`retained`] | the copy of one slot before, played on |
 //! | a bit of a plan flips that waits for its period | the same checksum | the running plan goes on until another has been sent |
-//! | a reset in any slot | [`retained`] memory that start-up leaves alone | goes on; without it a new period |
+//! | a reset in any slot | [`retained`] memory that start-up leaves alone | goes on after the slots skipped meanwhile; without it a new period |
 //! | a converter that saturates, sticks, is silent or offset | [`sample_health`] | the slot is not used, the recording restarts |
 //! | a bit of a model flips | its CRC-32 after every recognition, spread over polls | the classification is not given |
 //!

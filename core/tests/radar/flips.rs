@@ -32,7 +32,7 @@ fn released(at: usize) -> (Vec<Use>, Vec<Fault>) {
     // a user that has its share of the released slots only by a second division
     let (layout, rates) = (SensingLayout::new(60, 3, 12).unwrap(), [7, 1, 0, 0, 0, 0, 0, 0]);
     let mut radio = Radio::with(make(kept, Settings { rates, ..settings() }).unwrap(), 0);
-    radio.processing.set_layout(layout);
+    assert_eq!(radio.processing.set_layout(layout), Ok(()));
     radio.play(1200);
     let mut uses = radio.play(at);
     radio.faults();

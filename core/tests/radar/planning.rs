@@ -102,6 +102,10 @@ fn what_is_in_time_is_accepted_to_the_slot() {
             let memory: &'static mut radar_memory!(THREE) = Box::leak(Box::new(RadarMemory::new()));
             RadarModule::new(&all, Settings { layout, ..settings() }, memory, retained()).err()
         };
+        let memory: &'static mut radar_memory!(THREE) = Box::leak(Box::new(RadarMemory::new()));
+        let roomy = SensingLayout::new(6000, 9, 300).expect("a layout");
+        let module = RadarModule::new(&all, Settings { layout: roomy, ..settings() }, memory, retained());
+        let (_, mut processing) = module.expect("in time").split();
         for spacing in [0, 1, 2, 3, 5] {
             for sensing in [exits[0].slots, exits[0].slots + 30, 264, 300] {
                 let layout = |period| SensingLayout::new(period, spacing, sensing).expect("a layout");
@@ -111,6 +115,8 @@ fn what_is_in_time_is_accepted_to_the_slot() {
                 for period in enough.map_or([least; 2], |enough| [enough, least.max(enough - 1)]) {
                     let layout = layout(period);
                     assert_eq!(made(layout), late(exits, layout), "{number}: {layout:?}");
+                    let set = processing.set_layout(layout).err();
+                    assert_eq!(set, late(exits, layout), "{number}: {layout:?}, set later");
                 }
             }
         }
@@ -154,17 +160,38 @@ fn start_of(layout: SensingLayout, rates: [u32; USERS]) -> Vec<Use> {
 fn another_layout_holds_from_the_next_period_on() {
     let mut radio = Radio::new(0);
     radio.play(400);
-    assert!(radio.processing.set_sensing_slots(301).is_err(), "they do not fit");
+    assert!(matches!(radio.processing.set_sensing_slots(301), Err(Error::Plan(_))), "they do not fit");
     assert_eq!(radio.processing.set_sensing_slots(230), Ok(()));
     radio.play(800);
     let fewer = start_of(SensingLayout::new(1200, 3, 230).unwrap(), RATES);
     assert_ne!(fewer, start_of(layout(), RATES));
     assert_eq!(radio.play(1200)[..790], fewer);
     let wider = SensingLayout::new(1300, 4, 220).unwrap();
-    radio.processing.set_layout(wider);
+    assert_eq!(radio.processing.set_layout(wider), Ok(()));
     radio.poll();
     assert_eq!(radio.play(1300)[..790], start_of(wider, RATES));
     assert_eq!((radio.classified(), radio.faults()), (vec![1, 2, 3], vec![]));
+}
+
+#[test]
+fn a_layout_that_would_be_late_is_refused_later_too() {
+    let mut radio = Radio::new(0);
+    radio.play(400);
+    for (period, spacing) in [(200, 0), (400, 1)] {
+        let late = SensingLayout::new(period, spacing, 200).unwrap();
+        let refused = make(retained(), Settings { layout: late, ..settings() }).err();
+        assert!(matches!(refused, Some(Error::Deadline { .. })));
+        assert_eq!(radio.processing.set_layout(late).err(), refused);
+    }
+    let close = SensingLayout::new(800, 0, 200).unwrap();
+    assert_eq!(radio.processing.set_layout(close), Ok(()));
+    assert!(matches!(radio.processing.set_sensing_slots(790), Err(Error::Deadline { .. })));
+    // with too few for a recording nothing can be late
+    assert_eq!(radio.processing.set_sensing_slots(100), Ok(()));
+    radio.play(800);
+    let sensed = radio.play(800).into_iter().filter(|&slot| slot == Use::Sense).count();
+    assert!(sensed <= 2, "the users have them: {sensed}");
+    assert_eq!((radio.classified(), radio.faults()), (vec![1], vec![]));
 }
 
 #[test]
@@ -354,4 +381,20 @@ fn samples_of_a_period_without_a_recording_are_not_looked_at() {
     let faults = radio.faults();
     assert!(matches!(faults[..], [Fault::SlotsSkipped { slots: 8, .. }]), "{faults:?}");
     assert!(!radio.play(900).contains(&Use::Sense), "released");
+}
+
+#[test]
+fn a_late_recognition_leaves_the_release_of_the_next_period() {
+    let layout = SensingLayout::new(800, 3, 200).unwrap();
+    // when the class of period 1 comes depends on the polls
+    for polls in 1..20 {
+        let mut radio = Radio::with(make(retained(), Settings { layout, ..settings() }).unwrap(), 0);
+        radio.polls = polls;
+        radio.play(804);
+        // the second sensing slot of period 2: too few are left
+        silent_slot(&mut radio);
+        let sensed = radio.play(795).into_iter().filter(|&slot| slot == Use::Sense).count();
+        assert!(sensed <= 1, "{polls} polls: {sensed} sensed");
+        assert_eq!(radio.classified(), [1], "{polls} polls");
+    }
 }

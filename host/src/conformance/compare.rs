@@ -186,7 +186,7 @@ fn compare_case(case: &Case) -> Result<Vec<Tally>, CaseError> {
     let found: Vec<_> =
         core.projection.iter().map(|w| signal::Float::new(w.0 as f64 / scale, w.1 as f64 / scale)).collect();
     // a decision too near its threshold may be either
-    let errors = signal::first_kept(&beats, &core.gram, header.first, header.last)
+    let errors = signal::first_kept(&core.beats, &core.gram, header.first, header.last)
         .into_iter()
         .map(|first| signal::backward_error(&core.gram, first, header.last, &found))
         .min_by(|a, b| largest(a).total_cmp(&largest(b)))

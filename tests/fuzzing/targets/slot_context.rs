@@ -109,14 +109,14 @@ fuzz_target!(|data: &[u8]| {
     let (retained, number) = (Box::into_raw(Box::new(Retained::new())), bytes.u32());
     let mut radio = Radio { contexts: None, retained, memory: Vec::new(), number };
     radio.reset();
-    radio.processing().set_layout(layout(&mut bytes));
+    let _ = radio.processing().set_layout(layout(&mut bytes));
     while !bytes.is_empty() {
         match bytes.u8() {
             0..16 => {
                 let (user, rate) = (usize::from(bytes.u8()) % (USERS + 1), bytes.u32());
                 radio.processing().set_rate(user, rate);
             }
-            16..32 => radio.processing().set_layout(layout(&mut bytes)),
+            16..32 => _ = radio.processing().set_layout(layout(&mut bytes)),
             32..44 => radio.slots().lost(),
             44..48 => radio.slots().samples_ready(),
             48..56 => _ = radio.processing().poll(),
@@ -151,8 +151,11 @@ fuzz_target!(|data: &[u8]| {
         }
     }
     // a few periods later nothing is left of it
-    let (layout, rates) = (layout(&mut bytes), [3, 2, 1, 0, 0, 0, 0, 0]);
-    radio.processing().set_layout(layout);
+    let (mut layout, rates) = (layout(&mut bytes), [3, 2, 1, 0, 0, 0, 0, 0]);
+    if radio.processing().set_layout(layout).is_err() {
+        layout = SensingLayout::new(400, 3, 50).expect("it fits");
+        radio.processing().set_layout(layout).expect("a reset's layout is in time");
+    }
     rates.into_iter().enumerate().for_each(|(user, rate)| radio.processing().set_rate(user, rate));
     let mut whole = Vec::new();
     for _ in 0..12 {

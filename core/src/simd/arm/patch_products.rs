@@ -81,11 +81,11 @@ pub fn widen(values: &[[i8; 4]], zero: i8, fours: &mut [Fours], pixel: usize) {
         // SAFETY: registers and APSR.GE only; the target has the instructions.
         unsafe {
             asm!(
-                "sxtb16 {first}, {word}",
-                "sxtb16 {second}, {word}, ror #8",
+                "sxtb16 {first}, {second}",
+                "sxtb16 {second}, {second}, ror #8",
                 "ssub16 {first}, {first}, {zeros}",
                 "ssub16 {second}, {second}, {zeros}",
-                word = in(reg) word, zeros = in(reg) zeros, first = out(reg) first, second = lateout(reg) second,
+                zeros = in(reg) zeros, first = out(reg) first, second = inout(reg) word => second,
                 options(pure, nomem, nostack)
             );
         }

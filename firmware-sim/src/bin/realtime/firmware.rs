@@ -61,7 +61,7 @@ fn change_settings(processing: &mut ProcessingContext<VALUES>, rng: &mut impl Rn
         if let Some(&(period, slots)) = LAYOUTS.get(at)
             && let Ok(layout) = SensingLayout::new(period, 3, slots)
         {
-            processing.set_layout(layout);
+            let _ = processing.set_layout(layout);
         }
     } else if (draw >> 24) % 3 == 1 {
         // refused if they do not fit

@@ -146,7 +146,8 @@ impl<const VALUES: usize> Environment<VALUES> {
             self.observer.planner().set_rate(user, rate);
         }
         if let Some(layout) = layout {
-            self.contexts.1.set_layout(layout);
+            let accepted = self.contexts.1.set_layout(layout).is_ok();
+            self.invariant(accepted);
             self.observer.planner().set_layout(layout);
         }
         self.clock.wake();

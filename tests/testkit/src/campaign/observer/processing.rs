@@ -138,8 +138,9 @@ impl Observer {
     pub fn refused(&mut self) -> bool {
         let Some(due) = self.due.pop_front() else { return false };
         self.damaged_steps = Some(take(&mut self.steps));
-        self.release = due.period;
-        self.recording.unused |= due.period == self.recording.period;
+        if due.period == self.recording.period {
+            (self.release, self.recording.unused) = (due.period, true);
+        }
         self.model_damaged == Some(due.exit)
     }
 
@@ -173,7 +174,9 @@ impl Observer {
         let Some(known) = self.learned.get_mut(due.exit) else { return false };
         let known = *known.get_or_insert(steps);
         if classification.stop {
-            (self.release, self.recording.stopped) = (due.period, !due.outdated || self.recording.stopped);
+            self.recording.stopped |= !due.outdated;
+            // a later period's release stays
+            self.release = if due.period == self.recording.period { due.period } else { self.release };
         }
         (known, due.period, due.exit) == (steps, period, classification.exit.into())
     }
