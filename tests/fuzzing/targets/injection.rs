@@ -171,7 +171,7 @@ fn page(text: &str) -> (Parts, Parts) {
     let [run, figures, _] = &*RESULTS;
     let run: Run = serde_json::from_value(marked(run, text)).expect("a run");
     let figures: Figures = serde_json::from_value(marked(figures, text)).expect("its figures");
-    let parts = parsed::html(&report::page(&run, &figures, &format!("name = {text}")));
+    let parts = parsed::html(&report::page(&run, &figures, &format!("name = {text}"), None));
     parts.into_iter().partition(|part| !part.starts_with("text {\""))
 }
 
