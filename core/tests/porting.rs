@@ -88,3 +88,14 @@ fn the_example_classifies_what_the_pipeline_does() {
     assert_eq!(event, Event::Classification { period: 1, classification });
     assert!((200..250).contains(&sensed), "sensing ended soon after the recording: {sensed}");
 }
+
+#[cfg(feature = "defmt")]
+#[test]
+fn what_a_port_logs_has_a_format() {
+    use sdp3_core::{Progress, Settings, SlotAction, areas::Area, scheduler::PeriodCounts};
+    fn formatted<T: defmt::Format>() {}
+    formatted::<(Event, Progress, Settings)>();
+    formatted::<(SlotAction<'_, 2>, PeriodCounts, Area)>();
+    #[cfg(feature = "graph")]
+    formatted::<(sdp3_core::graph::Node<'_>, sdp3_core::graph::Step<'_>)>();
+}
