@@ -8,14 +8,15 @@ mod static_cell {
 
 mod board {
     use rand_core::SeedableRng;
-    use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
     use sdp3_core::scheduler::USERS;
+    use sdp3_core::{Event, ProcessingContext, Shape, SlotContext};
     pub use sdp3_testkit::models::DSN_200 as MODEL;
     use sdp3_testkit::signals::noise;
     use std::cell::{Cell, RefCell};
 
-    const VALUES: usize = sdp3_core::config::RadarConfig::PAPER.values_per_slot();
-    pub type Slots = SlotContext<VALUES>;
+    const SHAPE: Shape = Shape::of(MODEL).expect("a model");
+    pub type Slots = SlotContext<{ SHAPE.slot_values() }>;
+    pub type Task = ProcessingContext<{ SHAPE.slot_values() }>;
     pub const BITS: [u32; USERS] = [1500, 2500, 3000, 0, 0, 0, 0, 0];
 
     /// What ends the idle loop: the slots that sensed, and what was reported last.
@@ -29,7 +30,7 @@ mod board {
         static SENSED: Cell<usize> = const { Cell::new(0) };
     }
 
-    pub fn start(slots: Slots, task: &mut ProcessingContext<VALUES>) {
+    pub fn start(slots: Slots, task: &mut Task) {
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(7);
         assert!(task.self_test(&mut rng));
         SLOTS.set(Some(slots));
@@ -57,7 +58,7 @@ mod board {
         assert!(BITS[usize::from(user)] > 0);
     }
 
-    pub fn report(_task: &ProcessingContext<VALUES>, event: Event) {
+    pub fn report(_task: &Task, event: Event) {
         if !matches!(event, Event::Period(_)) {
             std::panic::resume_unwind(Box::new(Ended(SENSED.get(), event)));
         }
