@@ -4,6 +4,7 @@ use core::ops::Range;
 
 /// Data of a module in which any bits are a value. Where a variant is a sequence, the whole of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Area {
     /// Period, number and rest of the oldest slot in its queue: 0, 1, 2.
     WaitingSlot(u8),

@@ -72,6 +72,6 @@ pub mod values;
 
 pub use dsn::Shape;
 pub use error::Error;
-pub use radar::{Progress, RadarModule, Settings, SlotAction, SlotContext};
+pub use radar::{Event, ProcessingContext, Progress, RadarModule, Settings, SlotAction, SlotContext};
 pub use scheduler::SensingLayout;
 pub use supervision::retained::Retained;

@@ -425,7 +425,7 @@ impl<'m, 'b, K: Kernels, T: Stft> Pipeline<'m, 'b, K, T> {
         }
     }
 
-    /// [`selftest::run`] in the memory of this pipeline, before the first slot: 5 kB of stack less. Zeros where that is smaller than 40 slots
+    /// [`selftest::run`] in the memory of this pipeline, before the first slot: 9 kB of stack less. Zeros where that is smaller than 40 slots
     /// and two frames.
     pub fn test_signal_chain(&mut self, rng: &mut impl Rng) -> [u64; 2] {
         let known = selftest::run_in(&mut self.front_end.buffers(), rng);

@@ -23,11 +23,11 @@ pub trait Probe {
     fn image(&mut self, _image: &[i8]) {}
     /// The output of a layer, `[height, width, channels]`; counted from the pooled stem, 0.
     fn layer(&mut self, _index: usize, _activations: &[i8]) {}
-    /// The network's answer before the softmax, `[classes]`.
+    /// The network's output before the softmax, `[classes]`.
     fn logits(&mut self, _logits: &[i8]) {}
-    /// The answer.
+    /// The network's own class, before several early exits are weighed.
     fn class(&mut self, _class: u8) {}
-    /// Probability of the answer.
+    /// Its probability by the network's own softmax.
     fn confidence(&mut self, _confidence: f32) {}
 }
 

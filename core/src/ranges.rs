@@ -56,7 +56,7 @@ const _: () = assert!((GRAM_SLOTS as i128) << BEAT_POWER_BITS < 1 << 63, "a sum 
 const _: () = {
     let squared_bits = BEATS.ilog2() + 2 * PROJECTION_BITS + BEATS.ilog2() + BEAT_POWER_BITS;
     assert!(squared_bits < 2 * 57, "w^H b is below 2^57 and fits i64");
-    assert!(57 - SLOW_TIME_BITS <= 40, "no shift is longer than stated");
+    assert!(57 - SLOW_TIME_BITS <= 63, "no shift is longer than stated");
 };
 
 // Slow time to spectrum in integers: twice the binary logarithm of the largest magnitude, so that sqrt(2) counts 1.

@@ -26,7 +26,7 @@ pub const KNOWN_ANSWERS: [u64; 2] = [0xc02c_8aa4_477d_951a, 0x6d0a_a8e9_1e4f_49b
 /// Digests of all stages up to the image, of 40 slots of noise with the transform in f32 and of 40 more with that in integers: window
 /// and twiddles of both, the chirp, the clutter removal and the logarithm.
 ///
-/// Cost: some 10 kB of stack and the time of 80 sensing slots.
+/// Cost: some 12 kB of stack and the time of 80 sensing slots.
 pub fn run(rng: &mut impl Rng) -> [u64; 2] {
     let mut beats: [Beat; SLOTS] = [ZERO_BEAT; SLOTS];
     let mut workspace = [Complex::new(0, 0); workspace_len(SLOTS, 2)];

@@ -26,7 +26,7 @@ pub enum Stage {
     Layer,
     /// Logits, i8.
     Logits,
-    /// The answer, u8.
+    /// The network's own class, u8: of several early exits before they are weighed.
     Class,
     /// Its probability, f32.
     Confidence,

@@ -29,7 +29,7 @@ fn settings_have_their_ranges() {
             Memory::of_front_end(200, 10).view().front_end,
         )
         .is_some();
-        assert_eq!(made, settings.illegal().is_none());
+        assert_eq!(made, settings.illegal(&RadarConfig::PAPER).is_none());
         made
     };
     assert!(with(&|_| ()));
@@ -64,6 +64,19 @@ fn settings_have_their_ranges() {
     }
     for (range, valid) in [(1, true), (4095, true), (0, false), (4096, false)] {
         assert_eq!(with(&|s| s.range = range), valid, "{range}");
+    }
+}
+
+#[test]
+fn a_component_is_left_of_every_sensors_range_samples() {
+    for (range_samples, first, valid) in
+        [(1, 0, true), (1, 1, true), (1, 2, false), (1, 8, false), (4, 4, true), (4, 5, false)]
+    {
+        let config = RadarConfig { samples: 64, range_samples, ..RadarConfig::DOPPLER };
+        let settings = Preprocessing { kept: SvdRange { first, last: 8 }, ..Preprocessing::default() };
+        let mut memory = Memory::of_front_end(200, 10);
+        let made = FrontEnd::<FloatStft>::new(config, settings, memory.view().front_end).is_some();
+        assert_eq!(made, valid, "{first} of {range_samples}");
     }
 }
 

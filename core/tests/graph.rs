@@ -313,6 +313,37 @@ fn an_arena_that_is_too_short_gives_nothing() {
     let file = network();
     let graph = Graph::parse(&file).expect("a graph");
     assert!(graph.input_mut(&mut [0; 100]).is_empty() && graph.output(&[0; 58]).is_empty());
+    let mut arena = vec![0; graph.arena()];
+    let mut progress = Progress::new();
+    assert!(graph.step(&mut progress, &mut arena).is_some_and(|step| !step.last));
+    assert!(graph.step(&mut progress, &mut arena[1..]).is_none());
+    assert_eq!(progress, Progress::new());
     let longer = &mut vec![0; graph.arena() + 5];
     assert!(graph.step(&mut Progress::new(), longer).is_some());
+}
+
+#[test]
+fn progress_of_another_graph_gives_nothing() {
+    let (file, other) = (network(), altered(3 + HEADER_LEN + OPERATOR_LEN, &[0x41]));
+    let single = convolution((6, 4), 4, 4, -8);
+    let graph = Graph::parse(&file).expect("a graph");
+    let mut arena = vec![0; 1 << 10];
+    for file in [&other, &single] {
+        let other = Graph::parse(file).expect("a graph");
+        let mut progress = Progress::new();
+        graph.step(&mut progress, &mut arena).expect("it is not done");
+        assert!(other.step(&mut progress, &mut arena).is_none());
+        assert_eq!(progress, Progress::new());
+        assert!(other.step(&mut progress, &mut arena).is_some(), "from the beginning");
+    }
+    // a number that somebody else wrote
+    let mut progress = Progress::new();
+    progress.operator = 1;
+    assert!(graph.step(&mut progress, &mut arena).is_none());
+    graph.step(&mut progress, &mut arena).expect("it is not done");
+    progress.operator = u32::MAX;
+    assert!(graph.step(&mut progress, &mut arena).is_none());
+    graph.step(&mut progress, &mut arena).expect("it is not done");
+    progress.operator = 0;
+    assert!(graph.step(&mut progress, &mut arena).is_some_and(|step| step.last));
 }

@@ -72,6 +72,7 @@ fn four(value: i64) -> [u8; 4] {
 fn every_field_of_the_header_has_its_range() {
     assert_eq!(outcome(0, b"SDP3"), Ok(()));
     field("header_len", 6, two, &[63, 65, 0], &[64]);
+    field("sensing_slots", 12, two, &[4001, 5000, 65535], &[200, 4000]);
     field("first_kept", 14, byte, &[9, 255], &[0, 1, 2, 8]);
     field("last_kept", 15, byte, &[0, 1, 9], &[2, 8]);
     field("window_len", 16, two, &[0, 1, 257, 65535], &[2, 128, 256]);
@@ -109,6 +110,36 @@ fn an_image_needs_a_column_behind_the_pooling() {
         let found = Model::parse(&altered(&file, 23, &[stride])).map(|model| model.frames() as i64);
         let refused = ModelError::Field { name: "sensing_slots", value: slots };
         assert_eq!(found, if legal { Ok(frames) } else { Err(refused) }, "{frames} {stride}");
+    }
+}
+
+#[test]
+fn a_recording_fits_the_gram_matrix() {
+    for (slots, legal) in [(4000, true), (4001, false), (5000, false)] {
+        let file = altered(&random_model(200, 1), 12, &two(slots));
+        let file = altered(&file, 26, &two((slots - 128) / 8 + 1));
+        let refused = Err(ModelError::Field { name: "sensing_slots", value: slots });
+        let found = Model::parse(&file).map(|model| model.sensing_slots() as i64);
+        assert_eq!(found, if legal { Ok(slots) } else { refused });
+    }
+}
+
+#[test]
+fn no_more_components_are_dropped_than_there_are_range_samples() {
+    let four = RadarConfig { range_samples: 4, ..RadarConfig::BGT60 };
+    for (radar, first, legal) in [
+        (RadarConfig::DOPPLER, 0, true),
+        (RadarConfig::DOPPLER, 1, true),
+        (RadarConfig::DOPPLER, 2, false),
+        (RadarConfig::DOPPLER_IQ, 2, false),
+        (four, 4, true),
+        (four, 5, false),
+        (RadarConfig::PAPER, 8, true),
+    ] {
+        let file = altered(&random_model(200, 1), 48, &radar.to_bytes());
+        let found = Model::parse(&altered(&file, 14, &[first])).map(|model| model.preprocessing().kept.first);
+        let refused = Err(ModelError::Field { name: "first_kept", value: i64::from(first) });
+        assert_eq!(found, if legal { Ok(first) } else { refused }, "{radar:?}");
     }
 }
 

@@ -8,14 +8,15 @@ mod static_cell {
 
 mod board {
     use rand_core::SeedableRng;
-    use sdp3_core::radar::{Event, ProcessingContext, SlotContext};
     use sdp3_core::scheduler::USERS;
+    use sdp3_core::{Event, ProcessingContext, Shape, SlotContext};
     pub use sdp3_testkit::models::DSN_200 as MODEL;
     use sdp3_testkit::signals::noise;
     use std::cell::{Cell, RefCell};
 
-    const VALUES: usize = sdp3_core::config::RadarConfig::PAPER.values_per_slot();
-    pub type Slots = SlotContext<VALUES>;
+    const SHAPE: Shape = Shape::of(MODEL).expect("a model");
+    pub type Slots = SlotContext<{ SHAPE.slot_values() }>;
+    pub type Task = ProcessingContext<{ SHAPE.slot_values() }>;
     pub const BITS: [u32; USERS] = [1500, 2500, 3000, 0, 0, 0, 0, 0];
 
     /// What ends the idle loop: the slots that sensed, and what was reported last.
@@ -29,7 +30,7 @@ mod board {
         static SENSED: Cell<usize> = const { Cell::new(0) };
     }
 
-    pub fn start(slots: Slots, task: &mut ProcessingContext<VALUES>) {
+    pub fn start(slots: Slots, task: &mut Task) {
         let mut rng = rand_xoshiro::Xoshiro128PlusPlus::seed_from_u64(7);
         assert!(task.self_test(&mut rng));
         SLOTS.set(Some(slots));
@@ -57,7 +58,7 @@ mod board {
         assert!(BITS[usize::from(user)] > 0);
     }
 
-    pub fn report(_task: &ProcessingContext<VALUES>, event: Event) {
+    pub fn report(_task: &Task, event: Event) {
         if !matches!(event, Event::Period(_)) {
             std::panic::resume_unwind(Box::new(Ended(SENSED.get(), event)));
         }
@@ -87,4 +88,15 @@ fn the_example_classifies_what_the_pipeline_does() {
     let classification = pipeline.classify(&mut ()).unwrap();
     assert_eq!(event, Event::Classification { period: 1, classification });
     assert!((200..250).contains(&sensed), "sensing ended soon after the recording: {sensed}");
+}
+
+#[cfg(feature = "defmt")]
+#[test]
+fn what_a_port_logs_has_a_format() {
+    use sdp3_core::{Progress, Settings, SlotAction, areas::Area, scheduler::PeriodCounts};
+    fn formatted<T: defmt::Format>() {}
+    formatted::<(Event, Progress, Settings)>();
+    formatted::<(SlotAction<'_, 2>, PeriodCounts, Area)>();
+    #[cfg(feature = "graph")]
+    formatted::<(sdp3_core::graph::Node<'_>, sdp3_core::graph::Step<'_>)>();
 }

@@ -6,7 +6,7 @@
 //! | header byte | field |
 //! |---|---|
 //! | 0..4, 4..6, 6..8, 8..12 | `SDP3`, version, length of the header, length of the file |
-//! | 12..16 | sensing slots N_s (u16), first and last singular component kept |
+//! | 12..16 | sensing slots N_s (u16, at most 4000), first (at most the number of range samples) and last singular component kept |
 //! | 16..24 | Kaiser window's length, hop, image rows (u16 each), FFT bins per row, stride of the stem (0: a graph) |
 //! | 24..32 | dynamic range in 1/64 octave, frames (u16 each), Kaiser window's beta (f32) |
 //! | 32..36 | channels, blocks (both 0: a graph), classes, signature: 0 none, 1 ed25519 |

@@ -20,7 +20,7 @@ pub enum Operator<'a> {
         image: &'a [i8],
         /// Height and width of the image.
         size: (usize, usize),
-        /// `[height / stride / 2, width / stride / 2, channels]`.
+        /// `[ceil(height / stride) / 2, ceil(width / stride) / 2, channels]`, halves cut off.
         output: &'a mut [i8],
     },
     /// Batch normalisation with ReLU.
@@ -42,7 +42,7 @@ pub enum Operator<'a> {
         size: (usize, usize),
         /// Scratch of [`winograd::scratch_bytes`](super::winograd::scratch_bytes).
         scratch: &'a mut [i8],
-        /// Of the input's shape.
+        /// `[height, width, outputs]`; a graph's may have another number of outputs than of inputs.
         output: &'a mut [i8],
     },
     /// `x += branch`.

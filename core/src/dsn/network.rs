@@ -107,7 +107,6 @@ impl Network {
         probe: &mut impl Probe,
     ) -> Option<Logits> {
         if scratch.len() < model.shape().scratch_bytes() {
-            debug_assert!(false, "the scratch is smaller than the model's");
             self.reset();
             return Some(Logits::new());
         }
@@ -142,27 +141,10 @@ impl Network {
                     let layer = &model.batch_norm(number);
                     (kernels.run(index, Operator::BatchNormRelu { layer, input: x, output: a }, step), a)
                 }
-                2 => {
-                    let layer = &model.conv(number, 0);
-                    (
-                        kernels.run(
-                            index,
-                            Operator::Conv { layer, input: a, size, scratch, output: b },
-                            step,
-                        ),
-                        b,
-                    )
-                }
-                3 => {
-                    let layer = &model.conv(number, 1);
-                    (
-                        kernels.run(
-                            index,
-                            Operator::Conv { layer, input: b, size, scratch, output: a },
-                            step,
-                        ),
-                        a,
-                    )
+                k @ (2 | 3) => {
+                    let layer = &model.conv(number, k - 2);
+                    let (input, output) = if k == 2 { (a, b) } else { (b, a) };
+                    (kernels.run(index, Operator::Conv { layer, input, size, scratch, output }, step), output)
                 }
                 _ => {
                     let layer = &model.add(number);

@@ -8,7 +8,7 @@
 //! use sdp3_core::graph::{Graph, Progress};
 //! # fn classify(bytes: &[u8], image: &[i8], arena: &mut [i8]) -> Option<i8> {
 //! let graph = Graph::parse(bytes).ok()?; // checked once; `arena` has graph.arena() bytes
-//! graph.input_mut(arena).copy_from_slice(image);
+//! graph.input_mut(arena).iter_mut().zip(image).for_each(|(to, from)| *to = *from);
 //! let mut progress = Progress::new();
 //! while !graph.step(&mut progress, arena)?.last {} // each step is bounded
 //! graph.output(arena).iter().copied().max()
@@ -41,6 +41,7 @@ use format::{HEADER_LEN, MAGIC, MAX_ARENA, MAX_OPERATORS, OPERATOR_LEN, VERSION}
 pub struct Graph<'m> {
     /// All operators.
     operators: &'m [u8],
+    crc: u32,
     count: u16,
     arena: u32,
     input: Tensor,
@@ -75,9 +76,9 @@ impl<'m> Graph<'m> {
         if stated != have {
             return Err(ModelError::Length { stated, have });
         }
-        let (stated, computed) = (u32::from_le_bytes(*checksum), crc32(content));
-        if stated != computed {
-            return Err(ModelError::Checksum { stated, computed });
+        let (stated, crc) = (u32::from_le_bytes(*checksum), crc32(content));
+        if stated != crc {
+            return Err(ModelError::Checksum { stated, computed: crc });
         }
         let (count, arena) = (two(6), u32::from_le_bytes(four(12)));
         check("graph.operators", i64::from(count), (1..=MAX_OPERATORS).contains(&usize::from(count)))?;
@@ -91,7 +92,7 @@ impl<'m> Graph<'m> {
         }
         check("graph.reserved", 0, four(36) == [0; 4])?;
         let zero_points = [header[22], header[23]].map(|byte| byte as i8);
-        let mut graph = Graph { operators, count, arena, input, output: input, zero_points, scales };
+        let mut graph = Graph { operators, crc, count, arena, input, output: input, zero_points, scales };
         let mut at = 0;
         for _ in 0..count {
             let rest = operators.get(at..).unwrap_or(&[]);

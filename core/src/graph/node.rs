@@ -111,6 +111,7 @@ pub struct Window {
 
 /// One operator.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Node<'m> {
     /// What it does; `None` only of no bytes.
     pub kind: Option<Kind>,

@@ -23,17 +23,20 @@ pub struct Progress {
     /// Its first byte in the list.
     at: u32,
     step: u32,
+    /// Checksum of the graph, after the first step.
+    graph: u32,
 }
 
 impl Progress {
     /// At the beginning.
     pub const fn new() -> Self {
-        Progress { operator: 0, at: 0, step: 0 }
+        Progress { operator: 0, at: 0, step: 0, graph: 0 }
     }
 }
 
 /// What a step has done.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step<'m> {
     /// Number of the operator.
     pub operator: usize,
@@ -48,8 +51,8 @@ pub struct Step<'m> {
 impl<'m> Graph<'m> {
     /// Does one bounded step; after the last `progress` is at the beginning again.
     ///
-    /// Nobody else writes to the arena, at least [`Graph::arena`] long, from the first step to the last. `None` if it is shorter,
-    /// or if `progress` is another graph's.
+    /// Nobody else writes to the arena, at least [`Graph::arena`] long, from the first step to the last. `None`, and `progress` is
+    /// at the beginning again, if it is shorter or `progress` is of a graph with another checksum.
     pub fn step(&self, progress: &mut Progress, arena: &mut [i8]) -> Option<Step<'m>> {
         self.advance(progress, arena, |node, arena, at| run(node, arena, at.step as usize))
     }
@@ -78,20 +81,20 @@ impl<'m> Graph<'m> {
         arena: &mut [i8],
         run: impl FnOnce(&Node<'m>, &mut [i8], Progress) -> bool,
     ) -> Option<Step<'m>> {
-        if arena.len() < self.arena() || progress.operator >= u32::from(self.count) {
-            debug_assert!(arena.len() >= self.arena(), "the arena is smaller than the graph's");
+        let others = *progress != Progress::new() && progress.graph != self.crc;
+        if arena.len() < self.arena() || others || progress.operator >= u32::from(self.count) {
             *progress = Progress::new();
             return None;
         }
         let node = self.node_at(progress.at);
         let done = run(&node, arena, *progress);
         let operator = progress.operator as usize;
-        progress.step += 1;
+        (progress.step, progress.graph) = (progress.step + 1, self.crc);
         if done {
-            *progress =
-                Progress { operator: progress.operator + 1, at: progress.at + node.bytes() as u32, step: 0 };
+            (progress.operator, progress.step) = (progress.operator + 1, 0);
+            progress.at += node.bytes() as u32;
         }
-        let last = done && operator + 1 == usize::from(self.count);
+        let last = done && progress.at as usize >= self.operators.len();
         if last {
             *progress = Progress::new();
         }

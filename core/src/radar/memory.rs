@@ -17,6 +17,7 @@ use heapless::spsc::{Consumer, Producer, Queue};
 /// see the data cache needs the buffer's lines cleaned before and invalidated after the transfer, and the static that holds the
 /// memory in a section that it reaches.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C, align(32))]
 pub struct SlotBuffer<const VALUES: usize>(pub [i16; VALUES]);
 

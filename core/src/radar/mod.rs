@@ -39,6 +39,7 @@ pub const SLOT_BUFFERS: usize = 3;
 
 /// What a module does.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
     /// N, N_m and N_s.
     pub layout: SensingLayout,

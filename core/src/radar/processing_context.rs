@@ -38,6 +38,7 @@ pub enum Event {
 
 /// What a call of [`ProcessingContext::poll`] did.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
     /// Nothing: there is nothing to do until the next interrupt.
     Idle,

@@ -14,6 +14,7 @@ pub const CATCH_UP: u32 = 8;
 
 /// What a slot is for.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SlotAction<'a, const VALUES: usize> {
     /// The radar sweeps: its samples belong into this buffer, and [`SlotContext::samples_ready`] follows before the next slot.
     Sense(&'a mut SlotBuffer<VALUES>),

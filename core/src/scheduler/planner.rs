@@ -8,6 +8,7 @@ use crate::supervision::retained::State;
 
 /// What a period lost and gave back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PeriodCounts {
     /// Communication slots lost, of each user.
     pub lost: [u32; USERS],
@@ -78,7 +79,7 @@ pub struct Changes {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PeriodReport {
-    /// Number of the period that began, from 0.
+    /// Number of the period that began: the first is 0 in a [`Scheduler`](super::Scheduler), 1 in a radar module.
     pub period: u32,
     /// Whether it has a new plan.
     pub replanned: bool,
@@ -170,9 +171,9 @@ impl Planner {
     }
 
     /// Totals of the period for every user that shares its last `rest` slots after an early end of sensing and has had `served`: the
-    /// worst is as large as it can be. Cost: O(K^3).
+    /// worst is as large as it can be. Where a number is beyond [`LONGEST_PERIOD`](super::layout::LONGEST_PERIOD) nothing is shared. Cost: O(K^3).
     pub fn totals(&self, rest: u32, served: &[u32; USERS]) -> [u32; USERS] {
-        let credit = served.map(|served| served as i32); // at most 2^24
+        let credit = served.map(|served| served.min(i32::MAX as u32) as i32);
         let mut totals = [0; USERS];
         apportion(&self.planned, &credit, rest, &mut totals);
         totals.iter_mut().zip(served).for_each(|(total, served)| *total += served);

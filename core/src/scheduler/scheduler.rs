@@ -85,7 +85,7 @@ impl Scheduler {
     }
 
     /// Use of the next slot. A period begins with a new plan if anything changed; [`Scheduler::report`] says so.
-    /// Cost: O(K) without a division; O(K^3) at a boundary with changes.
+    /// Cost: O(K) with one division, K more at the end of a period; O(K^3) at a boundary with changes.
     pub fn next_slot(&mut self) -> SlotUse {
         if self.sequencer.position() == 0 {
             let (mut plan, changes) = self.planner.next_plan(&core::mem::take(&mut self.counts));

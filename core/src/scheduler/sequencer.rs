@@ -114,7 +114,7 @@ impl Sequencer {
 
     /// Use of the next slot; after the period's last slot the next period begins.
     ///
-    /// Cost: O(K), no division.
+    /// Cost: O(K), one division; K more at the end of a period.
     pub fn next_slot(&mut self) -> SlotUse {
         self.position += 1;
         let slot = if self.left > 0 && self.position == self.due {

@@ -332,8 +332,9 @@ pub fn slow_time_shift(largest: u64) -> u32 {
 /// `y[n] = w^H b[n] / 2^shift` for every slot, halves up.
 ///
 /// In: `[slow_time, BEATS]`, out: `[slow_time]` complex i32 with |re|, |im| <= 2^23 for the [`slow_time_shift`] of the
-/// [`largest_part`]. Exact i64 products.
+/// [`largest_part`]; a smaller one leaves the lower 32 bits, one beyond 63 is taken as 63. Exact i64 products.
 pub fn project(beats: &[Beat], projection: &Projection, shift: u32, slow_time: &mut [Complex<i32>]) {
+    let shift = shift.min(63);
     for (out, beat) in slow_time.iter_mut().zip(beats) {
         let y = inner(projection, beat);
         *out = Complex::new(round_shift(y.re, shift), round_shift(y.im, shift));
@@ -354,7 +355,7 @@ fn inner(projection: &Projection, beat: &Beat) -> Complex<i64> {
     Complex::new(re, plus.wrapping_sub(minus))
 }
 
-/// `round(x / 2^shift)`, halves up; shift 0 to 40.
+/// `round(x / 2^shift)`, halves up; shift 0 to 63.
 const fn round_shift(x: i64, shift: u32) -> i32 {
     if shift == 0 { x as i32 } else { (x.wrapping_add(1 << (shift - 1)) >> shift) as i32 }
 }

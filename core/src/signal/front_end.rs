@@ -24,7 +24,7 @@ use core::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Preprocessing {
-    /// Singular components kept.
+    /// Singular components kept; the first is at most the number of range samples.
     pub kept: SvdRange,
     /// Kaiser window length N_w, 2 to 256.
     pub window: u16,
@@ -44,11 +44,11 @@ impl Preprocessing {
         frames(slots, self.window as usize, self.hop as usize)
     }
 
-    /// The first field that is outside its legal range, by its name in a model file, and its value.
-    pub fn illegal(&self) -> Option<(&'static str, i64)> {
+    /// The first field that is outside its legal range for this sensor, by its name in a model file, and its value.
+    pub fn illegal(&self, radar: &RadarConfig) -> Option<(&'static str, i64)> {
         let Preprocessing { kept, window, beta, hop, bins_per_row, range } = *self;
         let fields = [
-            ("first_kept", i64::from(kept.first), kept.first <= 8),
+            ("first_kept", i64::from(kept.first), kept.first <= radar.range_samples),
             ("last_kept", i64::from(kept.last), (kept.first.max(1)..=8).contains(&kept.last)),
             ("window_len", i64::from(window), (2..=256).contains(&window)),
             ("hop", i64::from(hop), (1..=window).contains(&hop)),
@@ -144,8 +144,8 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     /// spectrum do not fit their memory.
     pub fn new(config: RadarConfig, settings: Preprocessing, buffers: FrontEndBuffers<'b>) -> Option<Self> {
         let FrontEndBuffers { reference, beats, workspace, clutter } = buffers;
-        let fits = workspace.len() >= workspace_len(beats.len(), 0);
-        let fast_time = FastTime::new(config, reference).filter(|_| fits && settings.illegal().is_none())?;
+        let fits = workspace.len() >= workspace_len(beats.len(), 0) && settings.illegal(&config).is_none();
+        let fast_time = FastTime::new(config, reference).filter(|_| fits)?;
         Some(Self::with(fast_time, settings, beats, workspace, clutter))
     }
 

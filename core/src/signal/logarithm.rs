@@ -66,7 +66,7 @@ pub fn level(p: f32) -> i16 {
     ((exponent - 127) * LEVELS_PER_OCTAVE as i32 + within_octave(significand)) as i16
 }
 
-/// `floor(64 log2 p)` for the leading 32 bits of a positive `p`: exact below 2^32, else at most 2^-31 of p too early.
+/// `floor(64 log2 p)` for the leading 32 bits of a positive `p`: exact below 2^32, else up to 2^-31 of p too late.
 #[inline(always)]
 pub fn level_u64(p: u64) -> i16 {
     let (high, low) = ((p >> 32) as u32, p as u32);

@@ -28,10 +28,15 @@ pub fn log_magnitudes<T: Stft>(
     largest
 }
 
-/// Intensity of a cell: 127 at the maximum, -128 at `range` level units below it or weaker.
+/// Intensity of a cell: 127 at the maximum or above, -128 at `range` level units below it or weaker.
 pub const fn quantize_db(level: i16, largest: i16, range: u16) -> i8 {
-    let below = largest as i32 - level as i32;
-    let range = range as i32;
+    intensity(if level > largest { largest } else { level }, largest, range)
+}
+
+/// [`quantize_db`] of a level that is not above the largest.
+#[inline(always)]
+const fn intensity(level: i16, largest: i16, range: u16) -> i8 {
+    let (below, range) = (largest as i32 - level as i32, range as i32);
     if level == FLOOR || below >= range || range == 0 {
         return -128;
     }
@@ -49,7 +54,7 @@ pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, ra
         // the last ones' places are their own levels
         let levels = *memory.last_chunk::<LAST>()?;
         let pixels = must_cast_slice_mut(memory).last_chunk_mut::<LAST>()?;
-        pixels.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = quantize_db(level, largest, range));
+        pixels.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = intensity(level, largest, range));
         end -= LAST;
     }
     while end > cells.start {
@@ -58,7 +63,7 @@ pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, ra
         let (levels, rest) = memory.split_at_mut_checked(end)?;
         let pixels: &mut [i8] = must_cast_slice_mut(rest).get_mut((all + start).checked_sub(2 * end)?..)?;
         for (pixel, &level) in pixels.iter_mut().zip(levels.get(start..)?) {
-            *pixel = quantize_db(level, largest, range);
+            *pixel = intensity(level, largest, range);
         }
         end = start;
     }

@@ -65,7 +65,7 @@ impl Values {
     #[inline(always)]
     fn add(&mut self, x: i16, ends: (i16, i16)) {
         self.moved |= x ^ self.first;
-        self.sum += i32::from(x); // at most 2048 values of 16 bits
+        self.sum += i32::from(x); // at most 249 values of 16 bits
         self.clipped += u16::from(x == ends.0 || x == ends.1);
     }
 
@@ -83,12 +83,13 @@ impl Values {
     }
 }
 
-/// Looks at a slot's values. Cost: 8 instructions for each of about 125 samples, twice for complex ones.
+/// Looks at a slot's values, at no more than [`RadarConfig::values_per_slot`]. Cost: 8 instructions for each of about 125 samples, twice for complex ones.
 ///
 /// # Errors
 ///
 /// The first that is found of: silent, stuck, saturated, offset.
 pub fn check(slot: &[i16], config: &RadarConfig) -> Result<(), SampleFault> {
+    let slot = slot.get(..config.values_per_slot()).unwrap_or(slot);
     let step = (usize::from(config.samples) / LOOKED_AT).max(1);
     let bits = u32::from(config.converter_bits.clamp(8, 16));
     let ends = if config.left_justified {

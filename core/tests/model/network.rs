@@ -88,3 +88,18 @@ fn behind_the_last_step_or_a_reset_the_next_image_begins() {
         }
     }
 }
+
+#[test]
+fn too_short_a_scratch_gives_empty_logits_at_once() {
+    let file = random_model(8, 2, 20);
+    let model = Model::parse(&file).expect("a model");
+    let mut scratch = vec![0; model.shape().scratch_bytes() - 1];
+    for length in [0, 1, scratch.len()] {
+        let mut network = Network::new();
+        let logits = network.step(&model, &mut scratch[..length], &mut Portable, &mut ());
+        assert_eq!((logits.as_deref(), network), (Some(&[][..]), Network::new()));
+        let image = vec![7; ROWS * model.frames()];
+        let found = infer(&model, &image, &mut scratch[..length], &mut Portable, &mut ());
+        assert_eq!((found.class, found.confidence, found.logits.len()), (0, 0.0, 0));
+    }
+}

@@ -1,6 +1,6 @@
 //! Tests of `supervision::sample_health`.
 
-use sdp3_core::config::RadarConfig;
+use sdp3_core::config::{RadarConfig, SampleFormat};
 use sdp3_core::supervision::sample_health::*;
 use std::string::ToString;
 use std::vec::Vec;
@@ -148,5 +148,29 @@ fn every_fault_says_what_it_is() {
         (SampleFault::Offset { i: -3000, q: 4 }, "the mean is -3000 LSB in phase, 4 in quadrature"),
     ] {
         assert_eq!(fault.to_string(), words);
+    }
+}
+
+#[test]
+fn a_slot_of_another_length_is_looked_at_as_far_as_the_sensor_has_values() {
+    let sound = sweep(5000.0);
+    let longer = [sound.clone(), std::vec![i16::MAX; 65_536]].concat();
+    assert_eq!(check(&longer, &PAPER), Ok(()));
+    assert_eq!(check(&sound[..1000], &PAPER), Ok(()));
+    // more than 65 535 values, and a sum beyond 32 bits
+    let complex = RadarConfig { samples: 64, ..PAPER };
+    assert_eq!(check(&[1; 65_536], &complex), Err(SampleFault::Silent));
+    assert_eq!(check(&std::vec![30_000; 200_000], &RadarConfig::BGT60), Err(SampleFault::Silent));
+    // configurations that no sensor may have
+    for samples in [0, 1, 63, 64, 249, 65_535] {
+        for format in [SampleFormat::Complex, SampleFormat::Real] {
+            let config = RadarConfig { samples, format, ..PAPER };
+            for value in [i16::MIN, 0, i16::MAX] {
+                assert_eq!(
+                    check(&std::vec![value; 200_000], &config).is_ok(),
+                    samples < 64 && (value == 0 || samples == 0)
+                );
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of `scheduler::scheduler`.
 
-use sdp3_core::scheduler::layout::{SensingLayout, USERS};
-use sdp3_core::scheduler::planner::PeriodReport;
+use sdp3_core::scheduler::layout::{LONGEST_PERIOD, SensingLayout, USERS};
+use sdp3_core::scheduler::planner::{PeriodReport, Planner};
 use sdp3_core::scheduler::scheduler::*;
 use sdp3_core::scheduler::sequencer::SlotUse;
 use std::vec::Vec;
@@ -101,4 +101,16 @@ fn ending_sensing_gives_its_slots_to_the_users() {
     assert_eq!(served, [199, 100, 50]);
     scheduler.next_slot();
     assert_eq!(scheduler.report().changes.released, 49);
+}
+
+#[test]
+fn totals_of_numbers_beyond_the_longest_period_are_what_was_served() {
+    let planner = Planner::new(SensingLayout::new(400, 3, 100).unwrap(), [1; USERS]);
+    assert_eq!(planner.totals(8, &[3; USERS]), [4; USERS]);
+    for served in [LONGEST_PERIOD + 1, i32::MAX as u32, 1 << 31, u32::MAX] {
+        assert_eq!(planner.totals(5, &[served; USERS]), [served; USERS]);
+        let mixed = [served, 0, 0, 0, 0, 0, 0, 0];
+        assert_eq!(planner.totals(5, &mixed), mixed);
+    }
+    assert_eq!(planner.totals(u32::MAX, &[3; USERS]), [3; USERS]);
 }

@@ -193,3 +193,26 @@ fn slow_time_uses_its_bits() {
     project(&[ZERO_BEAT; 4], &UNIT_PROJECTION, 0, &mut silent);
     assert_eq!(silent, [Complex::new(0, 0); 4]);
 }
+
+#[test]
+fn a_shift_of_any_length_is_a_division() {
+    let beats = noise(3, 4);
+    let shifted = |shift| {
+        let mut y = [Complex::new(1, 1); 4];
+        project(&beats, &UNIT_PROJECTION, shift, &mut y);
+        y
+    };
+    let exact = |shift: u32| -> Vec<Complex<i32>> {
+        let half_up = |sum: i64| ((i128::from(sum) * 2 + (1 << shift)) >> (shift + 1)) as i32;
+        let sum = |beat: &Beat, part: fn(&Complex<i32>) -> i32| {
+            half_up(beat.iter().map(|z| i64::from(part(z))).sum::<i64>() << PROJECTION_BITS)
+        };
+        beats.iter().map(|beat| Complex::new(sum(beat, |z| z.re), sum(beat, |z| z.im))).collect()
+    };
+    for shift in [30, 40, 57, 62, 63] {
+        assert_eq!(shifted(shift), exact(shift)[..], "{shift}");
+    }
+    for shift in [63, 64, 70, u32::MAX] {
+        assert_eq!(shifted(shift), [Complex::new(0, 0); 4], "{shift}");
+    }
+}

@@ -11,3 +11,14 @@ fn intensity_runs_from_the_maximum_to_the_range() {
     assert_eq!(quantize_db(FLOOR, FLOOR, 1063), -128);
     assert_eq!(quantize_db(0, 0, 0), -128);
 }
+
+#[test]
+fn a_level_above_the_maximum_is_the_maximum() {
+    for (level, largest) in [(100, 0), (1, 0), (i16::MAX, FLOOR + 1)] {
+        assert_eq!(quantize_db(level, largest, 1), 127, "{level} above {largest}");
+        assert_eq!(quantize_db(level, largest, u16::MAX), 127);
+        assert_eq!(quantize_db(level, largest, 0), -128);
+    }
+    assert_eq!(quantize_db(0, FLOOR, 1063), -128, "nothing has power");
+    assert_eq!(quantize_db(FLOOR + 1, i16::MAX, u16::MAX), -127);
+}

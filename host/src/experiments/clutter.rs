@@ -79,7 +79,8 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
         for ((ratio_db, scenario), found) in conditions.iter().zip(&mut kept) {
             let arms = FIRST_KEPT.map(|first_kept| {
                 let mut scenario = scenario.clone();
-                scenario.spectrogram.first_kept = first_kept;
+                // there are as many components as range samples
+                scenario.spectrogram.first_kept = first_kept.min(scenario.radar.range_samples);
                 scenario
             });
             let marks = cells.get(&format!("seed-{seed}-{ratio_db}db"), || marked(&arms, seed, context))?;

@@ -57,7 +57,8 @@ pub fn conditions() -> Vec<Condition> {
         add("transmit power (dB)", format!("{}", 0.0 - db), true, Box::new(change));
     }
     for first in [0, 1, 2, 3] {
-        let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
+        // there are as many components as range samples
+        let change = move |s: &mut Scenario| s.spectrogram.first_kept = first.min(s.radar.range_samples);
         let value = if first == 0 { "adaptive".into() } else { format!("{first}") };
         add("first component kept, d", value, true, Box::new(change));
     }

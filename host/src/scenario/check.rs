@@ -146,7 +146,9 @@ impl Scenario {
         c.count("spectrogram.window", u32::from(s.window), 2, FFT_LEN as u32);
         c.beside("spectrogram.hop", f64::from(s.hop), [1.0, f64::from(s.window)], "at most the window");
         c.within("spectrogram.beta", f64::from(s.beta), 0.0, 40.0);
-        c.count("spectrogram.first_kept", u32::from(s.first_kept), 0, 8);
+        // there are as many components as range samples
+        let components = u32::from(self.radar.range_samples).clamp(1, 8);
+        c.count("spectrogram.first_kept", u32::from(s.first_kept), 0, components);
         let kept = [f64::from(s.first_kept.max(1)), 8.0];
         c.beside("spectrogram.last_kept", f64::from(s.last_kept), kept, "at least the first");
         c.legal("spectrogram.bins_per_row", s.bins_per_row, matches!(s.bins_per_row, 1 | 2 | 4), "1, 2 or 4");

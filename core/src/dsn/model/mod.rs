@@ -19,7 +19,7 @@ pub use crate::crc32::crc32;
 use crate::dims::ROWS;
 #[cfg(feature = "graph")]
 use crate::graph::Graph;
-use crate::signal::clutter::SvdRange;
+use crate::signal::clutter::{GRAM_SLOTS, SvdRange};
 use crate::signal::front_end::Preprocessing;
 pub use error::ModelError;
 use error::check;
@@ -163,11 +163,12 @@ impl<'m> Model<'m> {
     }
 
     fn check_header(&self, rows: u16) -> Result<(), ModelError> {
-        if let Some((name, value)) = self.preprocessing.illegal() {
+        if let Some((name, value)) = self.preprocessing.illegal(&self.radar) {
             return Err(ModelError::Field { name, value });
         }
         check("rows", i64::from(rows), usize::from(rows) == ROWS)?;
         check("classes", i64::from(self.classes), (2..=MAX_CLASSES).contains(&self.classes()))?;
+        check("sensing_slots", i64::from(self.sensing_slots), self.sensing_slots() <= GRAM_SLOTS)?;
         let expected = self.preprocessing.frames(self.sensing_slots());
         check("frames", i64::from(self.frames), self.frames() == expected)?;
         let channels = self.channels();

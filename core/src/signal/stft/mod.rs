@@ -18,10 +18,10 @@ pub trait Stft {
     /// One in this memory, with what it holds.
     fn spectrum(memory: &mut FixedSpectrum) -> &mut Self::Spectrum;
 
-    /// A Kaiser window of `length` (2 to 256) samples with parameter `beta`, moved by `hop` (at least 1) samples.
+    /// A Kaiser window of `length` (2 to 256) samples with parameter `beta` (0 to 40), moved by `hop` (1 to `length`) samples.
     ///
-    /// Out-of-range arguments are taken to the nearest legal value. The window's error against exact arithmetic is
-    /// below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.
+    /// Out-of-range arguments are taken to the nearest legal value, a `beta` that is no number to 0. The window's error against exact
+    /// arithmetic is below 1e-5 of its peak. Cost: at most `length` Bessel series of 64 terms, once.
     fn new(length: u16, beta: f32, hop: u16) -> Self;
     /// Frames in `slots` slow-time samples: floor((N_s - N_w) / hop) + 1, or 0.
     fn frames(&self, slots: usize) -> usize;
@@ -67,9 +67,9 @@ impl Stft for FloatStft {
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let mut stft = FloatStft { window: [0.0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let mut stft = FloatStft { window: [0.0; FFT_LEN], length: 0, hop: 0 };
         let window = &mut stft.window;
-        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = value);
+        (stft.length, stft.hop) = kaiser(length, beta, hop, |n, value| window[n % FFT_LEN] = value);
         stft
     }
 
@@ -103,9 +103,10 @@ impl Stft for FloatStft {
     }
 }
 
-/// Gives every value of a Kaiser window, and its length.
-fn kaiser(length: u16, beta: f32, mut give: impl FnMut(usize, f32)) -> usize {
+/// Gives every value of a Kaiser window; its length and hop.
+fn kaiser(length: u16, beta: f32, hop: u16, mut give: impl FnMut(usize, f32)) -> (usize, usize) {
     let length = usize::from(length).clamp(2, FFT_LEN);
+    let beta = if beta > 0.0 { if beta < 40.0 { beta } else { 40.0 } } else { 0.0 };
     let centre = (length - 1) as f32 / 2.0;
     let peak = bessel_i0f(beta);
     for n in 0..length {
@@ -113,7 +114,7 @@ fn kaiser(length: u16, beta: f32, mut give: impl FnMut(usize, f32)) -> usize {
         let inside = 1.0 - x * x;
         give(n, bessel_i0f(beta * sqrtf(if inside > 0.0 { inside } else { 0.0 })) / peak);
     }
-    length
+    (length, usize::from(hop).max(1).min(length))
 }
 
 /// floor((slots - window) / hop) + 1, or 0 if no window fits.

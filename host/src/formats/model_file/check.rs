@@ -4,6 +4,7 @@
 
 use crate::error::Invalid;
 use sdp3_core::dsn::ModelError;
+use sdp3_core::signal::clutter::GRAM_SLOTS;
 use std::fmt::Display;
 use thiserror::Error;
 
@@ -48,7 +49,7 @@ impl QuantizedNetwork {
             p.radar.is_valid(),
             "a configuration that the radar module takes",
         )?;
-        within("first_kept", p.first_kept, 0, 8)?;
+        within("first_kept", p.first_kept, 0, p.radar.range_samples)?;
         within("last_kept", p.last_kept, p.first_kept.max(1), 8)?;
         within("window_len", p.window_len, 2, 256)?;
         within("hop", p.hop, 1, p.window_len)?;
@@ -60,6 +61,7 @@ impl QuantizedNetwork {
         let pooled = p.frames().div_ceil(u16::from(self.stem_stride)) / 2;
         let room = "enough for two columns behind the stem";
         legal("sensing_slots", p.sensing_slots, pooled >= 1, room)?;
+        within("sensing_slots", usize::from(p.sensing_slots), 2, GRAM_SLOTS)?;
         within("channels", c, 4, 32)?;
         legal("channels", c, c.is_multiple_of(4), "a multiple of 4")?;
         within("blocks", self.blocks.len(), 1, 8)?;
@@ -126,6 +128,7 @@ fn check_rescale(name: &str, multipliers: &[i32], shifts: &[i8]) -> Result<(), M
 mod tests {
     use super::super::tests::network;
     use super::*;
+    use sdp3_core::config::RadarConfig;
 
     #[test]
     fn errors_name_field_value_and_range() {
@@ -147,5 +150,8 @@ mod tests {
         assert!(corrupted(|n| n.classes[0] = "x".repeat(25)).contains("class name 0"));
         assert!(corrupted(|n| n.blocks[0].add.multipliers[1] = 5).contains("multiplier is 5"));
         assert!(corrupted(|n| n.preprocessing.sensing_slots = 127).contains("sensing_slots is 127"));
+        assert!(corrupted(|n| n.preprocessing.sensing_slots = 4001).contains("must be 2 to 4000"));
+        let one = corrupted(|n| n.preprocessing.radar = RadarConfig::DOPPLER);
+        assert_eq!(one, "model: first_kept is 2, must be 0 to 1");
     }
 }

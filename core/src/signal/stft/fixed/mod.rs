@@ -217,9 +217,9 @@ impl Stft for FixedStft {
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let mut stft = FixedStft { window: [0; FFT_LEN], length: 0, hop: usize::from(hop).max(1) };
+        let mut stft = FixedStft { window: [0; FFT_LEN], length: 0, hop: 0 };
         let window = &mut stft.window;
-        stft.length = kaiser(length, beta, |n, value| window[n % FFT_LEN] = to_q31(f64::from(value)));
+        (stft.length, stft.hop) = kaiser(length, beta, hop, |n, w| window[n % FFT_LEN] = to_q31(w.into()));
         stft
     }
 
