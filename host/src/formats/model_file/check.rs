@@ -151,7 +151,9 @@ mod tests {
         assert!(corrupted(|n| n.blocks[0].add.multipliers[1] = 5).contains("multiplier is 5"));
         assert!(corrupted(|n| n.preprocessing.sensing_slots = 127).contains("sensing_slots is 127"));
         assert!(corrupted(|n| n.preprocessing.sensing_slots = 4001).contains("must be 2 to 4000"));
-        let one = corrupted(|n| n.preprocessing.radar = RadarConfig::DOPPLER);
+        let one = corrupted(|n| {
+            (n.preprocessing.radar, n.preprocessing.first_kept) = (RadarConfig::DOPPLER, 2);
+        });
         assert_eq!(one, "model: first_kept is 2, must be 0 to 1");
     }
 }

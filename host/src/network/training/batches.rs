@@ -5,11 +5,14 @@ use burn::tensor::{Device, Tensor, TensorData};
 use crate::network::parameters::Images;
 
 /// Cuts images into those to learn from and, of every label's, the last share, which validates: whole recordings of `windows` images
-/// each, so that no recording is on both sides.
+/// each where there are as many, so that no recording is on both sides.
 pub fn split(labels: &[u8], share: f64, windows: usize) -> (Vec<usize>, Vec<usize>) {
     let mut left = [0_usize; 256];
     labels.iter().for_each(|&label| left[usize::from(label)] += 1);
-    let validate = left.map(|all| (all as f64 * share / windows as f64 + 1e-9) as usize * windows);
+    let validate = left.map(|all| {
+        let images = (all as f64 * share + 1e-9) as usize;
+        if images < windows { images } else { images / windows * windows }
+    });
     (0..labels.len()).partition(|&i| {
         let label = usize::from(labels[i]);
         left[label] -= 1;
