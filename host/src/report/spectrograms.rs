@@ -135,11 +135,13 @@ fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium
          <image href=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
          style=\"image-rendering:pixelated\"/>\
          <text class=\"axis-y\" transform=\"translate(12 106) rotate(-90)\" text-anchor=\"middle\">{}</text>\
-         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">time (s)</text>",
+         <text class=\"axis-x\" x=\"158\" y=\"238\" text-anchor=\"middle\">{}</text>",
         medium.root(250.0),
         escape(title),
         data(&bytes),
         left.label,
+        // a frame of a spectrogram lies at its window's first slot
+        if right.is_some() { "start of window (s)" } else { "time (s)" },
     );
     if let Some(Side { label, .. }) = right {
         let _ = write!(
