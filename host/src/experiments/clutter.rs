@@ -67,6 +67,9 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
         let legal = "dahc with channel.mode = rician: this study sets the power of a room that has a mean";
         return Err(Invalid::new("channel.model", channel.model.name(), legal).into());
     }
+    let (count, legal) =
+        (request.scenario.radar.range_samples, "at least 3: components from d = 1, 2, 3 on are kept");
+    Invalid::unless(count >= 3, "radar.range_samples", count, legal)?;
     let mut conditions = Vec::new();
     for ratio_db in RATIOS_DB {
         let scenario = with_ratio(&request.scenario, ratio_db);
@@ -79,8 +82,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Cl
         for ((ratio_db, scenario), found) in conditions.iter().zip(&mut kept) {
             let arms = FIRST_KEPT.map(|first_kept| {
                 let mut scenario = scenario.clone();
-                // there are as many components as range samples
-                scenario.spectrogram.first_kept = first_kept.min(scenario.radar.range_samples);
+                scenario.spectrogram.first_kept = first_kept;
                 scenario
             });
             let marks = cells.get(&format!("seed-{seed}-{ratio_db}db"), || marked(&arms, seed, context))?;

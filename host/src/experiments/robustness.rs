@@ -34,8 +34,8 @@ impl Condition {
     }
 }
 
-/// Every condition, factor by factor.
-pub fn conditions() -> Vec<Condition> {
+/// Every condition of a radar with so many range samples, factor by factor.
+pub fn conditions(range_samples: u8) -> Vec<Condition> {
     let mut all = Vec::new();
     let mut add = |factor, value: String, matched, change: Box<dyn Fn(&mut Scenario)>| {
         all.push(Condition { factor, value, matched, change });
@@ -56,9 +56,9 @@ pub fn conditions() -> Vec<Condition> {
         let change = move |s: &mut Scenario| s.radar.power_w *= libm::pow(10.0, -db / 10.0);
         add("transmit power (dB)", format!("{}", 0.0 - db), true, Box::new(change));
     }
-    for first in [0, 1, 2, 3] {
-        // there are as many components as range samples
-        let change = move |s: &mut Scenario| s.spectrogram.first_kept = first.min(s.radar.range_samples);
+    // there are as many components as range samples
+    for first in 0..=range_samples.min(3) {
+        let change = move |s: &mut Scenario| s.spectrogram.first_kept = first;
         let value = if first == 0 { "adaptive".into() } else { format!("{first}") };
         add("first component kept, d", value, true, Box::new(change));
     }
@@ -133,7 +133,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ro
         stated.channel.rho = usual.channel.rho;
         stated == usual && rho_of(s) == rho_of(&usual)
     };
-    let conditions = conditions();
+    let conditions = conditions(usual.radar.range_samples);
     let mut found: Vec<Vec<Cell>> = vec![Vec::new(); conditions.len()];
     for seed in request.each_seed() {
         // trained when the first cell needs it
@@ -199,7 +199,8 @@ mod tests {
 
     #[test]
     fn every_condition_is_a_legal_scenario_of_its_own_name() {
-        let conditions = conditions();
+        assert_eq!(conditions(1).len() + 2, conditions(8).len());
+        let conditions = conditions(8);
         let keys: BTreeSet<String> = conditions.iter().map(Condition::key).collect();
         assert_eq!(keys.len(), conditions.len());
         assert!(keys.contains("rho-0.98") && keys.contains("60-ghz-n-m-3"), "{keys:?}");

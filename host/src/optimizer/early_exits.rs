@@ -124,3 +124,27 @@ pub fn outcome(
         channels: scenario.communication.channels().to_owned(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_operating_point_is_chosen_on_the_calibration_recordings() {
+        let labelled = |truth: Vec<u8>| ExitLogits {
+            slots: vec![200, 400],
+            scales: vec![0.1; 2],
+            logits: (0..10).map(|_| vec![vec![100, 0]; 2]).collect(),
+            truth,
+        };
+        let policy = Policy::new(&[200, 400], vec![vec![1 << 12], vec![1 << 11; 2]]);
+        // every class is 0: right of the recordings to calibrate on, and of three of ten tested
+        let (calibration, test) =
+            (labelled(vec![0; 10]), labelled((0..10).map(|n| u8::from(n >= 3)).collect()));
+        let rule = Rule::AccuracyAtLeast(0.9);
+        let found = outcome(&Scenario::default(), 1, &policy, &calibration, &test, rule).unwrap();
+        assert_eq!(found.operating_point.point.accuracy, 0.3);
+        let refused = outcome(&Scenario::default(), 1, &policy, &test, &calibration, rule);
+        assert!(matches!(refused, Err(OptimizerError::Unreachable { .. })));
+    }
+}

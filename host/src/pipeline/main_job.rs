@@ -100,11 +100,9 @@ impl Job {
         Ok((run, page))
     }
 
-    /// The scenario's rho, or else the calibration's. That of a measurement is used only at its own carrier, as rho^(t / T) if its samples
-    /// are T apart and the steps of the scenario's room t.
+    /// The scenario's rho, or else the calibration's. That of a measurement is used only at its own carrier, brought to the scenario's interval.
     fn rho_used(&self, calibration: &Calibration, measured: bool) -> f64 {
         let other = (calibration.carrier_hz / self.scenario.radar.carrier_hz - 1.0).abs() >= SAME_CARRIER;
-        let intervals_s = [calibration.interval_s, self.scenario.rho_interval_s()];
         let (rho, why) = match self.scenario.channel.rho {
             Some(rho) => (rho, "channel.rho states it".into()),
             None if measured && other => {
@@ -112,9 +110,9 @@ impl Job {
                 (stored_rho(&self.scenario).0, "the measurement is at another carrier".into())
             }
             None => {
+                let intervals_s = [calibration.interval_s, self.scenario.rho_interval_s()];
                 let [from_ms, to_ms] = intervals_s.map(|s| 1e3 * s);
-                let rho = libm::pow(calibration.rho, intervals_s[1] / intervals_s[0]);
-                (rho, format!("{} from one {from_ms} ms to the next, for {to_ms} ms", calibration.rho))
+                (calibration.rho_at(intervals_s[1]), format!("that of {from_ms} ms, brought to {to_ms} ms"))
             }
         };
         if rho != calibration.rho {

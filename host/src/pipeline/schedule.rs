@@ -44,7 +44,7 @@ impl Job {
         settings: &Settings,
         threshold: Option<f64>,
     ) -> Result<(Campaign, f64), Failure> {
-        if self.has_run() || settings.recognise_every > 0 {
+        if self.own_run()?.is_some() || settings.recognise_every > 0 {
             self = self.of_folder()?;
         }
         settings.check(&self.scenario, threshold)?;

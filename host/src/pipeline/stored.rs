@@ -4,7 +4,7 @@ use super::Job;
 use crate::error::{Failure, Invalid};
 use crate::formats::model_file::{self, QUANTIZE_FIRST, check_use};
 use crate::report::{Live, paper::draw};
-use crate::results::{Accuracy, CurvePoint, Figures, Run, Trainings};
+use crate::results::{Accuracy, CurvePoint, Figures, Run, TrainingHistory};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::calibration::rho_of;
 use crate::store::difference::difference;
@@ -56,17 +56,31 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// No run, or a file that is none.
+    /// No run, a file that is none, or a run of another scenario than the folder's.
     pub fn run(&self) -> Result<Run, OutputError> {
+        Ok(self.run_and_provenance()?.0)
+    }
+
+    fn run_and_provenance(&self) -> Result<(Run, Provenance), OutputError> {
         let (run, made) = self.output.read_result(RUN, RUN_FIRST)?;
-        match self.is_of_folder(&made) {
-            true => Ok(run),
-            false => {
-                let reason =
-                    format!("another scenario than {RUN} is of: a later command began with it; {RUN_FIRST}");
-                Err(OutputError::Content { path: self.output.path(SCENARIO), reason })
-            }
+        if self.is_of_folder(&made) {
+            return Ok((run, made));
         }
+        let reason = format!("another scenario than {RUN} is of: a later command began with it; {RUN_FIRST}");
+        Err(OutputError::Content { path: self.output.path(SCENARIO), reason })
+    }
+
+    /// The run of the folder's scenario, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// A file that is no run.
+    pub(super) fn own_run(&self) -> Result<Option<Run>, OutputError> {
+        if !self.output.path(RUN).exists() {
+            return Ok(None);
+        }
+        let (run, made) = self.output.read_result(RUN, RUN_FIRST)?;
+        Ok(self.is_of_folder(&made).then_some(run))
     }
 
     /// Whether a result is of the folder's scenario.
@@ -95,7 +109,7 @@ impl Job {
     ///
     /// The first field that differs; no scenario.
     pub(super) fn run_scenario(&self) -> Result<Scenario, Failure> {
-        let made = self.output.path("scenario.toml");
+        let made = self.output.path(SCENARIO);
         let found = Scenario::load(&made)?;
         let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
         let mut asked = self.trained_scenario()?;
@@ -124,21 +138,26 @@ impl Job {
         if self.given.scenario.is_some() {
             return Ok(self.scenario.clone());
         }
-        Ok(Scenario::resolve(Some(&self.output.path("scenario.toml")), &self.given.set)?)
+        Ok(Scenario::resolve(Some(&self.output.path(SCENARIO)), &self.given.set)?)
     }
 
-    /// The seed that is given, or that of the folder's networks: they are then tested on recordings that they have not learned from.
+    /// The seed that is given, or that of the folder's networks: of its run, or else of its training.
     ///
     /// # Errors
     ///
-    /// A training or a run that is none.
+    /// A run or a training that is none.
     pub(super) fn folder_seed(&self) -> Result<u64, OutputError> {
-        let trained = || self.output.read_result::<Trainings>(TRAINING, TRAIN_FIRST);
-        match self.given.seed {
-            None if self.output.path(TRAINING).exists() => Ok(trained()?.1.seed.unwrap_or(self.seed)),
-            None if self.has_run() => Ok(self.run()?.seed),
-            _ => Ok(self.seed),
+        if self.given.seed.is_some() {
+            return Ok(self.seed);
         }
+        if let Some(run) = self.own_run()? {
+            return Ok(run.seed);
+        }
+        if !self.output.path(TRAINING).exists() {
+            return Ok(self.seed);
+        }
+        let (_, made) = self.output.read_result::<TrainingHistory>(TRAINING, TRAIN_FIRST)?;
+        Ok(made.seed.unwrap_or(self.seed))
     }
 
     /// The job in the scenario of the output folder, with the seed of its networks and the rho of its run, unless others are given.
@@ -148,19 +167,11 @@ impl Job {
     /// A training or a run that is none; a scenario that is missing or cannot be.
     pub(super) fn of_folder(self) -> Result<Self, Failure> {
         let (seed, mut scenario) = (self.folder_seed()?, self.trained_scenario()?);
-        if self.has_run() && scenario.channel.rho.is_none() {
+        if let Some(run) = self.own_run()?.filter(|_| scenario.channel.rho.is_none()) {
             // that of a measurement is in no scenario
-            scenario.channel.rho = Some(self.run()?.rho).filter(|&rho| rho != rho_of(&scenario));
+            scenario.channel.rho = Some(run.rho).filter(|&rho| rho != rho_of(&scenario));
         }
         Ok(Job { scenario, seed, output: self.output.of_seed(seed), ..self })
-    }
-
-    /// Whether the output folder has a run of its scenario, or a file in its place that is none.
-    pub(super) fn has_run(&self) -> bool {
-        match self.output.read_result::<Run>(RUN, RUN_FIRST) {
-            Ok((_, made)) => self.is_of_folder(&made),
-            Err(_) => self.output.path(RUN).exists(),
-        }
     }
 
     /// The models of every N_s of the scenario, each for its radar; `hint` says what makes them.
@@ -198,7 +209,7 @@ impl Job {
     ///
     /// A run that is not there, of another scenario than the one given, or with files of several runs; a file that is no program.
     pub fn report(self, program: Option<&Path>) -> Result<PathBuf, Failure> {
-        let (run, (_, made)) = (self.run()?, self.output.read_result::<Run>(RUN, RUN_FIRST)?);
+        let (run, made) = self.run_and_provenance()?;
         let (figures, with) = self.output.read_result::<Figures>(FIGURES, RUN_FIRST)?;
         let scenario = self.run_scenario()?;
         let refuse = |file: &str, field: &str, found: &str, must: &str| {

@@ -81,7 +81,10 @@ impl Job {
             Study::Fidelity => fidelity::DOMAINS.len(),
             // its seconds are not the scenario's recordings; about as much work
             Study::SimToReal => 1,
-            Study::Robustness => robustness::conditions().iter().filter(|c| c.matched).count(),
+            Study::Robustness => {
+                let conditions = robustness::conditions(self.scenario.radar.range_samples);
+                conditions.iter().filter(|c| c.matched).count()
+            }
             Study::Ablation => CARRIERS_HZ.len() * (EFFECTS.len() + 1),
             Study::Clutter => clutter::RATIOS_DB.len() * clutter::FIRST_KEPT.len(),
             Study::Selection => CARRIERS_HZ.len() * selection::CANDIDATES.len(),

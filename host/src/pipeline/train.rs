@@ -10,7 +10,7 @@ use crate::formats::{model_file, table};
 use crate::network::recipe::Recipe;
 use crate::network::spectrograms::{Collected, Part};
 use crate::network::training::Backend;
-use crate::results::{Epoch, Training, Trainings};
+use crate::results::{Epoch, Training, TrainingHistory};
 use crate::scenario::Scenario;
 use crate::store::output::OutputError;
 use std::path::PathBuf;
@@ -109,7 +109,7 @@ impl Job {
         for (parameters, n) in trained.parameters.iter().zip(&self.scenario.frame.sensing_slots) {
             self.output.write_json(&network_name(*n), parameters)?;
         }
-        self.output.write_result(TRAINING, &Trainings { networks: trained.training.clone() })?;
+        self.output.write_result(TRAINING, &TrainingHistory { networks: trained.training.clone() })?;
         Ok(())
     }
 

@@ -388,7 +388,7 @@ pub struct Training {
 
 /// How every network of a folder was trained: what `training.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Trainings {
+pub struct TrainingHistory {
     /// One network per `N_s`.
     pub networks: Vec<Training>,
 }

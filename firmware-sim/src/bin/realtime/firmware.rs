@@ -61,7 +61,7 @@ fn change_settings(processing: &mut ProcessingContext<VALUES>, rng: &mut impl Rn
         if let Some(&(period, slots)) = LAYOUTS.get(at)
             && let Ok(layout) = SensingLayout::new(period, 3, slots)
         {
-            let _ = processing.set_layout(layout);
+            processing.set_layout(layout).expect("every layout here is in time");
         }
     } else if (draw >> 24) % 3 == 1 {
         // refused if they do not fit

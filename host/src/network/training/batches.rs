@@ -5,7 +5,8 @@ use burn::tensor::{Device, Tensor, TensorData};
 use crate::network::parameters::Images;
 
 /// Cuts images into those to learn from and, of every label's, the last share, which validates: whole recordings of `windows` images
-/// each where there are as many, so that no recording is on both sides.
+/// each where there are as many, so that no recording is on both sides. Of recordings with other numbers of windows one of each label may
+/// be on both.
 pub fn split(labels: &[u8], share: f64, windows: usize) -> (Vec<usize>, Vec<usize>) {
     let mut left = [0_usize; 256];
     labels.iter().for_each(|&label| left[usize::from(label)] += 1);

@@ -37,7 +37,7 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        // numbers of four digits tell the ticks apart
+        // ticks differ within the four digits that are shown
         let margin = ((high - low) * 0.05).max(1e-3 * high.abs().max(low.abs())).max(1e-9);
         Axis { low: low - margin, high: high + margin, name: name.into(), log: false, whole: false }
     }

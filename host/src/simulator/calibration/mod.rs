@@ -77,6 +77,13 @@ pub fn divergence_measured(
     Ok((divergence(&comparison.counts, &simulated, 0), shares(&simulated)))
 }
 
+impl Calibration {
+    /// rho of an AR(1) process with the same decay in time, of samples `interval_s` apart: rho^(t / T).
+    pub fn rho_at(&self, interval_s: f64) -> f64 {
+        libm::pow(self.rho, interval_s / self.interval_s)
+    }
+}
+
 /// Calibrates on a measured signal of a person who moves as `class` says.
 ///
 /// # Errors
@@ -182,6 +189,10 @@ mod tests {
         let class = Class::AdultWalking;
         let found = calibrate_measured(&Scenario::default(), &measured, class, 3, &|_, _| ()).unwrap();
         assert!((found.rho - 0.993).abs() < 0.002, "{}", found.rho);
+        // a signal of 8 kHz is compared at 2 kHz
+        assert_eq!(found.interval_s, 0.5e-3);
+        assert_eq!(found.rho_at(found.interval_s), found.rho);
+        assert!((found.rho_at(1e-3) - found.rho * found.rho).abs() < 1e-12);
         assert!(found.kl_without_uncertainty > found.kl.map(|kl| 10.0 * kl));
         assert_eq!(found.curve.last().map(|p| p.rho), Some(1.0));
         assert!(found.measured.is_some_and(|m| m.intensities.contains(&255)));
