@@ -11,20 +11,30 @@ use crate::formats::slots::{Slots, to_le_bytes};
 use crate::network::spectrograms::image_of_beats;
 use crate::simulator::body::motion::GroundTruth;
 use crate::simulator::dataset::{Set, beats, recording};
+use crate::store::digest::Hash;
 use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
 use sdp3_core::dims::{BEATS, ROWS};
 use serde::{Deserialize, Serialize};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, Write};
+use std::iter;
 use std::ops::Range;
+use std::panic::resume_unwind;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// Recordings in a part; the last may have fewer.
 pub const RECORDINGS: u32 = 100;
 /// Values that are turned into bytes at a time: they stay in the cache.
 const VALUES: usize = 1 << 15;
+/// Batches of recordings that may wait to be written.
+const BATCHES: usize = 2;
+/// Bytes of an archive that may be written and not yet on the disk.
+const SYNCED: usize = 1 << 25;
 /// What makes a sidecar.
 pub(super) const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
 
@@ -113,51 +123,112 @@ fn array<W: Write + Seek>(
     }
 }
 
-/// Makes a part: SigMF files, NPZ, sidecar. `tick` is called after each recording.
+/// Makes a part: SigMF files, NPZ, sidecar. `tick` is called after each recording. Recordings are written while the next are made.
 ///
 /// # Errors
 ///
-/// Files that cannot be written or read back.
+/// Files that cannot be written.
 pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -> Result<(), OutputError> {
-    let range = work.recordings_of(part);
-    let mut files = Vec::new();
-    let all =
-        output.fill(&npz_name(part), |file| write(work, range.clone(), output, file, &mut files, tick))?;
-    files.insert(0, FileRecord::of(output, &npz_name(part))?);
+    let (range, name) = (work.recordings_of(part), npz_name(part));
+    let (sender, receiver) = sync_channel(BATCHES);
+    let (described, written) = thread::scope(|scope| {
+        let writer = scope.spawn(|| {
+            output.fill(&name, |file| {
+                let mut sink = Sink { file, hash: Hash::default(), bytes: 0, unsynced: 0 };
+                let all = write(work, range.len(), &mut sink, receiver)?;
+                Ok((FileRecord { name: name.clone(), bytes: sink.bytes, sha256: sink.hash.hex() }, all))
+            })
+        });
+        let described = simulate(work, range.clone(), output, tick, sender);
+        (described, writer.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    });
+    let (described, (npz, all)) = (described?, written?);
     let record = |(index, one): (u32, One)| TruthRecord { index, label: one.label, truth: one.truth };
+    let files = iter::once(npz).chain(described).collect();
     let sidecar = Sidecar { files, truth: range.zip(all).map(record).collect() };
     output.write_json(&sidecar_name(part), &sidecar)?;
     Ok(())
 }
 
-/// Writes the archive while the recordings are made; what they still hold comes back.
-fn write<W: Write + Seek>(
+/// Makes recordings, and of each its SigMF files if asked for; `made` takes them in order. They come in batches of as many as there are
+/// threads if their raw slots are wanted, which are large, else in one. Stops early where `made` is no longer received: the writer says why.
+fn simulate(
     work: &Work,
     range: Range<u32>,
     output: &Output,
-    file: W,
-    files: &mut Vec<FileRecord>,
     tick: &(dyn Fn() + Sync),
-) -> io::Result<Vec<One>> {
-    let mut archive = ZipWriter::new(UntilError::new(file));
-    let all = fill(work, range, output, &mut archive, files, tick)?;
+    made: SyncSender<Vec<One>>,
+) -> Result<Vec<FileRecord>, OutputError> {
+    let one = |index: u32| {
+        let mut one = one(work, index);
+        let mut described = Vec::new();
+        if work.request.sigmf {
+            let raw = one.slots.as_ref().map(Slots::to_le_bytes).unwrap_or_default();
+            described = sigmf::write(work, index, &one.truth, &raw, output)?;
+        }
+        if !work.request.raw {
+            one.slots = None;
+        }
+        tick();
+        Ok((one, described))
+    };
+    let step = if work.request.raw { rayon::current_num_threads() } else { range.len() };
+    let mut files = Vec::new();
+    for from in range.clone().step_by(step) {
+        let batch = (from..range.end.min(from + step as u32)).into_par_iter().map(one);
+        let (ones, described): (Vec<_>, Vec<_>) =
+            batch.collect::<Result<Vec<_>, OutputError>>()?.into_iter().unzip();
+        files.extend(described.into_iter().flatten());
+        if made.send(ones).is_err() {
+            break;
+        }
+    }
+    Ok(files)
+}
+
+/// Writes the archive of `count` recordings as they come; what they still hold comes back.
+fn write(work: &Work, count: usize, file: impl Write, made: Receiver<Vec<One>>) -> io::Result<Vec<One>> {
+    // streamed: nothing that was written is written again, so that it can be hashed on its way
+    let mut archive = ZipWriter::new_stream(UntilError { file, failed: false });
+    let all = arrays(work, count, &mut archive, made)?;
     archive.finish()?;
     Ok(all)
 }
 
-/// Writes up to the first error, and after it only keeps the position: a dropped archive tries to end itself once more, and would print
-/// that it cannot.
+/// Where an archive goes: the file, its length and its digest. The disk gets it while more is made.
+struct Sink<'a> {
+    file: &'a mut BufWriter<File>,
+    hash: Hash,
+    bytes: u64,
+    unsynced: usize,
+}
+
+impl Write for Sink<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.unsynced >= SYNCED {
+            self.file.flush()?;
+            self.file.get_ref().sync_data()?;
+            self.unsynced = 0;
+        }
+        let written = self.file.write(bytes)?;
+        self.bytes += written as u64;
+        self.unsynced += written;
+        self.hash.write_all(&bytes[..written])?;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Writes up to the first error, and nothing after it: a dropped archive tries to end itself once more, and would print that it cannot.
 struct UntilError<W> {
     file: W,
-    position: u64,
     failed: bool,
 }
 
 impl<W> UntilError<W> {
-    fn new(file: W) -> Self {
-        UntilError { file, position: 0, failed: false }
-    }
-
     /// What the file says, or `after` once it has failed.
     fn attempt<T>(&mut self, after: T, act: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
         if self.failed {
@@ -172,9 +243,7 @@ impl<W> UntilError<W> {
 
 impl<W: Write> Write for UntilError<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.attempt(bytes.len(), |file| file.write(bytes))?;
-        self.position += written as u64;
-        Ok(written)
+        self.attempt(bytes.len(), |file| file.write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -182,51 +251,16 @@ impl<W: Write> Write for UntilError<W> {
     }
 }
 
-impl<W: Seek> Seek for UntilError<W> {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        let after = match to {
-            SeekFrom::Start(position) => position,
-            SeekFrom::Current(by) => self.position.saturating_add_signed(by),
-            SeekFrom::End(_) => self.position,
-        };
-        self.position = self.attempt(after, |file| file.seek(to))?;
-        Ok(self.position)
-    }
-}
-
-fn fill<W: Write + Seek>(
+/// Writes the arrays; the raw slots, if wanted, come first and go to the file as they are made.
+fn arrays<W: Write + Seek>(
     work: &Work,
-    range: Range<u32>,
-    output: &Output,
+    n: usize,
     archive: &mut ZipWriter<W>,
-    files: &mut Vec<FileRecord>,
-    tick: &(dyn Fn() + Sync),
+    made: Receiver<Vec<One>>,
 ) -> io::Result<Vec<One>> {
-    let made = |index: u32| {
-        let mut one = one(work, index);
-        let mut described = Vec::new();
-        if work.request.sigmf {
-            let raw = one.slots.as_ref().map(Slots::to_le_bytes).unwrap_or_default();
-            described = sigmf::write(work, index, &one.truth, &raw, output).map_err(io::Error::other)?;
-        }
-        if !work.request.raw {
-            one.slots = None;
-        }
-        tick();
-        Ok((one, described))
-    };
-    let (n, slots) = (range.len(), work.slots() as usize);
+    let slots = work.slots() as usize;
     let config = work.scenario.radar.config();
     let mut all = Vec::with_capacity(n);
-    // the raw slots, if wanted, come first and go to the file as they are made
-    let step = if work.request.raw { rayon::current_num_threads() } else { n };
-    let mut batch = |from: u32| -> io::Result<Vec<One>> {
-        let batch = from..range.end.min(from + step as u32);
-        let (ones, described): (Vec<_>, Vec<_>) =
-            batch.into_par_iter().map(made).collect::<io::Result<Vec<_>>>()?.into_iter().unzip();
-        files.extend(described.into_iter().flatten());
-        Ok(ones)
-    };
     if work.request.raw {
         let samples = usize::from(config.samples);
         let shape = match config.format {
@@ -234,8 +268,7 @@ fn fill<W: Write + Seek>(
             SampleFormat::Real => vec![n, slots, samples],
         };
         array(archive, "raw", ("<i2", 2), &shape, |put| {
-            for from in range.clone().step_by(step) {
-                let mut ones = batch(from)?;
+            for mut ones in made {
                 for slots in ones.iter_mut().filter_map(|one| one.slots.take()) {
                     slots.values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))?;
                 }
@@ -244,7 +277,7 @@ fn fill<W: Write + Seek>(
             Ok(())
         })?;
     } else {
-        all = batch(range.start)?;
+        all.extend(made.into_iter().flatten());
     }
     let frames = work.scenario.spectrogram.preprocessing().frames(slots);
     array(archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
@@ -324,7 +357,7 @@ mod tests {
     #[test]
     fn a_full_disk_is_an_error_once_and_an_interruption_is_none() {
         let file = Full { file: Cursor::default(), left: 3, interrupted: false };
-        let mut writer = UntilError::new(file);
+        let mut writer = UntilError { file, failed: false };
         let error = writer.write_all(b"array").unwrap_err();
         assert_eq!(error.kind(), ErrorKind::StorageFull);
         assert_eq!(writer.file.file.get_ref(), b"arr");

@@ -93,21 +93,27 @@ impl Converter {
         Converter { lsb, noise_lsb: noise / lsb, largest, shift }
     }
 
-    /// Nearest integer (halves to even), saturated to the converter's range and justified.
+    /// Nearest integer (halves to even), saturated to the converter's range.
     #[inline(always)]
-    fn convert(&self, x: f64) -> i16 {
+    fn nearest(&self, x: f64) -> i16 {
         let smallest = -1.0 - self.largest;
         let x = if x < smallest { smallest } else { x };
         let x = if x > self.largest { self.largest } else { x };
         // the integer is what the sum's mantissa ends with
-        ((x + ROUNDING).to_bits() as i16) << self.shift
+        (x + ROUNDING).to_bits() as i16
+    }
+
+    /// The same, justified.
+    fn convert(&self, x: f64) -> i16 {
+        self.nearest(x) << self.shift
     }
 
     /// Appends real and imaginary parts by turns, each with its noise.
     fn convert_all(&self, re: &[f64], im: &[f64], noise: &[f64], values: &mut Vec<i16>) {
         let from = values.len();
         values.resize(from + 2 * re.len(), 0);
-        let (pairs, _) = values[from..].as_chunks_mut::<2>();
+        let values = &mut values[from..];
+        let (pairs, _) = values.as_chunks_mut::<2>();
         let (noise, _) = noise.as_chunks::<2>();
         vectorised(
             #[inline(always)]
@@ -116,11 +122,14 @@ impl Converter {
                     let noisy = [re + self.noise_lsb * noise[0], im + self.noise_lsb * noise[1]];
                     *pair = noisy.map(
                         #[inline(always)]
-                        |x| self.convert(x),
+                        |x| self.nearest(x),
                     );
                 }
             },
         );
+        if self.shift > 0 {
+            values.iter_mut().for_each(|value| *value <<= self.shift);
+        }
     }
 }
 
