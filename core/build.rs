@@ -14,11 +14,15 @@ fn main() {
     let values = |option| flags.split('\x1f').filter_map(move |flag| Some(flag.split_once(option)?.1));
     let v7em = target.starts_with("thumbv7em");
     let named = values("target-cpu=").next_back();
-    let helium = matches!(named, Some("cortex-m52" | "cortex-m55" | "cortex-m85"));
-    // the last word on the feature wins, also over what a core's name says
-    let feature = values("target-feature=").flat_map(|list| list.split(','));
-    let feature = feature.filter_map(|word| Some(word.strip_suffix("dsp")? == "+")).next_back();
-    let dsp = feature.unwrap_or(v7em || helium || matches!(named, Some("cortex-m33" | "cortex-m35p")));
+    // the last word on a feature wins, also over what a core's name says
+    let stated = |name| {
+        let words = values("target-feature=").flat_map(|list| list.split(','));
+        words.filter_map(|word| Some(word.strip_suffix(name)? == "+")).next_back()
+    };
+    let feature = stated("dsp");
+    let named_helium = matches!(named, Some("cortex-m52" | "cortex-m55" | "cortex-m85"));
+    let helium = named_helium && stated("mve").unwrap_or(true);
+    let dsp = feature.unwrap_or(v7em || named_helium || matches!(named, Some("cortex-m33" | "cortex-m35p")));
     if dsp {
         println!("cargo:rustc-cfg=arm_dsp");
         let core = named.unwrap_or(if v7em { "cortex-m4" } else { "cortex-m33" });

@@ -29,13 +29,13 @@ impl File {
         if path.len() >= name.len() {
             return None;
         }
-        let handle = call(0x01, &[name.as_ptr() as usize, mode, path.len(), 0]);
+        let handle = call(0x01, &mut [name.as_ptr() as usize, mode, path.len(), 0]);
         (handle >= 0).then_some(File { handle: handle as usize, position: 0 })
     }
 
     /// Its bytes.
     pub fn length(&self) -> Option<usize> {
-        usize::try_from(call(0x0c, &[self.handle, 0, 0, 0])).ok()
+        usize::try_from(call(0x0c, &mut [self.handle, 0, 0, 0])).ok()
     }
 
     /// Fills the buffer; false if the file ends before.
@@ -51,7 +51,7 @@ impl File {
     /// Fills `bytes` bytes of an exclusive slice.
     fn read_at(&mut self, address: usize, bytes: usize) -> bool {
         self.position += bytes;
-        bytes == 0 || call(0x06, &[self.handle, address, bytes, 0]) == 0
+        bytes == 0 || call(0x06, &mut [self.handle, address, bytes, 0]) == 0
     }
 
     /// Byte that is read next.
@@ -62,7 +62,7 @@ impl File {
     /// Goes on reading at this byte.
     pub fn seek(&mut self, position: usize) -> bool {
         self.position = position;
-        call(0x0a, &[self.handle, position, 0, 0]) == 0
+        call(0x0a, &mut [self.handle, position, 0, 0]) == 0
     }
 
     /// Reads a little-endian word.
@@ -73,7 +73,7 @@ impl File {
 
     /// Writes all bytes.
     pub fn write(&mut self, bytes: &[u8]) -> bool {
-        bytes.is_empty() || call(0x05, &[self.handle, bytes.as_ptr() as usize, bytes.len(), 0]) == 0
+        bytes.is_empty() || call(0x05, &mut [self.handle, bytes.as_ptr() as usize, bytes.len(), 0]) == 0
     }
 }
 
@@ -87,8 +87,8 @@ pub fn file_into<'a>(path: &str, memory: &'a mut [u8]) -> Option<&'a [u8]> {
 /// The emulator's arguments, separated by spaces.
 pub fn arguments(buffer: &mut [u8; 1024]) -> &str {
     // the emulator writes the address and length of the text back into the block
-    let block = [buffer.as_mut_ptr() as usize, buffer.len() - 1, 0, 0];
-    if call(0x15, &block) != 0 {
+    let mut block = [buffer.as_mut_ptr() as usize, buffer.len() - 1, 0, 0];
+    if call(0x15, &mut block) != 0 {
         return "";
     }
     let length = buffer.iter().position(|&b| b == 0).unwrap_or(0);
@@ -135,6 +135,6 @@ pub fn println(text: Arguments) {
 /// Ends the emulator with an exit code.
 pub fn exit(code: usize) -> ! {
     loop {
-        call(0x20, &[0x20026, code, 0, 0]);
+        call(0x20, &mut [0x20026, code, 0, 0]);
     }
 }

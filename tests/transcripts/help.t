@@ -86,10 +86,10 @@ Help: the tool and every command, with examples.
             A measured signal: a file or folder that `sdp3 inspect` reads
   
         --carrier <HZ>
-            Carrier in Hz, if the file does not say
+            Carrier in Hz, instead of what the file says
   
         --rate <HZ>
-            Sampling or slow-time rate in Hz, if the file does not say
+            Sampling or slow-time rate in Hz, instead of what the file says
   
         --gain <DB>
             Gain of the sensor in dB, which is subtracted
@@ -255,8 +255,8 @@ Help: the tool and every command, with examples.
   
   Options:
         --measured <PATH>            A measured signal: a file or folder that `sdp3 inspect` reads
-        --carrier <HZ>               Carrier in Hz, if the file does not say
-        --rate <HZ>                  Sampling or slow-time rate in Hz, if the file does not say
+        --carrier <HZ>               Carrier in Hz, instead of what the file says
+        --rate <HZ>                  Sampling or slow-time rate in Hz, instead of what the file says
         --gain <DB>                  Gain of the sensor in dB, which is subtracted
         --dataset <NAME>             Which array of an NPZ or MATLAB file, or which dataset of an HDF5 file
         --antenna <N>                Receive antenna of a radar module, from 1
@@ -294,10 +294,10 @@ Help: the tool and every command, with examples.
   
   Options:
         --carrier <HZ>
-            Carrier in Hz, if the file does not say
+            Carrier in Hz, instead of what the file says
   
         --rate <HZ>
-            Sampling or slow-time rate in Hz, if the file does not say
+            Sampling or slow-time rate in Hz, instead of what the file says
   
         --gain <DB>
             Gain of the sensor in dB, which is subtracted
@@ -376,10 +376,10 @@ Help: the tool and every command, with examples.
   
   Options:
         --carrier <HZ>
-            Carrier in Hz, if the file does not say
+            Carrier in Hz, instead of what the file says
   
         --rate <HZ>
-            Sampling or slow-time rate in Hz, if the file does not say
+            Sampling or slow-time rate in Hz, instead of what the file says
   
         --gain <DB>
             Gain of the sensor in dB, which is subtracted
@@ -559,10 +559,10 @@ Help: the tool and every command, with examples.
             Hold out each class in turn too: the confidence below which a window is of none of the classes
   
         --carrier <HZ>
-            Carrier in Hz, if the file does not say
+            Carrier in Hz, instead of what the file says
   
         --rate <HZ>
-            Sampling or slow-time rate in Hz, if the file does not say
+            Sampling or slow-time rate in Hz, instead of what the file says
   
         --gain <DB>
             Gain of the sensor in dB, which is subtracted
@@ -1367,7 +1367,7 @@ Help: the tool and every command, with examples.
   Examples:
     sdp3 optimize --accuracy 0.9
     sdp3 optimize --points points.csv --weights 1,1e-5 --json
-    sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep users=1,2,3
+    sdp3 optimize --sweep power_w=1e-6,1 --sweep users=1,2,3
 
   $ sdp3 early-exits --help
   Fit early exits and draw their region beside the static one.

@@ -76,7 +76,7 @@ The main job in short, and every command about its results. Needs the feature `t
   N = 4000: * sensing, * communication, longest waits * slots (glob)
   The people of the scenario are in the users' channels.
 
-  $ sdp3 schedule -q --periods 4 --recognise-every 2 | head -1
+  $ sdp3 schedule -q --periods 4 --sensing-slots 200 --recognise-every 2 | head -1
   4 periods, 16000 decisions: * sensing, * idle (glob)
 
   $ sdp3 early-exits -q --calibrate-per-class 4 >early-exits.txt

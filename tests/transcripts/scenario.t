@@ -112,7 +112,8 @@ Scenarios: listed, shown, written, checked, set field by field.
   ac_coupling_hz = 0.0
   # Transmit power in W. Legal: 0.000000000001 to 1000.
   power_w = 0.1
-  # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10 to 60.
+  # Gain of the transmit antenna and of the receive antenna, each, in dB. Legal: -10 to 60; below
+  # radar.sidelobe_db = 30, or no element has this gain.
   antenna_gain_db = 25.0
   # How the gain depends on the direction. Legal: one of constant, element, table.
   antenna_pattern = "element"

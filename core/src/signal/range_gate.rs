@@ -25,8 +25,9 @@ pub(crate) fn write_references(config: &RadarConfig, gate: RangeGate, table: &mu
             let u = 2 * n as u64 + 1 + 4 * l - l;
             let (sine, cosine) = sin_cos_turn(twice_centre * u, 4 * l);
             let (_, hann) = sin_cos_turn(2 * u, 4 * l);
-            // half turns: the argument of sin(pi g u) is g u / 2, and u is taken from -1/2 to 1/2, where sin(pi u) is not zero
-            let ratio = sin_half(g, n as u64, l) / sin_half(1, n as u64, l);
+            // half turns: the argument of sin(pi g u) is g u / 2, and u is taken from -1/2 to 1/2; in the middle of an odd sweep it is 0
+            let (over, under) = (sin_half(g, n as u64, l), sin_half(1, n as u64, l));
+            let ratio = if under == 0.0 { g as f64 } else { over / under };
             let amplitude = 0.5 * (1.0 + hann) * ratio / g as f64;
             *sample = [to_q15(amplitude * cosine), to_q15(amplitude * sine)];
         }

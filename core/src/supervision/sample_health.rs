@@ -76,7 +76,8 @@ impl Values {
         let moved = self.moved as u16;
         let known = match config.dechirp {
             Dechirp::Digital => u16::MAX,
-            // those below the largest that moves
+            // those below the largest that moves, all where none does
+            Dechirp::Analog if moved == 0 => u16::MAX,
             Dechirp::Analog => (u32::MAX >> 1 >> (moved.leading_zeros() + 15)) as u16,
         };
         !moved & significant & known

@@ -58,6 +58,12 @@ fn every_fault_has_its_name() {
     assert!(matches!(check(&real, &RadarConfig::BGT60), Err(SampleFault::Saturated { .. })));
     let even: Vec<i16> = sweep(500.0).iter().step_by(2).take(128).map(|x| x & !1).collect();
     assert_eq!(check(&even, &RadarConfig::BGT60), Err(SampleFault::Stuck { i: 1, q: 0 }));
+    // one of two channels of a beat signal that never moves
+    for (moving, stuck) in [(false, (0, u16::MAX)), (true, (u16::MAX, 0))] {
+        let mut slot = [7; 2 * RadarConfig::IWR.samples as usize];
+        channel(&mut slot, moving).enumerate().for_each(|(n, x)| *x = (n * 37 % 1000) as i16 - 500);
+        assert_eq!(check(&slot, &RadarConfig::IWR), Err(SampleFault::Stuck { i: stuck.0, q: stuck.1 }));
+    }
 }
 
 /// Samples that move every bit about these means.

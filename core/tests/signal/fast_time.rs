@@ -57,6 +57,21 @@ fn a_full_scale_slot_of_any_configuration_stays_within_the_stated_magnitude() {
 }
 
 #[test]
+fn an_odd_sweep_has_its_middle_sample() {
+    for (samples, bins_per_sample) in [(129, 1), (129, 4), (255, 3), (257, 8)] {
+        let gate = Some(RangeGate { first_bin: 4, bins_per_sample });
+        let config = RadarConfig { samples, gate, ..RadarConfig::IWR };
+        let mut memory = vec![[0; 2]; config.reference_len()];
+        FastTime::new(config, &mut memory).unwrap();
+        // the window is largest in the middle, where neighbouring bins are in phase
+        let size = |n: usize| memory[n].map(|x| f64::from(x).powi(2)).iter().sum::<f64>().sqrt();
+        let middle = usize::from(samples) / 2;
+        assert!(size(middle) >= size(middle - 1).max(size(middle + 1)) - 2.0, "{samples}");
+        assert!((size(middle) - 32767.0).abs() < 2.0, "{samples}: {}", size(middle));
+    }
+}
+
+#[test]
 fn real_and_complex_echoes_land_in_the_range_sample_that_covers_them() {
     for config in [RadarConfig::BGT60, RadarConfig::IWR] {
         let gate = config.gate.unwrap();

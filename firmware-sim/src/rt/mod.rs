@@ -59,10 +59,10 @@ fn from_ticks(ticks: u64) -> u64 {
 }
 
 /// Semihosting call; the result of the emulator.
-pub(crate) fn call(operation: usize, block: &[usize; 4]) -> isize {
-    // SAFETY: the emulator reads the four words of the block, which outlive the call, and writes only to the
+pub(crate) fn call(operation: usize, block: &mut [usize; 4]) -> isize {
+    // SAFETY: the emulator reads and writes the four words of the block, which are exclusive and outlive the call, and writes to the
     // buffers that `semihosting` put there from live exclusive slices.
-    unsafe { trap(operation, block.as_ptr() as usize) }
+    unsafe { trap(operation, block.as_mut_ptr() as usize) }
 }
 
 /// Prints zero-terminated text.
@@ -224,7 +224,7 @@ pub struct Single<T> {
 }
 
 // SAFETY: `take` hands the value out once.
-unsafe impl<T> Sync for Single<T> {}
+unsafe impl<T: Send> Sync for Single<T> {}
 
 impl<T> Single<T> {
     /// A static value.

@@ -204,7 +204,7 @@ pub enum Command {
     #[command(after_help = "Examples:
   sdp3 optimize --accuracy 0.9
   sdp3 optimize --points points.csv --weights 1,1e-5 --json
-  sdp3 optimize --sweep carrier_hz=3.5e9,60e9 --sweep users=1,2,3")]
+  sdp3 optimize --sweep power_w=1e-6,1 --sweep users=1,2,3")]
     Optimize(optimizer::OptimizeArgs),
     /// Fit early exits and draw their region beside the static one.
     ///

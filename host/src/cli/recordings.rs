@@ -18,10 +18,10 @@ use std::path::{Path, PathBuf};
 /// What the user knows of a recording.
 #[derive(Debug, Clone, Args)]
 pub struct StatedArgs {
-    /// Carrier in Hz, if the file does not say.
+    /// Carrier in Hz, instead of what the file says.
     #[arg(long, value_name = "HZ", requires = "measured")]
     pub carrier: Option<f64>,
-    /// Sampling or slow-time rate in Hz, if the file does not say.
+    /// Sampling or slow-time rate in Hz, instead of what the file says.
     #[arg(long, value_name = "HZ", requires = "measured")]
     pub rate: Option<f64>,
     /// Gain of the sensor in dB, which is subtracted.

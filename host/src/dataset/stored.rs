@@ -146,31 +146,33 @@ impl Stored {
         self.scenario.largest_sensing_slots()
     }
 
-    /// The scenario to learn in: the dataset's, with its rho, and the learning settings of `asked`. One from a file (`stated`)
-    /// also says which N_s are studied, and must be of the same room, radar and people. Training recordings have
-    /// at most the stored slots.
+    /// The scenario that the dataset was made in.
+    pub fn own_scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The scenario to learn in: the dataset's, with its rho; the learning settings, the N_s and the links are those of `asked`, which
+    /// must be of the same room, radar and people. Training recordings have at most the stored slots.
     ///
     /// # Errors
     ///
     /// What differs; more sensing slots than the recordings have.
-    pub fn scenario(&self, asked: &Scenario, stated: bool) -> Result<Scenario, StoredError> {
+    pub fn scenario(&self, asked: &Scenario) -> Result<Scenario, StoredError> {
         let mut found = self.scenario.clone();
         found.channel.rho = Some(self.request.rho);
         found.learning = asked.learning.clone();
         found.learning.train_per_class = self.request.per_class;
-        if stated {
-            (found.name, found.communication) = (asked.name.clone(), asked.communication.clone());
-            (found.optimizer, found.frame.sensing_slots) =
-                (asked.optimizer.clone(), asked.frame.sensing_slots.clone());
-            found.frame.period_slots = asked.frame.period_slots;
-            let mut same = asked.clone();
-            same.channel.rho = asked.channel.rho.or(found.channel.rho);
-            same.learning.train_per_class = self.request.per_class;
-            let json = |s: &Scenario| serde_json::to_value(s).unwrap_or_default();
-            if let Some((field, found, asked)) = difference("", &json(&found), &json(&same)) {
-                let legal = format!("{asked}, as --scenario says, or stay out of --scenario");
-                return Err(self.files.value(SCENARIO, &field, found, legal));
-            }
+        (found.name, found.communication) = (asked.name.clone(), asked.communication.clone());
+        (found.optimizer, found.frame.sensing_slots) =
+            (asked.optimizer.clone(), asked.frame.sensing_slots.clone());
+        found.frame.period_slots = asked.frame.period_slots;
+        let mut same = asked.clone();
+        same.channel.rho = asked.channel.rho.or(found.channel.rho);
+        same.learning.train_per_class = self.request.per_class;
+        let json = |s: &Scenario| serde_json::to_value(s).unwrap_or_default();
+        if let Some((field, found, asked)) = difference("", &json(&found), &json(&same)) {
+            let legal = format!("{asked}, as --scenario or --set says, or stay out of it");
+            return Err(self.files.value(SCENARIO, &field, found, legal));
         }
         let longest = found.largest_sensing_slots();
         if longest > self.slots() {

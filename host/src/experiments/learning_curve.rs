@@ -73,7 +73,7 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Le
             sensing_slots: f64::from(r.sensing_slots),
             accuracy: r.int8.mean,
             tested: Some(f64::from(r.tested) * f64::from(request.seeds)),
-            std: None,
+            std: r.int8.standard_error(),
         })
         .collect();
     // too few numbers of slots for a curve are no failure of the study

@@ -8,7 +8,7 @@ use crate::formats::slots::Slots;
 use crate::network::memory::OwnedMemory;
 use crate::results::{GallerySpectrogram, Spectrogram};
 use crate::scenario::{Class, Model, Radar, Scenario};
-use crate::simulator::calibration::stored_rho;
+use crate::simulator::calibration::rho_of;
 use crate::simulator::dataset::{Set, beats, recording};
 use rayon::prelude::*;
 use sdp3_core::dims::{Beat, FFT_LEN, ROWS};
@@ -346,7 +346,7 @@ pub fn example(scenario: &Scenario, title: &str, class: Class, seed: u64) -> Spe
     scenario.spectrogram.beta = PICTURE_BETA;
     let slots = ((GALLERY_S / scenario.interval_s()).round() as u32).min(MOST_SLOTS);
     scenario.frame.sensing_slots = vec![slots];
-    let rho = stored_rho(&scenario).0;
+    let rho = rho_of(&scenario);
     let (beats, _) = beats(&scenario, rho, seed, Set::Demo, class, 0, slots);
     let image = images_of_beats(&scenario, &beats).pop().unwrap_or_default();
     picture(&scenario, title, &image)

@@ -4,6 +4,7 @@
 //! the boundary so that weights compare.
 
 use super::region::Point;
+use super::zones::LEAST_RISE;
 
 /// How the operating point is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +24,8 @@ impl Rule {
     pub fn words(self) -> String {
         match self {
             Rule::Weighted(w) => {
-                format!("largest {w} A + {} R, both over their span on the boundary", 1.0 - w)
+                let rest = ((1.0 - w) * 1e9).round() / 1e9;
+                format!("largest {w} A + {rest} R, both over their span on the boundary")
             }
             Rule::Weights(a, r) => format!("largest {a} A + {r} R, R in bit per period"),
             Rule::AccuracyAtLeast(a) => format!("most throughput with accuracy at least {a}"),
@@ -50,10 +52,17 @@ pub fn choose(points: &[Point], rule: Rule) -> Option<usize> {
             let range = |value: fn(&Point) -> f64| {
                 let low = points.iter().map(value).fold(f64::INFINITY, f64::min);
                 let high = points.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
-                (low, (high - low).max(1e-300))
+                (low, high - low)
             };
             let (a, r) = (range(|p| p.accuracy), range(|p| p.throughput_bit));
-            best(&|p| Some(w * (p.accuracy - a.0) / a.1 + (1.0 - w) * (p.throughput_bit - r.0) / r.1))
+            // what does not change has no span to be compared by
+            let share = |value: f64, (low, span): (f64, f64), least: f64| {
+                if span < least { 0.0 } else { (value - low) / span }
+            };
+            best(&|p| {
+                let accuracy = share(p.accuracy, a, LEAST_RISE);
+                Some(w * accuracy + (1.0 - w) * share(p.throughput_bit, r, f64::MIN_POSITIVE))
+            })
         }
         Rule::Weights(a, r) => best(&|p| Some(a * p.accuracy + r * p.throughput_bit)),
         Rule::AccuracyAtLeast(least) => best(&|p| (p.accuracy >= least).then_some(p.throughput_bit)),

@@ -8,6 +8,9 @@
 use crate::predictor::{evaluate, slope};
 use crate::results::{Border, Curve, Zone};
 
+/// Accuracies that rise less than this over the boundary do not depend on N_s: one answer in a thousand.
+pub const LEAST_RISE: f64 = 1e-3;
+
 /// The zones of a curve over a range of N_s.
 #[derive(Debug, Clone)]
 pub struct Zones<'a> {
@@ -16,7 +19,8 @@ pub struct Zones<'a> {
     /// N_s between the first and the last measured point.
     measured: (f64, f64),
     ratio: f64,
-    mean_slope: f64,
+    /// Nothing where the accuracy does not depend on N_s.
+    mean_slope: Option<f64>,
 }
 
 impl<'a> Zones<'a> {
@@ -24,7 +28,8 @@ impl<'a> Zones<'a> {
     pub fn new(curve: &'a Curve, range: (u32, u32), measured: (f64, f64), ratio: f64) -> Self {
         let at = |n: u32| evaluate(curve, f64::from(n)).unwrap_or(0.0);
         let span = f64::from(range.1 - range.0).max(1.0);
-        Zones { curve, range, measured, ratio, mean_slope: ((at(range.1) - at(range.0)) / span).max(1e-300) }
+        let rise = at(range.1) - at(range.0);
+        Zones { curve, range, measured, ratio, mean_slope: (rise >= LEAST_RISE).then_some(rise / span) }
     }
 
     /// Whether N_s lies outside the points that the curve was fitted to.
@@ -32,9 +37,9 @@ impl<'a> Zones<'a> {
         !(self.measured.0..=self.measured.1).contains(&f64::from(sensing_slots))
     }
 
-    /// |dA / dR| at N_s, both normalised.
+    /// |dA / dR| at N_s, both normalised; 0 where the accuracy does not depend on N_s.
     pub fn marginal(&self, sensing_slots: f64) -> f64 {
-        slope(self.curve, sensing_slots).unwrap_or(0.0) / self.mean_slope
+        self.mean_slope.map_or(0.0, |mean| slope(self.curve, sensing_slots).unwrap_or(0.0) / mean)
     }
 
     pub fn at(&self, sensing_slots: u32) -> Zone {

@@ -45,7 +45,7 @@ impl Job {
             "at least 2 numbers: a learning curve goes through their accuracies; `sdp3 train` takes 1";
         Invalid::unless(slots.len() > 1, "frame.sensing_slots", format!("{slots:?}"), legal)?;
         budget::regions(&self.scenario, self.budget, 1)?;
-        self.warn_of_aliasing();
+        self.warn_of_aliasing(&Class::ALL);
         self.note_near_field();
         self.warn_of_few_tests();
         self.note_room();
@@ -55,7 +55,10 @@ impl Job {
         }
         let emulated = ask.targets.names.iter().filter(|target| *target != REFERENCE).count();
         self.check_cost(Work::Run { calibrates, emulated }, self.rho())?;
-        self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
+        // a refused --resume leaves the folder's own; training writes it when it has checked its checkpoints
+        if !ask.resume {
+            self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
+        }
         let calibration = self.calibrate(ask.measured.as_ref())?;
         let rho = self.rho_used(&calibration, ask.measured.is_some());
         let (shown, spectrograms) = self.gallery(rho);

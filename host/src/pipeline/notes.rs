@@ -9,9 +9,9 @@ use crate::simulator::{calibration, dataset};
 const MOST_UNCERTAIN_POINTS: f64 = 5.0;
 
 impl Job {
-    /// A warning if limbs alias.
-    pub fn warn_of_aliasing(&self) {
-        if let Some(a) = dataset::aliasing(&self.scenario) {
+    /// A warning if limbs of people of these classes alias.
+    pub fn warn_of_aliasing(&self, classes: &[Class]) {
+        if let Some(a) = dataset::aliasing(&self.scenario, classes) {
             let cure = match a.spacing_slots {
                 Some(n) => format!("frame.spacing_slots = {n} would not"),
                 None => "no spacing of these slots would not".to_owned(),

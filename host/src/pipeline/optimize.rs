@@ -10,12 +10,13 @@ use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
 use crate::network::retest::Retest;
 use crate::network::spectrograms::Part;
-use crate::optimizer::sweep::{self, Sweep};
+use crate::optimizer::sweep::{self, Axis, Sweep};
 use crate::optimizer::{self, Outcome, Rule, early_exits, optimise};
 use crate::predictor::bootstrap::replicates;
 use crate::predictor::{Model, best_curve, fit_all, predict};
 use crate::report::{self, figures, plot::Medium};
 use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, Retested, SweepRow};
+use crate::scenario::Class;
 use crate::simulator::dataset;
 use sdp3_core::early_exit::EXITS;
 use std::path::Path;
@@ -147,7 +148,7 @@ impl Job {
         rule: Option<Rule>,
         retested: Option<Retested>,
     ) -> Result<Optimum, Failure> {
-        self.warn_of_aliasing();
+        self.warn_of_aliasing(&Class::ALL);
         self.note_room();
         budget::regions(&self.scenario, self.budget, 1)?;
         let outcome = self.optimize(&curve, points, rule)?;
@@ -181,6 +182,10 @@ impl Job {
         }
         budget::regions(&self.scenario, self.budget, sweep::combinations(axes))?;
         self.progress.note("optimize", self.scenario.communication.channels());
+        if axes.iter().any(|axis| axis.axis == Axis::Carrier) {
+            let text = "warning: the accuracies are those of the points at every carrier; a sweep shows what a carrier does to the links";
+            self.progress.note("optimize", text);
+        }
         let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
         self.record("optimize")?;
         let table = report::tables::sweep(&rows, self.scenario.period_s(), b',');

@@ -37,7 +37,7 @@ impl Job {
         let images = match data {
             Some(folder) => {
                 let stored = Stored::open(folder)?;
-                stored.scenario(&self.scenario, true)?;
+                stored.scenario(&self.scenario)?;
                 self.collect_stored(&stored)?
             }
             None => self.simulated(),

@@ -15,10 +15,12 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// No run, or numbers that are not a plan.
+    /// No run, or one of another scenario than the one given; numbers that are not a plan.
     pub fn schedule(self) -> Result<Schedule, Failure> {
         let schedule = playback::play(&self.run()?.operating_point)?;
-        let job = self.of_folder()?;
+        // the plan is the run's: another scenario would need another
+        let scenario = self.run_scenario()?;
+        let job = Job { scenario, ..self.of_folder()? };
         job.output.write_result("schedule.json", &schedule)?;
         job.draw_period(&schedule.timeline)?;
         Ok(schedule)

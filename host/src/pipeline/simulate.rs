@@ -2,7 +2,7 @@
 
 use super::Job;
 use crate::dataset::{Shard, Work, Written};
-use crate::error::Failure;
+use crate::error::{Failure, Invalid};
 use crate::network::spectrograms;
 use crate::progress::Progress;
 use crate::recordings;
@@ -59,12 +59,21 @@ impl Job {
     ///
     /// A folder of another dataset, or that cannot be written.
     pub fn simulate(&self, dataset: Dataset) -> Result<Written, Failure> {
-        self.warn_of_aliasing();
+        let Dataset { per_class, classes, raw, sigmf, shard } = dataset;
+        let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
+        if let Some(twice) = classes.iter().enumerate().find(|(k, class)| classes[..*k].contains(class)) {
+            let value = format!("{} twice", twice.1.name());
+            return Err(Invalid::option("--classes", value, "each class once").into());
+        }
+        if self.scenario.target.capture.is_some() && classes.len() > 1 {
+            let names: Vec<_> = classes.iter().map(|class| class.name()).collect();
+            let legal = "one class: target.capture is one motion";
+            return Err(Invalid::option("--classes", names.join(","), legal).into());
+        }
+        self.warn_of_aliasing(&classes);
         self.note_near_field();
         self.warn_of_rho();
-        let Dataset { per_class, classes, raw, sigmf, shard } = dataset;
         let stage = self.progress.stage("simulate", "recordings");
-        let classes = classes.unwrap_or_else(|| Class::ALL.to_vec());
         let work = Work::new(&self.scenario, self.rho(), self.seed, per_class, classes, raw, sigmf);
         let written = work.write(shard, &self.output, &|done, all| stage.at(done, all))?;
         let state = if written.manifest.is_some() { "complete" } else { "not yet complete" };

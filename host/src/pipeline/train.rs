@@ -82,7 +82,13 @@ impl Job {
             Some(folder) => {
                 let stored = Stored::open(folder)?;
                 let asked = self.scenario.learning.recording_slots;
-                self.scenario = stored.scenario(&self.scenario, self.given.scenario.is_some())?;
+                if self.given.scenario.is_none() {
+                    // what is set stands over the dataset's own scenario
+                    let learning = self.scenario.learning.clone();
+                    let own = Scenario { learning, ..stored.own_scenario().clone() };
+                    self.scenario = own.with(&self.given.set, &folder.display().to_string())?;
+                }
+                self.scenario = stored.scenario(&self.scenario)?;
                 if self.scenario.learning.recording_slots != asked {
                     let slots = stored.slots();
                     let text =

@@ -56,7 +56,11 @@ pub fn replicates(curve: &Curve, points: &[CurvePoint], seed: u64) -> Vec<Curve>
                 let mean = model.at(&curve.parameters, p.sensing_slots).clamp(0.0, 1.0);
                 let accuracy = match (p.std, p.tested) {
                     (Some(std), _) => (mean + std * random.gaussian()).clamp(0.0, 1.0),
-                    (None, Some(tested)) => share(&mut random, mean, tested.round() as u64),
+                    (None, Some(tested)) => {
+                        // all right is no proof of certainty: one more answer might be wrong
+                        let doubt = 1.0 / (tested + 2.0);
+                        share(&mut random, mean.clamp(doubt, 1.0 - doubt), tested.round() as u64)
+                    }
                     (None, None) => (mean + spread * random.gaussian()).clamp(0.0, 1.0),
                 };
                 CurvePoint { accuracy, ..*p }

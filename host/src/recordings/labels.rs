@@ -75,7 +75,30 @@ pub fn read(folder: &Path) -> Result<(Vec<Labelled>, Vec<PathBuf>), Failure> {
         let legal = format!("at least 2, in folders named as their class, annotated (SigMF) or in {TABLE}");
         return Err(Invalid::new("recordings", value, legal).at(folder.display()).into());
     }
+    if let Some((one, other)) = contradiction(&found) {
+        let value = format!("{} and {} at the same time", one.class, other.class);
+        return Err(Invalid::new("class", value, "one").at(&one.name).at(folder.display()).into());
+    }
     Ok((found, left_out))
+}
+
+/// Parts of a recording that overlap and are of different classes.
+fn contradiction(found: &[Labelled]) -> Option<(&Labelled, &Labelled)> {
+    let mut parts: Vec<_> =
+        found.iter().map(|one| (one, one.span_s.unwrap_or((0.0, f64::INFINITY)))).collect();
+    parts.sort_by(|(a, (begin, _)), (b, (other, _))| a.name.cmp(&b.name).then(begin.total_cmp(other)));
+    // the part that lasts longest of those before
+    let mut last: Option<(&Labelled, (f64, f64))> = None;
+    for (one, span) in parts {
+        match last.filter(|(before, _)| before.name == one.name) {
+            Some((before, (_, end))) if span.0 < end && before.class != one.class => {
+                return Some((before, one));
+            }
+            Some((_, (_, end))) if span.1 <= end => {}
+            _ => last = Some((one, span)),
+        }
+    }
+    None
 }
 
 fn by_table(folder: &Path, path: &Path) -> Result<Vec<Labelled>, Failure> {

@@ -153,7 +153,10 @@ fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium
         let share = f64::from(k) / 4.0;
         let at = y + (1.0 - share) * height;
         let value = |side: &Side| {
-            let digits = 10_f64.powi(side.decimals);
+            // as many decimals as tell the ticks apart
+            let step = (side.high - side.low) / 4.0;
+            let decimals = (0.75 - step.abs().max(1e-9).log10()).ceil() as i32;
+            let digits = 10_f64.powi(side.decimals.max(decimals));
             number(((side.low + share * (side.high - side.low)) * digits).round() / digits)
         };
         let (time, across) = (number((share * seconds * 100.0).round() / 100.0), x + share * width);

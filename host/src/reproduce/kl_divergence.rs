@@ -148,11 +148,11 @@ pub fn make(work: &Work<'_>) -> Result<Made, Failure> {
         );
     }
     made.notes.push(EXPERIMENT.to_owned());
+    made.notes.push("Its range samples have neither noise nor a front end.".into());
     Ok(made)
 }
 
 /// What the experiment is.
 pub const EXPERIMENT: &str = "The paper's recordings are not public. What stands for them is simulated, but not by the hybrid channel: ray tracing in a furnished \
-    room with rough surfaces and diffraction, in which somebody else stands, seen by a real module's front end, and other people \
-    with twice the spread of speeds. The paper's baseline is ray tracing in a bare room. They share an origin, which favours ray tracing here; \
+    room with rough surfaces and diffraction, in which somebody else stands, and other people with twice the spread of speeds. The paper's baseline is ray tracing in a bare room. They share an origin, which favours ray tracing here; \
     and nothing in that room fluctuates but people.";

@@ -8,7 +8,7 @@ use crate::experiments::carriers::CARRIERS_HZ;
 use crate::predictor::{Model, fit_all, paper};
 use crate::report::panels::THIRD;
 use crate::report::plot::{Axis, Plot, STYLES};
-use crate::results::{Compared, CurvePoint, Estimate, Prediction};
+use crate::results::{Compared, CurvePoint, Estimate, Prediction, Spread};
 
 pub fn tasks(seeds: &[u64]) -> Vec<Task> {
     let mut all = Vec::new();
@@ -20,7 +20,7 @@ pub fn tasks(seeds: &[u64]) -> Vec<Task> {
     all
 }
 
-/// Mean int8 accuracies over N_s.
+/// Mean int8 accuracies over N_s; of several seeds with the standard error of the mean, since trainings differ too.
 pub fn points(slots: &[u32], seeds: &[Learned]) -> Vec<CurvePoint> {
     let of = |(n, &sensing_slots): (usize, &u32)| {
         let all = || seeds.iter().map(|learned| &learned.accuracy[n]);
@@ -28,7 +28,7 @@ pub fn points(slots: &[u32], seeds: &[Learned]) -> Vec<CurvePoint> {
             sensing_slots: f64::from(sensing_slots),
             accuracy: all().map(|a| a.int8).sum::<f64>() / seeds.len() as f64,
             tested: Some(all().map(|a| f64::from(a.tested)).sum()),
-            std: None,
+            std: Spread::of(&all().map(|a| a.int8).collect::<Vec<_>>()).standard_error(),
         }
     };
     slots.iter().enumerate().map(of).collect()

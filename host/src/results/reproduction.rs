@@ -59,6 +59,15 @@ impl Estimate {
         Estimate { mean, low: mean - half, high: mean + half }
     }
 
+    /// How far the mean of `own` is from that of `other`, both over seeds that are independent: without its sign, with Welch's interval
+    /// at the fewer degrees of freedom. An interval that holds 0 begins there.
+    pub fn apart(own: &[f64], other: &[f64]) -> Self {
+        let [a, b] = [own, other].map(Estimate::of_seeds);
+        let (difference, half) = (a.mean - b.mean, libm::hypot(a.high - a.mean, b.high - b.mean));
+        let (near, far) = ((difference.abs() - half).max(0.0), difference.abs() + half);
+        Estimate { mean: difference.abs(), low: near, high: far }
+    }
+
     /// A share of `tested` recordings of each seed: Student's interval of several seeds, the binomial one of a single seed.
     pub fn of_shares(values: &[f64], tested: u32) -> Self {
         let Estimate { mean, low, high } = Estimate::of_seeds(values);
@@ -212,5 +221,11 @@ mod tests {
         let one = Estimate::of_shares(&[0.9], 400);
         assert!((one.high - 0.9 - 1.96 * 0.015).abs() < 1e-12, "{one:?}");
         assert_eq!(Estimate::of_seeds(&[0.5]), Estimate { mean: 0.5, low: 0.5, high: 0.5 });
+        // two means, 3 and 5.5: the errors' squares add
+        let apart = Estimate::apart(&[1.0, 2.0, 3.0, 4.0, 5.0], &[3.5, 4.5, 5.5, 6.5, 7.5]);
+        assert!((apart.mean - 2.5).abs() < 1e-12 && (apart.high - 2.5 - 2.776).abs() < 1e-12, "{apart:?}");
+        assert_eq!(apart.low, 0.0);
+        // differences of both signs cancel: the mean of their sizes would not
+        assert!(Estimate::apart(&[1.0, -1.0], &[0.0, 0.0]).mean.abs() < 1e-12);
     }
 }

@@ -23,6 +23,11 @@ impl Spread {
         let deviation = if values.len() > 1 { (squares / (n - 1.0)).sqrt() } else { 0.0 };
         Spread { mean, deviation, seeds: values.len() as u32 }
     }
+
+    /// Standard error of the mean; none of a single seed, or where all agree.
+    pub fn standard_error(&self) -> Option<f64> {
+        (self.deviation > 0.0).then(|| self.deviation / f64::from(self.seeds).sqrt())
+    }
 }
 
 impl std::fmt::Display for Spread {

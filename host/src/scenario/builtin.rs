@@ -62,7 +62,7 @@ mod tests {
         for one in &ALL {
             let scenario = Scenario::parse(one.toml, Path::new(one.name)).unwrap();
             assert_eq!((scenario.name.as_str(), &scenario), (one.name, &one.scenario()));
-            assert_eq!(aliasing(&scenario), None, "{}", one.name);
+            assert_eq!(aliasing(&scenario, &crate::scenario::Class::ALL), None, "{}", one.name);
             assert!(one.about().len() > 20, "{}", one.name);
             let unnamed = Scenario { name: String::new(), ..scenario };
             assert!(!seen.contains(&unnamed), "{} is another", one.name);

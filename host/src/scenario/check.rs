@@ -103,8 +103,10 @@ impl Scenario {
         }
         c.within("target.heading_spread_deg", self.target.heading_spread_deg, 0.0, 180.0);
         c.within("target.speed_jitter", self.target.speed_jitter, 0.0, 0.5);
-        c.interval("target.adult_height_m", &self.target.adult_height_m, 0.5, 2.5);
-        c.interval("target.child_height_m", &self.target.child_height_m, 0.5, 2.5);
+        // nobody is taller than the room
+        let tallest = self.room.size_m[2].min(2.5);
+        c.interval("target.adult_height_m", &self.target.adult_height_m, 0.5, tallest);
+        c.interval("target.child_height_m", &self.target.child_height_m, 0.5, tallest);
         if c.list.iter().all(|rule| rule.holds) {
             self.check_walks(c);
         }

@@ -254,6 +254,12 @@ impl Scenario {
         c.within("radar.power_w", r.power_w, 1e-12, 1e3);
         c.within("radar.antenna_gain_db", r.antenna_gain_db, -10.0, 60.0);
         c.within("radar.sidelobe_db", r.sidelobe_db, 0.0, 60.0);
+        // from 6 dB on the element has a beam; side lobes A_m below it radiate the gain alone where the gain is A_m
+        let beam = r.antenna_pattern != AntennaPattern::Element
+            || r.antenna_gain_db < 6.0
+            || r.antenna_gain_db < r.sidelobe_db;
+        let legal = format!("below radar.sidelobe_db = {}, or no element has this gain", r.sidelobe_db);
+        c.legal("radar.antenna_gain_db", r.antenna_gain_db, beam, &legal);
         let table = r.antenna_pattern == AntennaPattern::Table;
         let shown = r.antenna_table.as_ref().map_or("missing".into(), |file| file.display().to_string());
         let legal = "a file where radar.antenna_pattern is table, and nothing else";

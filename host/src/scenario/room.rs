@@ -82,6 +82,7 @@ impl Scenario {
         }
         c.count("room.furniture (how many)", room.furniture.len() as u32, 0, 100);
         for (k, piece) in room.furniture.iter().enumerate() {
+            c.inside(&format!("room.furniture[{k}].centre_m"), &piece.centre_m, &room.size_m);
             c.within(
                 &format!("room.furniture[{k}].cross_section_dbsm"),
                 piece.cross_section_dbsm,

@@ -4,9 +4,10 @@
 //! depend on how many follow. The same recording exists twice: as raw slots, and as the beats the core would make of them,
 //! formed without the samples in between.
 
-use super::body::capture::{Capture, CaptureError};
+use super::body::capture::{Capture, CaptureError, JOINT_NAMES};
 use super::body::gait::joint;
 use super::body::motion::{GroundTruth, Person};
+use super::body::trajectory::Trajectory;
 use super::body::{Vec3, norm, sub};
 use super::channel::antenna::far_field_m;
 use super::channel::target::Target;
@@ -219,6 +220,10 @@ pub fn beats(
     (beats, simulation.truth().clone())
 }
 
+/// Deepest below the floor that a joint is captured, and fastest: a sprinter's foot passes 20 m/s.
+const FLOOR_M: f64 = 0.3;
+const FASTEST_M_S: f64 = 30.0;
+
 /// Why a scenario's people cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 pub enum CastError {
@@ -260,17 +265,36 @@ pub fn check(scenario: &Scenario) -> Result<(), CastError> {
     }
     let Some(file) = &scenario.target.capture else { return Ok(()) };
     let capture = Capture::shared(file)?;
+    let refuse = |field: &str, value: String, legal: String| {
+        Err(CastError::Capture(Invalid::new(field, value, legal).at(file.display()).into()))
+    };
     let base = capture.at(0.0).0[joint::BASE];
-    let start = scenario.target.start_m;
-    let [width, depth, _] = scenario.room.size_m;
+    let start = scenario.target.begin_m();
+    let [width, depth, height] = scenario.room.size_m;
     let slots = scenario.largest_sensing_slots();
+    let needed_s = f64::from(slots - 1) * scenario.interval_s();
+    if capture.duration_s() < needed_s {
+        let value = format!("{:.3} s", capture.duration_s());
+        return refuse("duration", value, format!("{needed_s:.3} s and more: {slots} sensing slots"));
+    }
     for slot in 0..slots {
         let time_s = f64::from(slot) * scenario.interval_s();
-        let now = capture.at(time_s).0[joint::BASE];
+        let (places, velocities) = capture.at(time_s);
+        let now = places[joint::BASE];
         let (x, y) = (start[0] + now[0] - base[0], start[1] + now[1] - base[1]);
         if !(0.0..=width).contains(&x) || !(0.0..=depth).contains(&y) {
             let file = file.display().to_string();
             return Err(CastError::Outside { file, x, y, time_s, width, depth });
+        }
+        for ((name, place), velocity) in JOINT_NAMES.iter().zip(places).zip(velocities) {
+            if !(-FLOOR_M..=height).contains(&place[2]) {
+                let value = format!("{:.2} m at {time_s:.3} s", place[2]);
+                return refuse(&format!("{name} z"), value, format!("from the floor, z = 0, to {height} m"));
+            }
+            if norm(velocity) > FASTEST_M_S {
+                let value = format!("{:.1} m/s at {time_s:.3} s", norm(velocity));
+                return refuse(&format!("{name} speed"), value, format!("at most {FASTEST_M_S} m/s"));
+            }
         }
     }
     Ok(())
@@ -287,9 +311,19 @@ pub struct Aliasing {
     pub spacing_slots: Option<u32>,
 }
 
-/// Compares the toes, 4.9 times as fast as the body, with lambda PRF / 4.
-pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
-    let limb_m_s = 4.9 * 0.5 * scenario.target.adult_height_m[1];
+/// Fastest limb of a class over its height, in 1/s: the toes, 4.9 times as fast as the body of who walks, 3.2 times as fast as of who runs.
+fn limb_pace(class: Class) -> f64 {
+    match class {
+        Class::ChildRunning | Class::AdultRunning => 3.2 * 1.3,
+        _ => 4.9 * 0.5,
+    }
+}
+
+/// Compares the fastest limb of these classes, and of further people, with lambda PRF / 4.
+pub fn aliasing(scenario: &Scenario, classes: &[Class]) -> Option<Aliasing> {
+    let others = scenario.target.others.iter().map(|other| other.class);
+    let pace = classes.iter().copied().chain(others).map(limb_pace).fold(0.0, f64::max);
+    let limb_m_s = pace * scenario.target.adult_height_m[1];
     let limit = |interval: f64| wavelength(scenario.radar.centre_hz()) / (4.0 * interval);
     let unambiguous_m_s = limit(scenario.interval_s());
     if limb_m_s <= unambiguous_m_s {
@@ -300,15 +334,31 @@ pub fn aliasing(scenario: &Scenario) -> Option<Aliasing> {
     Some(Aliasing { limb_m_s, unambiguous_m_s, spacing_slots })
 }
 
+/// Places at which a walk through way points is looked at.
+const STEPS: f64 = 200.0;
+
 /// How near a person comes to the radar, and where its antenna's far field begins, in m: the antenna's pattern and the radar equation
 /// hold beyond. `None` where the whole walk is in the far field, or where the antenna has no pattern.
 pub fn near_field(scenario: &Scenario) -> Option<[f64; 2]> {
     let radar = &scenario.radar;
     let far = far_field_m(radar.antenna_gain_db, radar.carrier_hz);
-    let [x, y] = scenario.target.start_m;
+    let target = &scenario.target;
+    let [x, y] = target.begin_m();
     let start = norm(sub([x, y, 1.0], radar.position_m));
-    let walked = 0.5 * scenario.target.adult_height_m[1] * scenario.interval_s();
-    let nearest = (start - walked * f64::from(scenario.largest_sensing_slots())).max(0.0);
+    let walked = 0.5 * target.adult_height_m[1] * scenario.interval_s();
+    let walked = walked * f64::from(scenario.largest_sensing_slots());
+    let nearest = match target.waypoints_m.len() {
+        0 | 1 => (start - walked).max(0.0),
+        _ => {
+            // along the way points, as far as a fast adult comes
+            let path = Trajectory::through(&target.waypoints_m, walked / STEPS);
+            let at = |step: u32| {
+                let [x, y, ..] = path.at(f64::from(step));
+                norm(sub([x, y, 1.0], radar.position_m))
+            };
+            (0..=STEPS as u32).map(at).fold(start, f64::min)
+        }
+    };
     (radar.antenna_pattern != AntennaPattern::Constant && nearest < far).then_some([nearest, far])
 }
 
@@ -474,11 +524,19 @@ pub(crate) mod tests {
     #[test]
     fn high_carriers_alias_and_three_and_a_half_gigahertz_do_not() {
         let mut scenario = Scenario::default();
-        assert_eq!(aliasing(&scenario), None);
+        assert_eq!(aliasing(&scenario, &Class::ALL), None);
         scenario.radar.carrier_hz = 60e9;
         // toes at 4.66 m/s: 5 m/s are unambiguous with every slot sensing
-        assert_eq!(aliasing(&scenario).and_then(|a| a.spacing_slots), Some(0));
+        let spacing = |scenario: &Scenario, classes: &[Class]| {
+            aliasing(scenario, classes).and_then(|aliasing| aliasing.spacing_slots)
+        };
+        assert_eq!(spacing(&scenario, &Class::ALL), Some(0));
         scenario.radar.carrier_hz = 24e9;
-        assert_eq!(aliasing(&scenario).and_then(|a| a.spacing_slots), Some(1));
+        assert_eq!(spacing(&scenario, &Class::ALL), Some(1));
+        // who runs has faster toes
+        assert_eq!(spacing(&scenario, &[Class::AdultRunning]), Some(0));
+        scenario.frame.spacing_slots = 1;
+        assert_eq!(aliasing(&scenario, &Class::ALL), None);
+        assert!(aliasing(&scenario, &[Class::AdultRunning]).is_some());
     }
 }

@@ -193,7 +193,11 @@ impl Person {
     pub fn captured(mut truth: GroundTruth, capture: Arc<Capture>) -> Self {
         truth.height_m = capture.height_m();
         let gait = Gait::new(truth.height_m, 1.0);
-        let base = capture.at(0.0).0[joint::BASE];
+        let [base, last] = [0.0, capture.duration_s()].map(|t| capture.at(t).0[joint::BASE]);
+        let (east, north) = (last[0] - base[0], last[1] - base[1]);
+        // on average, from the first place to the last
+        truth.speed_m_s = libm::hypot(east, north) / capture.duration_s();
+        truth.heading_deg = libm::atan2(north, east) * 180.0 / PI;
         let offset = [truth.start_m[0] - base[0], truth.start_m[1] - base[1]];
         Person {
             pelvis: 0.0,

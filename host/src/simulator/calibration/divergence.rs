@@ -10,8 +10,10 @@ use crate::results::KlPoint;
 pub type Counts = [u64; LEVELS];
 
 /// First pass of the search, as 1 - rho: logarithmic, then no innovation at all.
-const GRID: [f64; 15] =
-    [0.08, 0.056, 0.04, 0.028, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0025, 0.0018, 0.0012, 0.0008, 0.0];
+const GRID: [f64; 20] = [
+    0.08, 0.056, 0.04, 0.028, 0.02, 0.014, 0.01, 0.007, 0.005, 0.0035, 0.0025, 0.0018, 0.0012, 0.0008,
+    0.0004, 0.0002, 1e-4, 5e-5, 2e-5, 0.0,
+];
 /// Steps of the golden section: the bracket shrinks to 2 per cent of 1 - rho.
 const GOLDEN_STEPS: usize = 9;
 
@@ -45,8 +47,9 @@ pub fn search(
 ) -> (Vec<KlPoint>, Vec<Counts>, usize) {
     let mut found: Vec<(KlPoint, Counts)> = Vec::new();
     let mut evaluate = |away: f64, found: &mut Vec<(KlPoint, Counts)>| -> f64 {
-        // to the fifth digit, so that tables and pages show what was used
-        let rho = (1e5 * (1.0 - away)).round() / 1e5;
+        // to the fifth digit, near 1 to the seventh, so that tables and pages show what was used
+        let digits = if away < 1e-3 { 1e7 } else { 1e5 };
+        let rho = (digits * (1.0 - away)).round() / digits;
         if let Some((point, _)) = found.iter().find(|(point, _)| point.rho == rho) {
             return point.kl;
         }
@@ -102,10 +105,10 @@ mod tests {
     fn the_search_finds_the_minimum_of_a_smooth_curve() {
         // geometric distributions over the levels, their rate a function of rho
         let counts = |rho: f64| -> Counts {
-            let q = 0.5 + 0.05 * libm::log(1.0 - rho + 1e-6);
+            let q = 0.5 + 0.03 * libm::log(1.0 - rho + 1e-6);
             std::array::from_fn(|k| (1e6 * libm::pow(0.95 - 0.3 * q.abs(), k as f64)) as u64)
         };
-        for rho in [0.96, 0.9876, 0.9931, 0.9973, 0.9985] {
+        for rho in [0.96, 0.9876, 0.9931, 0.9973, 0.9985, 0.9997, 0.99992, 0.99997] {
             let (curve, _, best) = search(&counts(rho), counts);
             assert!((curve[best].rho - rho).abs() < 0.03 * (1.0 - rho), "{rho}: {}", curve[best].rho);
             assert!(curve.windows(2).all(|pair| pair[0].rho < pair[1].rho));

@@ -119,7 +119,7 @@ impl Antenna {
     /// A scenario's radar's: its pattern, pointing at `radar.boresight_m` or else 1 m above where the person sensed begins.
     pub fn of(scenario: &Scenario) -> Self {
         let radar = &scenario.radar;
-        let [x, y] = scenario.target.start_m;
+        let [x, y] = scenario.target.begin_m();
         let towards = sub(radar.boresight_m.unwrap_or([x, y, 1.0]), radar.position_m);
         let mut kept = PATTERNS.lock().unwrap_or_else(PoisonError::into_inner);
         let is_this = |(key, _): &&(Radar, Pattern)| {
