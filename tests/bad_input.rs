@@ -130,6 +130,68 @@ fn joints_that_are_missing_or_not_numbers_or_go_back_in_time() {
     refused(&SIMULATE, captured(joints), &["joints.csv", "line 4", "time"]);
 }
 
+/// The options that simulate a body which moves as `place` says.
+fn moving(frames: u32, place: impl Fn(f64) -> [f64; 3]) -> impl Fn(&Path) {
+    let mut rest = vec![("base", [0.0, 0.0, 1.0]), ("neck", [0.0, 0.0, 1.5]), ("head", [0.0, 0.0, 1.7])];
+    let limbs =
+        [("shoulder", 1.45), ("elbow", 1.15), ("hand", 0.9), ("hip", 0.95), ("knee", 0.5), ("ankle", 0.1)];
+    let names: Vec<(String, [f64; 3])> = [("left", 0.2), ("right", -0.2)]
+        .iter()
+        .flat_map(|&(side, y)| {
+            let joint = move |(joint, z): (&str, f64)| (format!("{side}_{joint}"), [0.0, y, z]);
+            limbs.map(joint).into_iter().chain([(format!("{side}_toe"), [0.2, y, 0.05])])
+        })
+        .collect();
+    rest.extend(names.iter().map(|(name, at)| (name.as_str(), *at)));
+    let mut joints = "time,joint,x,y,z\n".to_owned();
+    for frame in 0..frames {
+        let t = f64::from(frame) / 40.0;
+        let [dx, dy, dz] = place(t);
+        for (joint, [x, y, z]) in &rest {
+            joints += &format!("{t},{joint},{},{},{}\n", x + dx, y + dy, z + dz);
+        }
+    }
+    captured(joints.leak())
+}
+
+#[test]
+fn captures_that_are_short_or_leave_the_room_or_are_of_several_classes() {
+    let one = [&SIMULATE[..], &["--classes", "adult-walking"]].concat();
+    let slowly = |t: f64| [0.0, -0.8 * t, 0.0];
+    refused(&one, moving(20, slowly), &["joints.csv", "duration is 0.475 s", "1000 sensing slots"]);
+    refused(&one, moving(80, |t| [0.0, 0.0, 1.5 * t]), &["joints.csv", "head z is", "to 3 m"]);
+    // to and fro within a frame's time
+    let darts = |t: f64| [0.0, if (40.0 * t).round() % 2.0 == 0.0 { 0.0 } else { -1.5 }, 0.0];
+    refused(&one, moving(80, darts), &["joints.csv", "speed is", "at most 30 m/s"]);
+    refused(&SIMULATE, moving(80, slowly), &["--classes", "target.capture is one motion"]);
+    let folder = tempfile::tempdir().expect("a folder");
+    moving(80, slowly)(folder.path());
+    let here = folder.path().to_string_lossy().into_owned();
+    let arguments: Vec<String> = one.iter().map(|a| a.replace('@', &here)).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(["-q"]).collect();
+    let (code, stdout, stderr) = outcome(&call(&program(), &arguments));
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    let sidecar = std::fs::read(folder.path().join("out/part-00000.json")).expect("a sidecar");
+    let sidecar: serde_json::Value = serde_json::from_slice(&sidecar).expect("JSON");
+    let truth = |field: &str| sidecar["truth"][0][field].as_f64().expect("a number");
+    assert!(
+        (truth("speed_m_s") - 0.8).abs() < 1e-3 && (truth("heading_deg") + 90.0).abs() < 1e-3,
+        "{sidecar}"
+    );
+}
+
+#[test]
+fn classes_antennas_and_people_that_cannot_be() {
+    let twice = [&SIMULATE[..], &["--classes", "standing,standing"]].concat();
+    refused(&twice, scenario(""), &["--classes", "standing twice", "each class once"]);
+    let gain = "[radar]\nantenna_gain_db = 30\n";
+    refused(&SIMULATE, scenario(gain), &["radar.antenna_gain_db", "30", "below radar.sidelobe_db = 30"]);
+    let low = "[room]\nsize_m = [3, 4.5, 1.8]\n";
+    refused(&SIMULATE, scenario(low), &["target.adult_height_m", "1.9", "b <= 1.8"]);
+    let outside = "[[room.furniture]]\ncentre_m = [1, 1, 9]\ncross_section_dbsm = 0\n";
+    refused(&SIMULATE, scenario(outside), &["room.furniture[0].centre_m", "inside the room"]);
+}
+
 #[test]
 fn rooms_that_cannot_be() {
     let receiver = "[communication]\ncases = [[[1.5, 3.0, 1.0], [1.5, 40.0, 1.0]]]\n";

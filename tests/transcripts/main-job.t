@@ -76,6 +76,10 @@ The main job in short, and every command about its results. Needs the feature `t
   N = 4000: * sensing, * communication, longest waits * slots (glob)
   The people of the scenario are in the users' channels.
 
+  $ sdp3 schedule --set frame.period_slots=8000
+  sdp3: out/scenario.toml: frame.period_slots = 4000, but the command line says 8000: * (glob)
+  [2]
+
   $ sdp3 schedule -q --periods 4 --sensing-slots 200 --recognise-every 2 | head -1
   4 periods, 16000 decisions: * sensing, * idle (glob)
 

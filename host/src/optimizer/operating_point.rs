@@ -69,3 +69,23 @@ pub fn choose(points: &[Point], rule: Rule) -> Option<usize> {
         Rule::ThroughputAtLeast(least) => best(&|p| (p.throughput_bit >= least).then_some(p.accuracy)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_accuracy_that_does_not_change_is_worth_no_slots() {
+        let point = |n: u32, accuracy: f64| Point {
+            sensing_slots: n,
+            shares: Vec::new(),
+            accuracy,
+            throughput_bit: f64::from(4000 - n),
+        };
+        let noise = |k: u32| 1e-12 * f64::from((k * 7) % 5);
+        let flat: Vec<Point> = (0..20).map(|k| point(200 + 10 * k, 0.5 + noise(k))).collect();
+        assert_eq!(choose(&flat, Rule::Weighted(0.9)), Some(0));
+        let rising: Vec<Point> = (0..20).map(|k| point(200 + 10 * k, 0.5 + 0.02 * f64::from(k))).collect();
+        assert_eq!(choose(&rising, Rule::Weighted(0.9)), Some(19));
+    }
+}

@@ -89,6 +89,10 @@ mod tests {
             assert_eq!(f64::from(border.sensing_slots), exact.ceil(), "{border:?}");
         }
         assert_eq!(borders.iter().map(|b| b.extrapolated).collect::<Vec<_>>(), [true, false]);
+        let flat = Parameters { alpha: 0.0, ..parameters };
+        let flat = Curve { parameters: flat, ..curve.clone() };
+        let zones = Zones::new(&flat, (128, 1000), (200.0, 1000.0), 0.2);
+        assert!(zones.borders().is_empty() && zones.at(400) == Zone::SensingSaturation);
         assert_eq!(borders[0].from, Zone::CommunicationSaturation);
         assert_eq!(borders[1].to, Zone::SensingSaturation);
     }

@@ -177,6 +177,19 @@ mod tests {
     }
 
     #[test]
+    fn recordings_that_were_all_right_leave_doubt() {
+        let points = [200.0, 300.0, 400.0, 600.0, 1000.0].map(|sensing_slots| CurvePoint {
+            sensing_slots,
+            accuracy: 1.0,
+            tested: Some(20.0),
+            std: None,
+        });
+        let curve = best_curve(&fit_all(&points).unwrap());
+        let band = band(&curve, &points, 1).unwrap();
+        assert!(band.points.iter().all(|p| p.low < 0.99 && p.high > 0.99), "{band:?}");
+    }
+
+    #[test]
     fn few_points_have_an_honest_band_or_none() {
         let points = |std| {
             [(200.0, 0.78), (400.0, 0.91), (1000.0, 0.95)]

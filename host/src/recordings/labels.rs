@@ -255,6 +255,8 @@ mod tests {
             ("file,class,from_s,to_s\na,b,2,1\n", "line 2: to_s"),
             ("file,class,from_s,to_s\na,b,x,1\n", "line 2: from_s"),
             ("file,class\n", "recordings is 0"),
+            ("file,class\na,b\nc,b\na,d\n", "class is b and d at the same time"),
+            ("file,class,from_s,to_s\na,b,0,2\na,b,0.5,1\na,d,1.5,3\n", "class is b and d at the same time"),
         ];
         for (text, field) in cases {
             std::fs::write(folder.path().join("labels.csv"), text).unwrap();

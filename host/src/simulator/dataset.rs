@@ -522,6 +522,19 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_walk_along_way_points_is_seen_from_its_beginning() {
+        let mut scenario = Scenario::default();
+        let nearest =
+            |scenario: &Scenario| near_field(scenario).map_or(f64::INFINITY, |[nearest, _]| nearest);
+        assert!(nearest(&scenario) > 2.0);
+        // past the radar at (1.5, 1) and away from it
+        scenario.target.waypoints_m = vec![[0.9, 1.3], [2.5, 1.3]];
+        assert!((0.25..0.4).contains(&nearest(&scenario)), "{}", nearest(&scenario));
+        let towards = Sensor::of(&scenario).antenna.boresight();
+        assert!(towards[0] < -0.8 && towards[1] > 0.4, "{towards:?}");
+    }
+
+    #[test]
     fn high_carriers_alias_and_three_and_a_half_gigahertz_do_not() {
         let mut scenario = Scenario::default();
         assert_eq!(aliasing(&scenario, &Class::ALL), None);

@@ -1,8 +1,9 @@
 //! A sweep's beat at the samples from its values at a few nodes, by polynomials.
 
 use super::{SAMPLE_RATE, SAMPLES};
+use crate::numerics::differentiation;
 use crate::numerics::vectors::vectorised;
-use crate::simulator::channel::{NODES, SWEEP_S, Sweep};
+use crate::simulator::channel::{Complex64, NODES, SWEEP_RATE, SWEEP_S, Sweep, node_time};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -54,6 +55,21 @@ pub fn interpolate(nodes: &Sweep, re: &mut [f64], im: &mut [f64]) {
             }
         },
     );
+}
+
+/// Derivative of a sweep's beat at the nodes in 1/s, `[node][node]`.
+static SLOPE: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
+    let times: Vec<f64> = (0..NODES).map(node_time).collect();
+    differentiation::matrix(&times)
+});
+
+/// What a phase phi' tau of every path adds to the beat at the nodes, per phi': j sum a tau exp(-2 pi j S tau t) is minus the
+/// derivative of the beat over 2 pi S.
+pub fn time_shift(sweep: &Sweep) -> Sweep {
+    std::array::from_fn(|k| {
+        let slope: Complex64 = SLOPE[k].iter().zip(sweep).map(|(w, z)| z * w).sum();
+        slope / (-2.0 * PI * SWEEP_RATE)
+    })
 }
 
 const _: () = assert!(SAMPLES.is_multiple_of(BLOCK));

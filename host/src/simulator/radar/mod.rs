@@ -17,13 +17,13 @@ mod samples;
 
 use super::channel::response::{Response, Table};
 use super::channel::room::expected_power;
-use super::channel::{BLOCKS, Blocks, Complex64, NODES, Path, SWEEP_RATE, Sweep, Sweeps, node_time, phasor};
-use crate::numerics::differentiation;
+use super::channel::{BLOCKS, Blocks, Complex64, Path, Sweep, Sweeps, phasor};
 use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
 use crate::numerics::vectors::vectorised;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
 use impairments::{Impairments, Limiter};
+use interpolation::time_shift;
 use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
 use samples::Samples;
@@ -51,12 +51,6 @@ fn chirp(samples: usize) -> Vec<Complex64> {
     let l = samples as u64;
     (1..=l).map(|n| phasor(PI * ((n * n) % (2 * l)) as f64 / l as f64)).collect()
 }
-
-/// Derivative of a sweep's beat at the nodes in 1/s, `[node][node]`.
-static SLOPE: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
-    let times: Vec<f64> = (0..NODES).map(node_time).collect();
-    differentiation::matrix(&times)
-});
 
 /// Analog to digital conversion: LSB per sqrt W and noise in LSB.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -388,15 +382,6 @@ impl<'a> Receiver<'a> {
 /// Mean of conj(s): what digital dechirping leaves of a constant.
 fn conjugate_mean(chirp: &[Complex64]) -> Complex64 {
     chirp.iter().map(|s| s.conj()).sum::<Complex64>() / chirp.len() as f64
-}
-
-/// What a phase phi' tau of every path adds to the beat at the nodes, per phi': j sum a tau exp(-2 pi j S tau t) is minus the
-/// derivative of the beat over 2 pi S.
-fn time_shift(sweep: &Sweep) -> Sweep {
-    std::array::from_fn(|k| {
-        let slope: Complex64 = SLOPE[k].iter().zip(sweep).map(|(w, z)| z * w).sum();
-        slope / (-2.0 * PI * SWEEP_RATE)
-    })
 }
 
 #[cfg(test)]
