@@ -53,6 +53,11 @@ fn a_dataset_teaches_what_its_simulation_would() {
     done(here, "simulate --per-class 8 --scenario @/long.toml --seed 3 -q --out @/long");
     done(here, "train --data @/long --scenario @/s.toml --seed 3 -q --out @/c");
     done(here, "train --scenario @/s.toml --seed 3 -q --out @/d");
+    // what is set stands over the dataset's scenario
+    let set = "--set frame.sensing_slots=[200] --set learning.epochs=1 --set learning.windows=1";
+    done(here, &format!("train --data @/data {set} --seed 3 -q --out @/e"));
+    let learned = |name: &str| here.join("e/models").join(name).exists();
+    assert!(learned("dsn-200.json") && !learned("dsn-300.json"));
     done(here, "quantize --data @/data --out @/a --seed 3 -q");
     // later commands take the seed of the networks
     done(here, "quantize --out @/b -q");
@@ -81,6 +86,8 @@ fn datasets_that_teach_nothing_are_refused() {
         &train("data", "far.toml"),
         &["scenario.toml", "radar.carrier_hz", "3500000000", "24000000000"],
     );
+    let set = "train --data @/data --set radar.carrier_hz=24e9 --out @/refused";
+    refused(here, set, &["scenario.toml", "radar.carrier_hz", "3500000000", "24000000000"]);
     refused(here, &train("data", "long.toml"), &["frame.sensing_slots", "300", "400"]);
     refused(here, &train("none", "s.toml"), &["none/manifest.json", "sdp3 simulate"]);
 

@@ -58,8 +58,8 @@ pub fn replicates(curve: &Curve, points: &[CurvePoint], seed: u64) -> Vec<Curve>
                     (Some(std), _) => (mean + std * random.gaussian()).clamp(0.0, 1.0),
                     (None, Some(tested)) => {
                         // all right is no proof of certainty: one more answer might be wrong
-                        let doubt = 1.0 / (tested + 2.0);
-                        share(&mut random, mean.clamp(doubt, 1.0 - doubt), tested.round() as u64)
+                        let least = 1.0 / (tested + 2.0);
+                        share(&mut random, mean.clamp(least, 1.0 - least), tested.round() as u64)
                     }
                     (None, None) => (mean + spread * random.gaussian()).clamp(0.0, 1.0),
                 };
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn recordings_that_were_all_right_leave_doubt() {
+    fn a_band_has_a_width_where_every_recording_was_right() {
         let points = [200.0, 300.0, 400.0, 600.0, 1000.0].map(|sensing_slots| CurvePoint {
             sensing_slots,
             accuracy: 1.0,

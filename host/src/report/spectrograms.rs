@@ -153,7 +153,7 @@ fn drawn(s: &Spectrogram, title: &str, left: &Side, right: Option<&Side>, medium
         let share = f64::from(k) / 4.0;
         let at = y + (1.0 - share) * height;
         let value = |side: &Side| {
-            // as many decimals as tell the ticks apart
+            // as many decimals as make the ticks differ
             let step = (side.high - side.low) / 4.0;
             let decimals = (0.75 - step.abs().max(1e-9).log10()).ceil() as i32;
             let digits = 10_f64.powi(side.decimals.max(decimals));

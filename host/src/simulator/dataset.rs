@@ -334,9 +334,6 @@ pub fn aliasing(scenario: &Scenario, classes: &[Class]) -> Option<Aliasing> {
     Some(Aliasing { limb_m_s, unambiguous_m_s, spacing_slots })
 }
 
-/// Places at which a walk through way points is looked at.
-const STEPS: f64 = 200.0;
-
 /// How near a person comes to the radar, and where its antenna's far field begins, in m: the antenna's pattern and the radar equation
 /// hold beyond. `None` where the whole walk is in the far field, or where the antenna has no pattern.
 pub fn near_field(scenario: &Scenario) -> Option<[f64; 2]> {
@@ -345,18 +342,18 @@ pub fn near_field(scenario: &Scenario) -> Option<[f64; 2]> {
     let target = &scenario.target;
     let [x, y] = target.begin_m();
     let start = norm(sub([x, y, 1.0], radar.position_m));
-    let walked = 0.5 * target.adult_height_m[1] * scenario.interval_s();
-    let walked = walked * f64::from(scenario.largest_sensing_slots());
+    let speed_m_s = 0.5 * target.adult_height_m[1];
+    let time_s = |slot: u32| f64::from(slot) * scenario.interval_s();
+    let slots = scenario.largest_sensing_slots();
     let nearest = match target.waypoints_m.len() {
-        0 | 1 => (start - walked).max(0.0),
+        0 | 1 => (start - speed_m_s * time_s(slots)).max(0.0),
         _ => {
-            // along the way points, as far as a fast adult comes
-            let path = Trajectory::through(&target.waypoints_m, walked / STEPS);
-            let at = |step: u32| {
-                let [x, y, ..] = path.at(f64::from(step));
+            let path = Trajectory::through(&target.waypoints_m, speed_m_s);
+            let at = |slot: u32| {
+                let [x, y, ..] = path.at(time_s(slot));
                 norm(sub([x, y, 1.0], radar.position_m))
             };
-            (0..=STEPS as u32).map(at).fold(start, f64::min)
+            (0..slots).map(at).fold(start, f64::min)
         }
     };
     (radar.antenna_pattern != AntennaPattern::Constant && nearest < far).then_some([nearest, far])
