@@ -207,7 +207,7 @@ impl Write for Sink<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.unsynced >= SYNCED {
             self.file.flush()?;
-            self.file.get_ref().sync_data()?;
+            self.file.get_ref().sync_all()?;
             self.unsynced = 0;
         }
         let written = self.file.write(bytes)?;
