@@ -78,7 +78,7 @@ fn compare(firmware: &str, count: u32, wanted: &[String]) -> Result<bool> {
     println!("{:<16}{:>12}{:>12}{:>16}", "target", "compared", "mismatches", "instructions");
     let reference = verify_host(&suite)?;
     print(&reference);
-    let folder = tempfile::tempdir()?;
+    let folder = tempfile::Builder::new().prefix("with a space ").tempdir()?;
     let verification = Verification::new(&suite, folder.path(), LIMIT)?;
     let verdicts = verification.firmware(&programs, &print)?;
     let mismatches: u64 = verdicts.iter().chain([&reference]).map(|verdict| verdict.mismatches).sum();

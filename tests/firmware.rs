@@ -40,7 +40,7 @@ fn walk(slots: u32) -> Slots {
 
 #[test]
 fn the_stations_recognise_what_the_host_does_and_log_it() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = tempfile::Builder::new().prefix("with a space ").tempdir().expect("a folder");
     let slots = walk(200);
     let file = folder.path().join("walk");
     std::fs::write(&file, slots.to_le_bytes()).expect("a file of slots");
@@ -56,8 +56,8 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
     for name in ["station-small", "station-signed"] {
         for firmware in built(name) {
             let log = folder.path().join("log");
-            let arguments = [&file, &log].map(|path| path.display().to_string());
-            let text = run(&firmware, &arguments, LIMIT).expect("it runs");
+            let arguments = ["walk", "log"].map(str::to_owned);
+            let text = run(&firmware, folder.path(), &arguments, LIMIT).expect("it runs");
             let says = |line: &str| text.lines().any(|l| l.trim() == line);
             assert!(says(&format!("recognised {class}")), "{}: {text}", firmware.name);
             assert!(says("faults 0") && says("periods 1") && says("done"), "{}: {text}", firmware.name);
@@ -75,7 +75,7 @@ fn the_stations_recognise_what_the_host_does_and_log_it() {
 
 #[test]
 fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = tempfile::Builder::new().prefix("with a space ").tempdir().expect("a folder");
     let mut bytes = DSN_200.to_vec();
     bytes[1000] ^= 4;
     let schedule = ScheduleCase { period: 40, spacing: 3, sensing: 5, shares: vec![35] };
@@ -84,8 +84,8 @@ fn a_damaged_model_is_refused_in_the_log_by_its_reason() {
     std::fs::write(&file, suite.to_bytes()).expect("a suite");
     for firmware in built("conformance") {
         let log = folder.path().join("log");
-        let arguments = [file.display().to_string(), format!("log={}", log.display())];
-        match run(&firmware, &arguments, LIMIT) {
+        let arguments = ["suite", "log=log"].map(str::to_owned);
+        match run(&firmware, folder.path(), &arguments, LIMIT) {
             Err(QemuError::Output { reason, .. }) => {
                 assert!(reason.contains("the core refuses a model"), "{reason}")
             }

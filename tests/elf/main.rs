@@ -84,11 +84,16 @@ fn sections(elf: &[u8]) -> Result<(u64, u64)> {
     Ok((flash, ram))
 }
 
-/// Runs the station on a recording and returns the stack it painted over; everything else it says must be good.
-fn painted_stack(folder: &Path, machine: &str, configuration: &Configuration, slots: &Path) -> Result<u64> {
+/// Runs the station on its recording in `recordings` and returns the stack it painted over; everything else it says must be good.
+fn painted_stack(
+    folder: &Path,
+    machine: &str,
+    configuration: &Configuration,
+    recordings: &Path,
+) -> Result<u64> {
     let programs = machines(folder, configuration.program);
     let program = programs.iter().find(|p| p.name == machine).ok_or("no such machine")?;
-    let text = run(program, &[slots.display().to_string()], Duration::from_secs(600))?;
+    let text = run(program, recordings, &[configuration.program.to_owned()], Duration::from_secs(600))?;
     let word = |name: &str| {
         let line = text.lines().find_map(|line| line.trim().strip_prefix(name));
         line.ok_or_else(|| format!("{machine}, {}: no {name:?} in {text:?}", configuration.program))
@@ -109,8 +114,7 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
     for configuration in &CONFIGURATIONS {
         let slots =
             recording(&scenario, rho, 5, Set::Demo, Class::AdultWalking, 0, configuration.slots).slots;
-        let file = temporary.path().join(configuration.program);
-        std::fs::write(&file, slots.to_le_bytes())?;
+        std::fs::write(temporary.path().join(configuration.program), slots.to_le_bytes())?;
         println!(
             "{} ({}); at most {} KiB RAM, {} KiB flash",
             configuration.words,
@@ -122,7 +126,7 @@ fn footprint(folder: &Path, wanted: &[&str]) -> Result<bool> {
         for machine in wanted {
             let elf = std::fs::read(folder.join(machine).join(configuration.program))?;
             let (flash, statics) = sections(&elf)?;
-            let stack = painted_stack(folder, machine, configuration, &file)?;
+            let stack = painted_stack(folder, machine, configuration, temporary.path())?;
             let fits = flash <= configuration.flash_limit && statics + stack <= configuration.ram_limit;
             // the limits are a microcontroller's, with 32 bits
             let wide = machine.starts_with("cortex-a");

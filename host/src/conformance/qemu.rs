@@ -144,17 +144,20 @@ fn tail(text: &str) -> String {
     lines[lines.len().saturating_sub(12)..].join("\n")
 }
 
-/// Runs a program with arguments and returns all it prints.
+/// Runs a program in `folder` and returns all it prints. Arguments are words: files are named as they are in the folder.
 ///
 /// # Errors
 ///
 /// [`QemuError`]; a program that does not end with exit code 0 in time counts as not run.
-pub fn run(firmware: &Firmware, arguments: &[String], limit: Duration) -> Result<String, QemuError> {
+pub fn run(
+    firmware: &Firmware,
+    folder: &Path,
+    arguments: &[String],
+    limit: Duration,
+) -> Result<String, QemuError> {
     let command = firmware.elf.with_file_name("emulator");
     let command = std::fs::read_to_string(&command).map_err(|_| QemuError::Missing(command))?;
-    if !firmware.elf.is_file() {
-        return Err(QemuError::Missing(firmware.elf.clone()));
-    }
+    let elf = firmware.elf.canonicalize().map_err(|_| QemuError::Missing(firmware.elf.clone()))?;
     let name = firmware.name;
     let mut words = command.split_ascii_whitespace();
     let emulator = words.next().unwrap_or_default();
@@ -165,7 +168,8 @@ pub fn run(firmware: &Firmware, arguments: &[String], limit: Duration) -> Result
         .args(["-nographic", "-monitor", "none", "-serial", "none", "-semihosting-config"])
         .arg(format!("enable=on,target=native{}", given.concat()))
         .arg("-kernel")
-        .arg(&firmware.elf)
+        .arg(elf)
+        .current_dir(folder)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

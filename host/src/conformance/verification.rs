@@ -10,7 +10,7 @@ use crate::results::{Counted, TargetVerdict};
 use rayon::prelude::*;
 use sdp3_core::values::Stage;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 /// Firmware to be held to this machine.
@@ -43,10 +43,11 @@ impl<'a> Verification<'a> {
         machines: &[Firmware],
         done: &(dyn Fn(&TargetVerdict) + Sync),
     ) -> std::io::Result<Vec<TargetVerdict>> {
-        let file = self.path("conformance.sdps");
+        let name = name("conformance.sdps");
+        let file = self.folder.join(&name);
         std::fs::write(&file, self.suite.to_bytes())?;
         let verdict = |machine: &Firmware| {
-            let verdict = match self.transcript(machine, &[display(&file)]) {
+            let verdict = match self.transcript(machine, std::slice::from_ref(&name)) {
                 Ok(transcript) => self.judge(machine, &transcript),
                 Err(error) => not_run(machine.name, error.to_string()),
             };
@@ -58,12 +59,8 @@ impl<'a> Verification<'a> {
         Ok(verdicts)
     }
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(format!("{}-{name}", std::process::id()))
-    }
-
     fn transcript(&self, machine: &Firmware, arguments: &[String]) -> Result<Transcript, QemuError> {
-        let text = run(machine, arguments, self.limit)?;
+        let text = run(machine, self.folder, arguments, self.limit)?;
         parse(&text).map_err(|error| QemuError::Output { name: machine.name, reason: error.to_string() })
     }
 
@@ -96,10 +93,11 @@ impl<'a> Verification<'a> {
     fn locate(&self, machine: &Firmware, index: usize, stage: Stage) -> Result<String, String> {
         let case = self.suite.cases.get(index).ok_or("no such case")?;
         let expected = values(case, stage).map_err(|error| error.to_string())?;
-        let (file, dump) = (self.path(machine.name), self.path(&format!("{}.values", machine.name)));
+        let (suite, values) = (name(machine.name), name(&format!("{}.values", machine.name)));
+        let (file, dump) = (self.folder.join(&suite), self.folder.join(&values));
         let alone = Suite { cases: vec![case.clone()], schedule: self.suite.schedule.clone() };
         std::fs::write(&file, alone.to_bytes()).map_err(|error| error.to_string())?;
-        let arguments = [display(&file), format!("dump={}:{}", stage.name(), dump.display())];
+        let arguments = [suite, format!("dump={}:{values}", stage.name())];
         let found = self
             .transcript(machine, &arguments)
             .map_err(|error| error.to_string())
@@ -110,6 +108,7 @@ impl<'a> Verification<'a> {
     }
 }
 
-fn display(path: &Path) -> String {
-    path.display().to_string()
+/// Name of a file for the emulators.
+fn name(what: &str) -> String {
+    format!("{}-{what}", std::process::id())
 }

@@ -132,16 +132,20 @@ pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -
     let (range, name) = (work.recordings_of(part), npz_name(part));
     let (sender, receiver) = sync_channel(BATCHES);
     let (described, written) = thread::scope(|scope| {
-        let writer = scope.spawn(|| {
+        let write = || {
             output.fill(&name, |file| {
                 let mut sink = Sink { file, hash: Hash::default(), bytes: 0, unsynced: 0 };
                 let all = write(work, range.len(), &mut sink, receiver)?;
                 Ok((FileRecord { name: name.clone(), bytes: sink.bytes, sha256: sink.hash.hex() }, all))
             })
-        });
+        };
+        let writer = thread::Builder::new().spawn_scoped(scope, write).map_err(|error| {
+            let source = io::Error::other(format!("no thread can be started: {error}"));
+            OutputError::Write { path: output.path(&name), source }
+        })?;
         let described = simulate(work, range.clone(), output, tick, sender);
-        (described, writer.join().unwrap_or_else(|panic| resume_unwind(panic)))
-    });
+        Ok((described, writer.join().unwrap_or_else(|panic| resume_unwind(panic))))
+    })?;
     let (described, (npz, all)) = (described?, written?);
     let record = |(index, one): (u32, One)| TruthRecord { index, label: one.label, truth: one.truth };
     let files = iter::once(npz).chain(described).collect();

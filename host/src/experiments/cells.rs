@@ -1,19 +1,31 @@
 //! The cells of a study: results that are kept as soon as they are known, each a [`record`] that belongs to the study.
 //!
 //! `study.json` says what the folder is for; a folder of another study is refused, nothing in it is touched. More seeds, or fewer,
-//! are the same study: what is known of a seed is kept.
+//! are the same study: what is known of a seed is kept. Cells belong to the text of the folder's `scenario.toml`, which an earlier program
+//! may have written with fewer fields: it is the study's scenario as long as it says the same.
 
 use super::Request;
 use crate::error::Failure;
+use crate::scenario::Scenario;
 use crate::store::digest::sha256;
 use crate::store::output::Output;
 use crate::store::record::{self, Fault, Identity, value};
 use crate::store::resume::ensure_same_config;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::path::Path;
 
 /// Name of the resolved configuration.
 pub const REQUEST: &str = "study.json";
+
+/// Name of the scenario's own file.
+const SCENARIO: &str = "scenario.toml";
+
+/// Whether a text says this scenario, fields that it leaves out at their defaults.
+fn says(text: &[u8], scenario: &Scenario) -> bool {
+    let found = str::from_utf8(text).ok().and_then(|text| Scenario::parse(text, Path::new(SCENARIO)).ok());
+    found.as_ref() == Some(scenario)
+}
 
 /// The folder of a study.
 #[derive(Debug)]
@@ -33,15 +45,18 @@ impl<'a> Cells<'a> {
             let there: Request = serde_json::from_str(text).map_err(|error| error.to_string())?;
             Ok(value(&Request { seeds: request.seeds, ..there }))
         })?;
-        let scenario = request.scenario.to_toml();
-        if !output.path(REQUEST).exists() {
-            output.write("scenario.toml", scenario.as_bytes())?;
+        let mut scenario = request.scenario.to_toml().into_bytes();
+        if output.path(REQUEST).exists() {
+            let there = output.read(SCENARIO, "").ok();
+            scenario = there.filter(|text| says(text, &request.scenario)).unwrap_or(scenario);
+        } else {
+            output.write(SCENARIO, &scenario)?;
         }
         output.write_json(REQUEST, request)?;
         let study = vec![
             ("study", value(&request.study)),
             ("seed", value(&request.seed)),
-            ("scenario_sha256", value(&sha256([scenario.as_bytes()]))),
+            ("scenario_sha256", value(&sha256([scenario.as_slice()]))),
         ];
         Ok(Cells { output, study })
     }
@@ -73,7 +88,6 @@ impl<'a> Cells<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
 
     fn request() -> Request {
         Request { study: "test".into(), seed: 1, seeds: 2, scenario: Scenario::default() }
@@ -97,6 +111,35 @@ mod tests {
         for word in ["study.json", "seed = 1", "says 2", "--out"] {
             assert!(error.contains(word), "{word:?} is not in: {error}");
         }
+    }
+
+    #[test]
+    fn cells_of_an_earlier_program_that_knew_fewer_fields_belong_to_the_same_study() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::create(folder.path()).unwrap();
+        let text = request().scenario.to_toml();
+        let field = "ac_coupling_hz = 0.0\n";
+        assert!(text.contains(field));
+        let fewer = text.replace(field, "");
+        let of_text = |text: &str| vec![("scenario_sha256", value(&sha256([text.as_bytes()])))];
+        let mut study = value(&request());
+        study["scenario"]["radar"].as_object_mut().unwrap().remove("ac_coupling_hz").unwrap();
+        output.write_json(REQUEST, &study).unwrap();
+        output.write(SCENARIO, fewer.as_bytes()).unwrap();
+        let cell = |name: &str| {
+            Cells::open(&output, &request()).unwrap().get(name, || Ok(0.25_f64)).unwrap();
+            output.path(&format!("cells/{name}.json"))
+        };
+        let identified = |name: &str, text: &str| record::read::<f64>(&cell(name), &of_text(text)).unwrap();
+        assert_eq!(identified("a", &fewer), Ok(0.25));
+        // a text that says something else is not the study's
+        output
+            .write(
+                SCENARIO,
+                fewer.replace("carrier_hz = 3500000000.0", "carrier_hz = 5800000000.0").as_bytes(),
+            )
+            .unwrap();
+        assert_eq!(identified("b", &text), Ok(0.25));
     }
 
     #[test]

@@ -78,6 +78,21 @@ struct Answers {
     confidences: Vec<f64>,
 }
 
+/// As many independent windows as would spread the share of right answers as much, from right answers and windows of every recording:
+/// windows of one are alike. p (1 - p) over the variance of a ratio of sums (Cochran, Sampling Techniques, 1977, eq. 6.13); not fewer than
+/// recordings, not more than windows.
+fn independent(each: &[(usize, usize)]) -> f64 {
+    let (right, windows) = each.iter().fold((0, 0), |(right, windows), one| (right + one.0, windows + one.1));
+    let (count, windows) = (each.len() as f64, windows as f64);
+    let share = right as f64 / windows;
+    let squares: f64 =
+        each.iter().map(|&(right, windows)| (right as f64 - share * windows as f64).powi(2)).sum();
+    let variance = count / (count - 1.0) * squares / (windows * windows);
+    // where all answers are right, or all wrong, nothing is known of the spread
+    let found = if squares > 0.0 { share * (1.0 - share) / variance } else { count };
+    found.max(count.min(windows)).min(windows)
+}
+
 /// The classes: the user's in the order of their names, or the simulator's where these are all among them and simulation takes part.
 fn classes(labelled: &[Labelled], method: Method, origin: &str) -> Result<Vec<String>, Invalid> {
     let own: BTreeSet<&str> = labelled.iter().map(|l| l.class.as_str()).collect();
@@ -167,15 +182,24 @@ impl Job {
         self.write_models(&models)?;
         // fine-tuning's learning rate is its own
         self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
+        let tested = answers.iter().map(|answers| {
+            let right = |(r, a): (&Recording, &Answers)| {
+                (a.int8.iter().filter(|&&answer| answer == r.label).count(), a.int8.len())
+            };
+            independent(&recordings.iter().zip(answers).map(right).collect::<Vec<_>>())
+        });
+        let tested: Vec<f64> = tested.collect();
         let found = LearnedRecordings {
             method: from.method.name().to_owned(),
             networks: self.scored(&recordings, &classes, &answers, &foreign),
             recordings: recordings.into_iter().map(|r| self.described(r)).collect(),
             classes,
         };
-        let point =
-            |n: &LearnedNetwork| vec![n.sensing_slots.to_string(), n.int8.to_string(), n.windows.to_string()];
-        let points = table::csv(&["sensing_slots", "accuracy", "tested"], found.networks.iter().map(point));
+        let point = |(n, tested): (&LearnedNetwork, &f64)| {
+            vec![n.sensing_slots.to_string(), n.int8.to_string(), tested.to_string()]
+        };
+        let points = found.networks.iter().zip(&tested).map(point);
+        let points = table::csv(&["sensing_slots", "accuracy", "tested"], points);
         self.output.write("points.csv", points.as_bytes())?;
         self.output.write_result("recordings.json", &found)?;
         Ok((found, models))
@@ -341,6 +365,22 @@ impl Job {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::random::Random;
+
+    #[test]
+    fn windows_of_one_recording_count_as_much_as_they_differ() {
+        // recordings that are wholly right or wrong count as one window each, as do those that are all right
+        let wholly: Vec<_> = (0..20).map(|n| (if n % 4 == 0 { 0 } else { 30 }, 30)).collect();
+        assert!((independent(&wholly) - 20.0).abs() < 1e-9, "{}", independent(&wholly));
+        assert_eq!(independent(&[(7, 7), (9, 9), (8, 8)]), 3.0);
+        // windows that do not depend on their recording count as what they are, in the mean of many draws
+        let mut random = Random::new(1, 0, 0, 0);
+        let mut draw = || (0..30).filter(|_| random.uniform() < 0.8).count();
+        let mean =
+            (0..400).map(|_| independent(&std::array::from_fn::<_, 40, _>(|_| (draw(), 30)))).sum::<f64>()
+                / 400.0;
+        assert!((900.0..=1200.0).contains(&mean), "{mean}");
+    }
 
     #[test]
     fn classes_are_the_users_or_the_simulators() {

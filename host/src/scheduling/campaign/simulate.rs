@@ -81,7 +81,9 @@ fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<EarlyExit<'m>
     let model = fits.max_by_key(|m| m.sensing_slots());
     let model = model.ok_or_else(|| {
         let least = models.iter().map(Model::sensing_slots).min().unwrap_or(0);
-        let legal = format!("at least {least}, as the smallest model of --out");
+        let legal = format!(
+            "at least {least}, as the smallest model of --out; not stated, it is the operating point's"
+        );
         Invalid::option("--sensing-slots", sensing_slots, legal)
     })?;
     Ok(EarlyExit::single(*model))
