@@ -101,13 +101,18 @@ fn the_committed_results_are_those_of_the_cells_of_the_final_test() {
     let (code, found, stderr) = outcome(&call(&program(), &arguments));
     assert_eq!(code, 0, "{stderr}");
     let found: serde_json::Value = serde_json::from_str(&found).expect("JSON alone on stdout");
-    for item in found.as_array().expect("a list") {
+    let found = found.as_array().expect("a list");
+    assert_eq!(found.len(), items.len() + ITEMS.len());
+    for item in found {
         let file = committed.join(format!("{}.json", item["item"].as_str().expect("a name")));
         let text = std::fs::read_to_string(&file).expect("a result");
         let mut kept: serde_json::Value = serde_json::from_str(&text).expect("a result");
         kept.as_object_mut().expect("an object").remove("provenance");
         assert_eq!(*item, kept, "{}", file.display());
     }
+    // nothing was trained
+    let cells = |folder: &Path| std::fs::read_dir(folder.join("cells")).expect("cells").count();
+    assert_eq!(cells(folder.path()), cells(&committed.join("final")));
 }
 
 #[test]

@@ -83,6 +83,10 @@ The main job in short, and every command about its results. Needs the feature `t
   $ sdp3 schedule -q --periods 4 --sensing-slots 200 --recognise-every 2 | head -1
   4 periods, 16000 decisions: * sensing, * idle (glob)
 
+  $ sdp3 schedule -q --periods 4 --sensing-slots 152 --recognise-every 2
+  sdp3: command line: --sensing-slots is 152, must be at least 200, as the smallest model of --out; without the option it is that of the operating point
+  [2]
+
   $ sdp3 early-exits -q --calibrate-per-class 4 >early-exits.txt
 
   $ sdp3 report

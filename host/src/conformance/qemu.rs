@@ -144,7 +144,7 @@ fn tail(text: &str) -> String {
     lines[lines.len().saturating_sub(12)..].join("\n")
 }
 
-/// Runs a program in `folder` and returns all it prints. Arguments are words: files are named as they are in the folder.
+/// Runs a program in `folder` and returns all it prints. Arguments have no spaces; paths in them are relative to the folder.
 ///
 /// # Errors
 ///

@@ -43,7 +43,7 @@ impl<'a> Verification<'a> {
         machines: &[Firmware],
         done: &(dyn Fn(&TargetVerdict) + Sync),
     ) -> std::io::Result<Vec<TargetVerdict>> {
-        let name = name("conformance.sdps");
+        let name = file_name("conformance.sdps");
         let file = self.folder.join(&name);
         std::fs::write(&file, self.suite.to_bytes())?;
         let verdict = |machine: &Firmware| {
@@ -93,11 +93,11 @@ impl<'a> Verification<'a> {
     fn locate(&self, machine: &Firmware, index: usize, stage: Stage) -> Result<String, String> {
         let case = self.suite.cases.get(index).ok_or("no such case")?;
         let expected = values(case, stage).map_err(|error| error.to_string())?;
-        let (suite, values) = (name(machine.name), name(&format!("{}.values", machine.name)));
-        let (file, dump) = (self.folder.join(&suite), self.folder.join(&values));
+        let (suite, dumped) = (file_name(machine.name), file_name(&format!("{}.values", machine.name)));
+        let (file, dump) = (self.folder.join(&suite), self.folder.join(&dumped));
         let alone = Suite { cases: vec![case.clone()], schedule: self.suite.schedule.clone() };
         std::fs::write(&file, alone.to_bytes()).map_err(|error| error.to_string())?;
-        let arguments = [suite, format!("dump={}:{values}", stage.name())];
+        let arguments = [suite, format!("dump={}:{dumped}", stage.name())];
         let found = self
             .transcript(machine, &arguments)
             .map_err(|error| error.to_string())
@@ -109,6 +109,6 @@ impl<'a> Verification<'a> {
 }
 
 /// Name of a file for the emulators.
-fn name(what: &str) -> String {
+fn file_name(what: &str) -> String {
     format!("{}-{what}", std::process::id())
 }

@@ -2,7 +2,7 @@
 //!
 //! `study.json` says what the folder is for; a folder of another study is refused, nothing in it is touched. More seeds, or fewer,
 //! are the same study: what is known of a seed is kept. Cells belong to the text of the folder's `scenario.toml`, which an earlier program
-//! may have written with fewer fields: it is the study's scenario as long as it says the same.
+//! may have written with fewer fields: it is the study's scenario as long as it describes the same.
 
 use super::Request;
 use crate::error::Failure;
@@ -21,8 +21,8 @@ pub const REQUEST: &str = "study.json";
 /// Name of the scenario's own file.
 const SCENARIO: &str = "scenario.toml";
 
-/// Whether a text says this scenario, fields that it leaves out at their defaults.
-fn says(text: &[u8], scenario: &Scenario) -> bool {
+/// Whether a text describes this scenario, with the defaults of the fields that it leaves out.
+fn describes(text: &[u8], scenario: &Scenario) -> bool {
     let found = str::from_utf8(text).ok().and_then(|text| Scenario::parse(text, Path::new(SCENARIO)).ok());
     found.as_ref() == Some(scenario)
 }
@@ -48,7 +48,7 @@ impl<'a> Cells<'a> {
         let mut scenario = request.scenario.to_toml().into_bytes();
         if output.path(REQUEST).exists() {
             let there = output.read(SCENARIO, "").ok();
-            scenario = there.filter(|text| says(text, &request.scenario)).unwrap_or(scenario);
+            scenario = there.filter(|text| describes(text, &request.scenario)).unwrap_or(scenario);
         } else {
             output.write(SCENARIO, &scenario)?;
         }
@@ -132,7 +132,7 @@ mod tests {
         };
         let identified = |name: &str, text: &str| record::read::<f64>(&cell(name), &of_text(text)).unwrap();
         assert_eq!(identified("a", &fewer), Ok(0.25));
-        // a text that says something else is not the study's
+        // a text of another scenario is not the study's
         output
             .write(
                 SCENARIO,

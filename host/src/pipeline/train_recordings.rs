@@ -78,17 +78,21 @@ struct Answers {
     confidences: Vec<f64>,
 }
 
-/// As many independent windows as would spread the share of right answers as much, from right answers and windows of every recording:
-/// windows of one are alike. p (1 - p) over the variance of a ratio of sums (Cochran, Sampling Techniques, 1977, eq. 6.13); not fewer than
-/// recordings, not more than windows.
-fn independent(each: &[(usize, usize)]) -> f64 {
-    let (right, windows) = each.iter().fold((0, 0), |(right, windows), one| (right + one.0, windows + one.1));
+/// How many answers are the label.
+fn correct(answers: &[u8], label: u8) -> usize {
+    answers.iter().filter(|&&answer| answer == label).count()
+}
+
+/// Effective sample size of a share of correct answers, from the correct answers and the windows of every recording: windows of one recording are
+/// correlated. p (1 - p) over the variance of a ratio estimator (Cochran, Sampling Techniques, 1977, chapter 6), at least the number of
+/// recordings, at most that of windows.
+fn effective_sample_size(each: &[(usize, usize)]) -> f64 {
+    let (correct, windows) = each.iter().fold((0, 0), |sums, one| (sums.0 + one.0, sums.1 + one.1));
     let (count, windows) = (each.len() as f64, windows as f64);
-    let share = right as f64 / windows;
-    let squares: f64 =
-        each.iter().map(|&(right, windows)| (right as f64 - share * windows as f64).powi(2)).sum();
+    let share = correct as f64 / windows;
+    let squares: f64 = each.iter().map(|one| (one.0 as f64 - share * one.1 as f64).powi(2)).sum();
     let variance = count / (count - 1.0) * squares / (windows * windows);
-    // where all answers are right, or all wrong, nothing is known of the spread
+    // no recording differs from the others: nothing is known of the spread
     let found = if squares > 0.0 { share * (1.0 - share) / variance } else { count };
     found.max(count.min(windows)).min(windows)
 }
@@ -183,10 +187,8 @@ impl Job {
         // fine-tuning's learning rate is its own
         self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
         let tested = answers.iter().map(|answers| {
-            let right = |(r, a): (&Recording, &Answers)| {
-                (a.int8.iter().filter(|&&answer| answer == r.label).count(), a.int8.len())
-            };
-            independent(&recordings.iter().zip(answers).map(right).collect::<Vec<_>>())
+            let counts = |(r, a): (&Recording, &Answers)| (correct(&a.int8, r.label), a.int8.len());
+            effective_sample_size(&recordings.iter().zip(answers).map(counts).collect::<Vec<_>>())
         });
         let tested: Vec<f64> = tested.collect();
         let found = LearnedRecordings {
@@ -327,9 +329,8 @@ impl Job {
             let each = || recordings.iter().zip(answers);
             let truth: Vec<u8> = each().flat_map(|(r, a)| vec![r.label; a.int8.len()]).collect();
             let share = |of: &dyn Fn(&Answers) -> &Vec<u8>| {
-                let correct =
-                    each().flat_map(|(r, a)| of(a).iter().filter(move |&&answer| answer == r.label));
-                correct.count() as f64 / truth.len().max(1) as f64
+                let correct: usize = each().map(|(r, a)| correct(of(a), r.label)).sum();
+                correct as f64 / truth.len().max(1) as f64
             };
             let predictions =
                 |(r, a): (&Recording, &Answers)| Predictions { label: r.label, each: vec![a.int8.clone()] };
@@ -368,17 +369,18 @@ mod tests {
     use crate::numerics::random::Random;
 
     #[test]
-    fn windows_of_one_recording_count_as_much_as_they_differ() {
-        // recordings that are wholly right or wrong count as one window each, as do those that are all right
+    fn the_effective_sample_size_lies_between_recordings_and_windows() {
+        // recordings with equal answers throughout count once each, also where all are correct
         let wholly: Vec<_> = (0..20).map(|n| (if n % 4 == 0 { 0 } else { 30 }, 30)).collect();
-        assert!((independent(&wholly) - 20.0).abs() < 1e-9, "{}", independent(&wholly));
-        assert_eq!(independent(&[(7, 7), (9, 9), (8, 8)]), 3.0);
-        // windows that do not depend on their recording count as what they are, in the mean of many draws
+        assert!((effective_sample_size(&wholly) - 20.0).abs() < 1e-9, "{}", effective_sample_size(&wholly));
+        assert_eq!(effective_sample_size(&[(7, 7), (9, 9), (8, 8)]), 3.0);
+        // independent windows count as nearly all of them, in the mean of many draws
         let mut random = Random::new(1, 0, 0, 0);
         let mut draw = || (0..30).filter(|_| random.uniform() < 0.8).count();
-        let mean =
-            (0..400).map(|_| independent(&std::array::from_fn::<_, 40, _>(|_| (draw(), 30)))).sum::<f64>()
-                / 400.0;
+        let mean = (0..400)
+            .map(|_| effective_sample_size(&std::array::from_fn::<_, 40, _>(|_| (draw(), 30))))
+            .sum::<f64>()
+            / 400.0;
         assert!((900.0..=1200.0).contains(&mean), "{mean}");
     }
 

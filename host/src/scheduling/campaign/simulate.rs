@@ -82,7 +82,7 @@ fn largest<'m>(models: &[Model<'m>], sensing_slots: u32) -> Result<EarlyExit<'m>
     let model = model.ok_or_else(|| {
         let least = models.iter().map(Model::sensing_slots).min().unwrap_or(0);
         let legal = format!(
-            "at least {least}, as the smallest model of --out; not stated, it is the operating point's"
+            "at least {least}, as the smallest model of --out; without the option it is that of the operating point"
         );
         Invalid::option("--sensing-slots", sensing_slots, legal)
     })?;
