@@ -56,6 +56,7 @@ fn within_octave(significand: u32) -> i32 {
 }
 
 /// `floor(64 log2 p)` for a normal positive `p`, else [`FLOOR`]. Exact. Cost: a table, a comparison.
+#[inline]
 pub fn level(p: f32) -> i16 {
     let bits = p.to_bits();
     let exponent = (bits >> 23) as i32;

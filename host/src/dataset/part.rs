@@ -16,7 +16,7 @@ use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
 use rayon::prelude::*;
 use sdp3_core::config::SampleFormat;
-use sdp3_core::dims::{BEATS, ROWS};
+use sdp3_core::dims::{BEATS, Beat, ROWS};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -31,6 +31,8 @@ use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 pub const RECORDINGS: u32 = 100;
 /// Values that are turned into bytes at a time: they stay in the cache.
 const VALUES: usize = 1 << 15;
+/// Recordings of a batch and thread, without their raw slots.
+const TOGETHER: usize = 16;
 /// Batches of recordings that may wait to be written.
 const BATCHES: usize = 2;
 /// Bytes of an archive that may be written and not yet on the disk.
@@ -65,8 +67,8 @@ pub struct One {
     pub slots: Option<Slots>,
     /// `[64, frames]`, of the largest N_s.
     pub image: Vec<i8>,
-    /// `[slow_time, fast_time, 2]`.
-    pub beat: Vec<i32>,
+    /// `[slow_time, fast_time]`.
+    pub beat: Vec<Beat>,
     /// Its class's place among those of the dataset.
     pub label: u8,
     /// What is true of it.
@@ -89,10 +91,11 @@ pub fn one(work: &Work, index: u32) -> One {
         (None, beats, truth)
     };
     let image = image_of_beats(scenario, &beats);
-    let pairs: Vec<_> = beats.iter().map(|beat| beat.map(|z| [z.re, z.im])).collect();
-    let beat = pairs.into_flattened().into_flattened();
-    One { slots, image, beat, label: (index % count) as u8, truth }
+    One { slots, image, beat: beats, label: (index % count) as u8, truth }
 }
+
+/// What takes an array's bytes.
+type Put<'a> = &'a mut dyn FnMut(&[u8]) -> io::Result<()>;
 
 /// Adds an array to the archive: its header, then what `rows` gives, which must be as many bytes as the shape says.
 ///
@@ -102,7 +105,7 @@ fn array<W: Write + Seek>(
     name: &str,
     (descr, size): (&str, usize),
     shape: &[usize],
-    rows: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+    rows: impl FnOnce(Put) -> io::Result<()>,
 ) -> io::Result<()> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
@@ -155,7 +158,7 @@ pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -
 }
 
 /// Makes recordings, and of each its SigMF files if asked for; `made` takes them in order. They come in batches of as many as there are
-/// threads if their raw slots are wanted, which are large, else in one. Stops early where `made` is no longer received: the writer says why.
+/// threads if their raw slots are wanted, which are large, else of [`TOGETHER`] a thread. Stops early where `made` is no longer received: the writer says why.
 fn simulate(
     work: &Work,
     range: Range<u32>,
@@ -176,7 +179,7 @@ fn simulate(
         tick();
         Ok((one, described))
     };
-    let step = if work.request.raw { rayon::current_num_threads() } else { range.len() };
+    let step = rayon::current_num_threads() * if work.request.raw { 1 } else { TOGETHER };
     let mut files = Vec::new();
     for from in range.clone().step_by(step) {
         let batch = (from..range.end.min(from + step as u32)).into_par_iter().map(one);
@@ -255,7 +258,7 @@ impl<W: Write> Write for UntilError<W> {
     }
 }
 
-/// Writes the arrays; the raw slots, if wanted, come first and go to the file as they are made.
+/// Writes the arrays. The largest comes first and goes to the file as recordings are made: the raw slots if they are wanted, else the beats.
 fn arrays<W: Write + Seek>(
     work: &Work,
     n: usize,
@@ -264,24 +267,32 @@ fn arrays<W: Write + Seek>(
 ) -> io::Result<Vec<One>> {
     let slots = work.slots() as usize;
     let config = work.scenario.radar.config();
+    let samples = usize::from(config.samples);
+    let raw_shape = match config.format {
+        SampleFormat::Complex => vec![n, slots, samples, 2],
+        SampleFormat::Real => vec![n, slots, samples],
+    };
+    let beat = ("beat", ("<i4", 4), [n, slots, BEATS, 2]);
+    let put_beat = |one: &mut One, put: Put| {
+        let parts = std::mem::take(&mut one.beat).into_iter().flatten().flat_map(|z| [z.re, z.im]);
+        put(parts.map(i32::to_le_bytes).collect::<Vec<_>>().as_flattened())
+    };
+    let put_raw = |one: &mut One, put: Put| {
+        let values = one.slots.take().map(|slots| slots.values).unwrap_or_default();
+        values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))
+    };
     let mut all = Vec::with_capacity(n);
+    let stream = |put: Put, put_one: &dyn Fn(&mut One, Put) -> io::Result<()>| {
+        for mut ones in made {
+            ones.iter_mut().try_for_each(|one| put_one(one, put))?;
+            all.extend(ones);
+        }
+        Ok(())
+    };
     if work.request.raw {
-        let samples = usize::from(config.samples);
-        let shape = match config.format {
-            SampleFormat::Complex => vec![n, slots, samples, 2],
-            SampleFormat::Real => vec![n, slots, samples],
-        };
-        array(archive, "raw", ("<i2", 2), &shape, |put| {
-            for mut ones in made {
-                for slots in ones.iter_mut().filter_map(|one| one.slots.take()) {
-                    slots.values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))?;
-                }
-                all.extend(ones);
-            }
-            Ok(())
-        })?;
+        array(archive, "raw", ("<i2", 2), &raw_shape, |put| stream(put, &put_raw))?;
     } else {
-        all.extend(made.into_iter().flatten());
+        array(archive, beat.0, beat.1, &beat.2, |put| stream(put, &put_beat))?;
     }
     let frames = work.scenario.spectrogram.preprocessing().frames(slots);
     array(archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
@@ -289,15 +300,9 @@ fn arrays<W: Write + Seek>(
             put(&std::mem::take(&mut one.image).into_iter().map(i8::cast_unsigned).collect::<Vec<_>>())
         })
     })?;
-    array(archive, "beat", ("<i4", 4), &[n, slots, BEATS, 2], |put| {
-        all.iter_mut().try_for_each(|one| {
-            put(std::mem::take(&mut one.beat)
-                .into_iter()
-                .map(i32::to_le_bytes)
-                .collect::<Vec<_>>()
-                .as_flattened())
-        })
-    })?;
+    if work.request.raw {
+        array(archive, beat.0, beat.1, &beat.2, |put| all.iter_mut().try_for_each(|one| put_beat(one, put)))?;
+    }
     array(archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;
     Ok(all)
 }

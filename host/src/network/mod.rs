@@ -38,3 +38,4 @@ pub mod training;
 pub(crate) mod tuning;
 #[cfg(feature = "train")]
 pub(crate) mod unknown;
+mod vector_stft;

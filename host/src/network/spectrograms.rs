@@ -4,6 +4,7 @@
 //! `sdp3_core::signal::front_end`, and an image is taken at every N_s on the way.
 
 use super::parameters::Images;
+use super::vector_stft::VectorStft;
 use crate::formats::slots::Slots;
 use crate::network::memory::OwnedMemory;
 use crate::results::{GallerySpectrogram, Spectrogram};
@@ -283,7 +284,7 @@ fn images_on_the_way(
     scenario: &Scenario,
     slots: usize,
     wanted: &[u32],
-    push: impl Fn(&mut FrontEnd<'_>, usize) -> bool,
+    push: impl Fn(&mut FrontEnd<'_, VectorStft>, usize) -> bool,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
     let radar = scenario.radar.config();

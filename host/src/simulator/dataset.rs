@@ -216,7 +216,7 @@ pub fn beats(
         (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
         return (raw.beats(config).unwrap_or_default(), simulation.truth().clone());
     }
-    let beats = simulation.advance_blocks(slots).iter().map(|blocks| receiver.beat(blocks)).collect();
+    let beats = receiver.beats(&simulation.advance_blocks(slots));
     (beats, simulation.truth().clone())
 }
 

@@ -55,15 +55,36 @@ impl Primitive {
     }
 }
 
-/// The primitives of a body of height `height` at these joints, in their order: head, torso, then left and right of shoulder,
-/// upper arm, lower arm, hip, thigh, shank, foot. Girths scale with the height (they are those of 1.75 m).
+/// What a primitive stands on, wherever its joints are.
+#[derive(Debug, Clone, Copy)]
+pub struct Limb {
+    /// Joints at which its axis begins and ends.
+    pub ends: [usize; 2],
+    /// Length of the axis in m.
+    length: f64,
+    /// Semi-axis across in m.
+    radius: f64,
+    /// Whether the scatter centre is the middle of the axis, or its end.
+    middle: bool,
+}
+
+impl Limb {
+    /// The primitive on these joints.
+    #[inline(always)]
+    pub fn between<R: Real>(&self, a: Vec3<R>, b: Vec3<R>) -> Primitive<R> {
+        Primitive {
+            centre: if self.middle { scale(super::add(a, b), R::of(0.5)) } else { b },
+            axis: sub(b, a),
+            axis_m: self.length,
+            semi: [self.radius, self.length / 2.0],
+        }
+    }
+}
+
+/// The limbs of a body of height `height`, in their order: head, torso, then left and right of shoulder, upper arm, lower arm, hip,
+/// thigh, shank, foot. Girths scale with the height (they are those of 1.75 m).
 #[inline(always)]
-pub fn primitive<R: Real>(
-    joints: &[Vec3<R>; JOINTS],
-    segments: &Segments,
-    height: f64,
-    index: usize,
-) -> Primitive<R> {
+pub fn limb(segments: &Segments, height: f64, index: usize) -> Limb {
     use joint::{ANKLE, BASE, ELBOW, HAND, HEAD, HIP, KNEE, NECK, SHOULDER, TOE};
     let s = segments;
     let side = index % 2;
@@ -79,22 +100,20 @@ pub fn primitive<R: Real>(
         (_, 6) => (KNEE + side, ANKLE + side, s.shank, 0.06, true),
         _ => (ANKLE + side, TOE + side, s.foot, 0.05, false),
     };
-    let (a, b) = (joints[from], joints[to]);
-    Primitive {
-        centre: if middle { scale(super::add(a, b), R::of(0.5)) } else { b },
-        axis: sub(b, a),
-        axis_m: length,
-        semi: [radius * height / 1.75, length / 2.0],
-    }
+    Limb { ends: [from, to], length, radius: radius * height / 1.75, middle }
 }
 
-/// All of them.
+/// The primitives of a body of height `height` at these joints, one for each [`limb`].
 pub fn primitives<R: Real>(
     joints: &[Vec3<R>; JOINTS],
     segments: &Segments,
     height: f64,
 ) -> [Primitive<R>; PRIMITIVES] {
-    std::array::from_fn(|index| primitive(joints, segments, height, index))
+    std::array::from_fn(|index| {
+        let limb = limb(segments, height, index);
+        let [a, b] = limb.ends.map(|joint| joints[joint]);
+        limb.between(a, b)
+    })
 }
 
 #[cfg(test)]

@@ -29,8 +29,9 @@ pub struct Ar1Process {
     draw: Vec<Complex64>,
     /// Amplitude of each ray in an innovation.
     levels: Vec<f64>,
-    /// Gaussian numbers of a draw, two a ray.
+    /// Gaussian numbers that were drawn, two a ray and innovation, and how many of them were used.
     numbers: Vec<f64>,
+    used: usize,
     /// Range samples of each ray at the amplitudes 1 and j, once they are asked for: real and imaginary parts by turns.
     parts: Vec<[[f64; 2 * BLOCKS]; 2]>,
     rho: f64,
@@ -57,7 +58,8 @@ impl Ar1Process {
         Ar1Process {
             parts: Vec::new(),
             levels: rays.iter().map(|ray| innovation * ray.amplitude).collect(),
-            numbers: vec![0.0; 2 * rays.len()],
+            numbers: Vec::new(),
+            used: 0,
             state: vec![Complex64::default(); rays.len()],
             draw: vec![Complex64::default(); rays.len()],
             rays,
@@ -74,11 +76,29 @@ impl Ar1Process {
         }
     }
 
+    /// Draws what the next `slots` calls of [`Ar1Process::step`] would draw: many numbers are made faster.
+    pub fn draw_ahead(&mut self, random: &mut Random, slots: usize) {
+        let steps = if self.rho == 1.0 { 0 } else { self.steps as usize };
+        let innovations = if self.started { slots * steps } else { 1 + slots.saturating_sub(1) * steps };
+        if self.innovation_kind == Innovation::Gaussian && self.used == self.numbers.len() {
+            self.draw_numbers(random, innovations);
+        }
+    }
+
+    fn draw_numbers(&mut self, random: &mut Random, innovations: usize) {
+        self.numbers.resize(innovations * 2 * self.rays.len(), 0.0);
+        random.gaussians(&mut self.numbers);
+        self.used = 0;
+    }
+
     fn draw(&mut self, random: &mut Random) {
         match self.innovation_kind {
             Innovation::Gaussian => {
-                random.gaussians(&mut self.numbers);
-                let (pairs, _) = self.numbers.as_chunks::<2>();
+                if self.used == self.numbers.len() {
+                    self.draw_numbers(random, 1);
+                }
+                let (pairs, _) = self.numbers[self.used..].as_chunks::<2>();
+                self.used += 2 * self.rays.len();
                 for (z, [re, im]) in self.draw.iter_mut().zip(pairs) {
                     *z = Complex64::new(re * FRAC_1_SQRT_2, im * FRAC_1_SQRT_2);
                 }

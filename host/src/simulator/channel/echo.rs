@@ -4,8 +4,9 @@ use super::antenna::Antenna;
 use super::target::{NEAREST_M, SPREADING, Target};
 use super::{BLOCK_S, BLOCKS, Blocks, Complex64, MIDDLE_S, SWEEP_RATE, Sensor, boxcar};
 use crate::scenario::SPEED_OF_LIGHT;
-use crate::simulator::body::number::{LANES, Lanes, Real};
-use crate::simulator::body::primitives::{PRIMITIVES, primitive};
+use crate::simulator::body::gait::JOINTS;
+use crate::simulator::body::number::{LANES, Lanes, sin_cos_turns};
+use crate::simulator::body::primitives::{Limb, PRIMITIVES, Primitive, limb};
 use crate::simulator::body::{Vec3, sub};
 use std::f64::consts::TAU;
 
@@ -31,17 +32,58 @@ impl View {
         Lanes::new(std::array::from_fn(|lane| at(lane as u32)))
     }
 
-    /// A primitive's amplitude through the antenna, there and back, and past what hides it.
+    /// What the antenna leaves of the amplitudes of a primitive at these places, there and back.
     #[inline(always)]
-    fn seen(&self, antenna: &Antenna, index: usize, centre: Vec3<Lanes>, mut amplitude: Lanes) -> Lanes {
-        if !antenna.is_constant() {
-            let direction = sub(centre, self.radar.map(Lanes::of));
-            let one = Lanes::new(antenna.amplitudes(&direction.map(Lanes::to_array)));
-            amplitude = amplitude * (one * one);
+    fn through(&self, antenna: &Antenna, centre: impl Fn(usize) -> Vec3) -> [f64; LANES] {
+        if antenna.is_constant() {
+            return [1.0; LANES];
         }
-        match &self.kept {
-            Some(kept) => amplitude * kept[index],
-            None => amplitude,
+        let mut direction = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let [x, y, z] = sub(centre(lane), self.radar);
+            (direction[0][lane], direction[1][lane], direction[2][lane]) = (x, y, z);
+        }
+        antenna.amplitudes(&direction).map(|one| one * one)
+    }
+}
+
+/// The primitive of a limb with these ends at one instant.
+#[inline(always)]
+fn primitive(limb: &Limb, ends: &[Vec3<[f64; LANES]>; 2], lane: usize) -> Primitive {
+    let [[ax, ay, az], [bx, by, bz]] = ends;
+    limb.between([ax[lane], ay[lane], az[lane]], [bx[lane], by[lane], bz[lane]])
+}
+
+/// Distances in m of a person's primitives, one after the other, and their echoes with the phase of `-turns` turns a metre: `each` gets the
+/// index, the instant, the distance, and the echo's real and imaginary part.
+///
+/// Everything of an instant is one formula: of such a loop over the instants the compiler makes vectors, and none of a chain of whole
+/// [`Lanes`].
+#[inline(always)]
+fn echoes(
+    antenna: &Antenna,
+    target: &Target,
+    view: &View,
+    joints: &[Vec3<Lanes>; JOINTS],
+    turns: f64,
+    mut each: impl FnMut(usize, usize, f64, [f64; 2]),
+) {
+    let front = target.gain * view.lambda / SPREADING;
+    for index in 0..PRIMITIVES {
+        let limb = limb(target.person.segments(), target.person.truth.height_m, index);
+        let ends = limb.ends.map(|joint| joints[joint].map(Lanes::to_array));
+        let through = view.through(
+            antenna,
+            #[inline(always)]
+            |lane| primitive(&limb, &ends, lane).centre,
+        );
+        let kept = view.kept.as_ref().map_or([1.0; LANES], |kept| kept[index].to_array());
+        let (weight, phase) = (front * target.weights[index], target.phases[index] / TAU);
+        for lane in 0..LANES {
+            let (distance, amplitude) = primitive(&limb, &ends, lane).echo(view.radar);
+            let amplitude = amplitude * weight * through[lane] * kept[lane];
+            let (s, c) = sin_cos_turns(distance * -turns + phase);
+            each(index, lane, distance, [amplitude * c, amplitude * s]);
         }
     }
 }
@@ -49,19 +91,24 @@ impl View {
 /// Adds a person's range samples of up to [`LANES`] slots, every primitive at its own delay: range cells may be smaller than a body.
 #[inline(always)]
 pub(super) fn wide_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
-    let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
-    let person = &target.person;
-    let joints = person.joints(t);
-    let front = target.gain * lambda / SPREADING;
-    for (index, phase) in target.phases.iter().enumerate() {
-        let part = primitive(&joints, person.segments(), person.truth.height_m, index);
-        let (distance, amplitude) = part.echo(radar);
-        let (s, c) = distance.times(-2.0 / lambda).plus(phase / TAU).sin_cos_turns();
-        let amplitude = amplitude.times(front * target.weights[index]);
-        let amplitude = view.seen(&sensor.antenna, index, part.centre, amplitude);
-        let (re, im) = ((amplitude * c).to_array(), (amplitude * s).to_array());
-        for (lane, (beat, distance)) in beats.iter_mut().zip(distance.to_array()).enumerate() {
-            sensor.response.add(beat, Complex64::new(re[lane], im[lane]), 2.0 * distance / SPEED_OF_LIGHT);
+    let joints = target.person.joints(view.times());
+    let mut found = [[[0.0; LANES]; 3]; PRIMITIVES];
+    echoes(
+        &sensor.antenna,
+        target,
+        view,
+        &joints,
+        2.0 / view.lambda,
+        #[inline(always)]
+        |index, lane, distance, [re, im]| {
+            let [to_distance, to_re, to_im] = &mut found[index];
+            (to_distance[lane], to_re[lane], to_im[lane]) = (distance, re, im);
+        },
+    );
+    for [distance, re, im] in &found {
+        for (lane, beat) in beats.iter_mut().enumerate() {
+            let delay_s = 2.0 * distance[lane] / SPEED_OF_LIGHT;
+            sensor.response.add(beat, Complex64::new(re[lane], im[lane]), delay_s);
         }
     }
 }
@@ -77,59 +124,69 @@ const TERMS: usize = 4;
 /// one phasor a primitive instead of eight.
 #[inline(always)]
 pub(super) fn narrow_echo(sensor: &Sensor, target: &Target, view: &View, beats: &mut [Blocks]) {
-    let (t, radar, lambda) = (view.times(), view.radar, view.lambda);
     let person = &target.person;
-    let joints = person.joints(t);
-    let part = |index| primitive(&joints, person.segments(), person.truth.height_m, index);
-    let front = target.gain * lambda / SPREADING;
+    let joints = person.joints(view.times());
+    let torso = {
+        let limb = limb(person.segments(), person.truth.height_m, 1);
+        let [a, b] = limb.ends.map(|joint| joints[joint]);
+        limb.between(a, b).echo(view.radar).0.to_array()
+    };
     // turns per metre of distance: the carrier and the sweep's middle
-    let turns = 2.0 / lambda + 2.0 / SPEED_OF_LIGHT * SWEEP_RATE * MIDDLE_S;
+    let turns = 2.0 / view.lambda + 2.0 / SPEED_OF_LIGHT * SWEEP_RATE * MIDDLE_S;
     // the sweep's phase in rad per metre and block, from the middle
     let slope = TAU * SWEEP_RATE * BLOCK_S * 2.0 / SPEED_OF_LIGHT;
-    let (torso, _) = part(1).echo(radar);
-    let zero = Lanes::of(0.0);
-    let mut moments = [[zero; 2]; TERMS];
-    for (index, phase) in target.phases.iter().enumerate() {
-        let part = part(index);
-        let (distance, amplitude) = part.echo(radar);
-        let amplitude = amplitude.times(front * target.weights[index]);
-        let amplitude = view.seen(&sensor.antenna, index, part.centre, amplitude);
-        let (s, c) = distance.times(-turns).plus(phase / TAU).sin_cos_turns();
-        let (mut re, mut im) = (amplitude * c, amplitude * s);
-        let delta = (distance - torso).times(slope);
-        for (q, moment) in moments.iter_mut().enumerate() {
-            if q > 0 {
-                (re, im) = (re * delta, im * delta);
+    let mut moments = [[[0.0; LANES]; 2]; TERMS];
+    echoes(
+        &sensor.antenna,
+        target,
+        view,
+        &joints,
+        turns,
+        #[inline(always)]
+        |_, lane, distance, [mut re, mut im]| {
+            let delta = (distance - torso[lane]) * slope;
+            for (q, moment) in moments.iter_mut().enumerate() {
+                if q > 0 {
+                    (re, im) = (re * delta, im * delta);
+                }
+                moment[0][lane] += re;
+                moment[1][lane] += im;
             }
-            moment[0] = moment[0] + re;
-            moment[1] = moment[1] + im;
+        },
+    );
+    let mut sums = [[0.0; LANES]; 2 * BLOCKS];
+    for lane in 0..LANES {
+        // phases of tau_0 at the blocks: odd powers of half a block's turn, both signs
+        let (s, c) = sin_cos_turns(torso[lane] * (slope / (2.0 * TAU)));
+        let square = (c * c - s * s, c * s * 2.0);
+        let (mut cosine, mut sine) = (c, s);
+        let delay = torso[lane] * (2.0 / SPEED_OF_LIGHT);
+        let mean = boxcar(SWEEP_RATE * delay);
+        let start = sin_cos_turns(delay * delay * (SWEEP_RATE / 2.0));
+        for pair in 0..BLOCKS / 2 {
+            let k = pair as f64 + 0.5;
+            for (b, k, sign) in [(BLOCKS / 2 + pair, k, 1.0), (BLOCKS / 2 - 1 - pair, -k, -1.0)] {
+                // sum_q (-j k)^q / q! M_q
+                let [[r0, i0], [r1, i1], [r2, i2], [r3, i3]] = moments.each_ref().map(
+                    #[inline(always)]
+                    |[re, im]| [re[lane], im[lane]],
+                );
+                let (k1, k2, k3) = (k, -k * k / 2.0, -k * k * k / 6.0);
+                let re = r0 + i1 * k1 + r2 * k2 + i3 * k3;
+                let im = i0 - r1 * k1 + i2 * k2 - r3 * k3;
+                // times exp(-j k slope D_0)
+                let sine = sine * sign;
+                let (re, im) = (re * cosine + im * sine, im * cosine - re * sine);
+                let (re, im) = (re * start.1 - im * start.0, re * start.0 + im * start.1);
+                (sums[2 * b][lane], sums[2 * b + 1][lane]) = (re * mean, im * mean);
+            }
+            (cosine, sine) = (cosine * square.0 - sine * square.1, cosine * square.1 + sine * square.0);
         }
     }
-    // phases of tau_0 at the blocks: odd powers of half a block's turn, both signs
-    let (s, c) = torso.times(slope / (2.0 * TAU)).sin_cos_turns();
-    let square = (c * c - s * s, (c * s).times(2.0));
-    let (mut cosine, mut sine) = (c, s);
-    let delay = torso.times(2.0 / SPEED_OF_LIGHT);
-    let mean = Lanes::new(delay.to_array().map(|tau| boxcar(SWEEP_RATE * tau)));
-    let start = (delay * delay).times(SWEEP_RATE / 2.0).sin_cos_turns();
-    for pair in 0..BLOCKS / 2 {
-        let k = pair as f64 + 0.5;
-        for (b, k, sign) in [(BLOCKS / 2 + pair, k, 1.0), (BLOCKS / 2 - 1 - pair, -k, -1.0)] {
-            // sum_q (-j k)^q / q! M_q
-            let [[r0, i0], [r1, i1], [r2, i2], [r3, i3]] = moments;
-            let (k1, k2, k3) = (k, -k * k / 2.0, -k * k * k / 6.0);
-            let re = r0 + i1.times(k1) + r2.times(k2) + i3.times(k3);
-            let im = i0 - r1.times(k1) + i2.times(k2) - r3.times(k3);
-            // times exp(-j k slope D_0)
-            let sine = sine.times(sign);
-            let (re, im) = (re * cosine + im * sine, im * cosine - re * sine);
-            let (re, im) = (re * start.1 - im * start.0, re * start.0 + im * start.1);
-            let (re, im) = (re * mean, im * mean);
-            for (beat, (re, im)) in beats.iter_mut().zip(re.to_array().into_iter().zip(im.to_array())) {
-                beat[b] += Complex64::new(re, im);
-            }
+    for (lane, beat) in beats.iter_mut().enumerate() {
+        for (b, z) in beat.iter_mut().enumerate() {
+            *z += Complex64::new(sums[2 * b][lane], sums[2 * b + 1][lane]);
         }
-        (cosine, sine) = (cosine * square.0 - sine * square.1, cosine * square.1 + sine * square.0);
     }
-    debug_assert!(torso.to_array().iter().all(|&d| d > NEAREST_M) || beats.len() < LANES);
+    debug_assert!(torso.iter().all(|&d| d > NEAREST_M) || beats.len() < LANES);
 }

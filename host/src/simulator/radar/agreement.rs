@@ -122,7 +122,7 @@ fn phase_noise_of_range_samples_is_that_of_raw_slots() {
         let mut blocks = Blocks::default();
         echoes.iter().for_each(|one| receiver.response.add(&mut blocks, one.gain, one.delay_s));
         assert!(!receiver.needs_samples());
-        let fast: Vec<_> = (0..slots).map(|_| receiver.beat(&blocks)).collect();
+        let fast = receiver.beats(&vec![blocks; slots]);
         let fast = fluctuation(&fast, kept);
         let sum = |of: &[[f64; 2]]| of.iter().map(|one| one[0]).sum::<f64>();
         let (each, all) = if gate {

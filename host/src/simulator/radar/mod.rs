@@ -139,6 +139,7 @@ static IMAGE: LazyLock<Blocks> = LazyLock::new(|| {
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// Nearest integer, halves to even.
+#[inline(always)]
 fn round(x: f64) -> i32 {
     (x + ROUNDING - ROUNDING) as i32
 }
@@ -155,6 +156,9 @@ pub enum Draws {
     /// The oscillator's phase noise.
     Oscillator,
 }
+
+/// Slots of which the range samples are formed together.
+const TOGETHER: usize = 32;
 
 /// The radar's receiver: front end and converter, slot after slot.
 pub struct Receiver<'a> {
@@ -235,60 +239,83 @@ impl<'a> Receiver<'a> {
         blocks
     }
 
-    /// Whether range samples have to be made from raw slots: [`Receiver::beat`] knows the front end's effects only of a range gate
+    /// Whether range samples have to be made from raw slots: [`Receiver::beats`] knows the front end's effects only of a range gate
     /// and of blocks in which the beat hardly turns, and nothing of an AC coupling.
     pub fn needs_samples(&self) -> bool {
         self.ac_coupling.is_some() || self.front_end.as_ref().is_some_and(RangeFrontEnd::needs_samples)
     }
 
-    /// What the core makes of a slot with these range samples: its integers, the noise and that of the converter's rounding.
+    /// What the core makes of slots with these range samples, one after the other: its integers, the noise and that of the converter's
+    /// rounding.
     ///
     /// Left out with a sensor that dechirps: saturation, and the mirrored frequencies that unequal I and Q or a wandering phase of
     /// real samples leave in the gate, -70 dB of the loudest echo from the sixth bin on.
-    pub fn beat(&mut self, blocks: &Blocks) -> Beat {
-        let turn = self.impairments.turn();
-        let blocks = match &self.front_end {
-            None => *blocks,
-            Some(front_end) => front_end.apply(blocks, self.oscillator.as_mut()),
-        };
-        match &self.response {
-            Response::Paper => self.block_means(&blocks, turn),
-            Response::Table(table) => {
-                let front = match self.radar.dechirp {
-                    Dechirp::Digital => turn * self.impairments.direct,
-                    Dechirp::Analog => (turn * self.impairments.direct).conj(),
-                };
-                Self::range_samples(&self.converter, table, [&blocks, &self.offset], front, &mut self.random)
+    pub fn beats(&mut self, slots: &[Blocks]) -> Vec<Beat> {
+        let mut beats = Vec::with_capacity(slots.len());
+        for slots in slots.chunks(TOGETHER) {
+            let behind: Vec<_> = slots.iter().map(|blocks| self.behind_front_end(blocks)).collect();
+            match &self.response {
+                Response::Paper => self.block_means(&behind, &mut beats),
+                Response::Table(table) => beats.extend(behind.iter().map(|(turn, blocks)| {
+                    let front = match self.radar.dechirp {
+                        Dechirp::Digital => turn * self.impairments.direct,
+                        Dechirp::Analog => (turn * self.impairments.direct).conj(),
+                    };
+                    let blocks = [blocks, &self.offset];
+                    Self::range_samples(&self.converter, table, blocks, front, &mut self.random)
+                })),
             }
+        }
+        beats
+    }
+
+    /// The oscillator's phase in the next slot, and its range samples behind what the front end does to them.
+    fn behind_front_end(&mut self, blocks: &Blocks) -> (Complex64, Blocks) {
+        let turn = self.impairments.turn();
+        match &self.front_end {
+            None => (turn, *blocks),
+            Some(front_end) => (turn, front_end.apply(blocks, self.oscillator.as_mut())),
         }
     }
 
-    fn block_means(&mut self, blocks: &Blocks, turn: Complex64) -> Beat {
+    /// Appends the block means of up to [`TOGETHER`] slots, each with the oscillator's phase.
+    fn block_means(&mut self, slots: &[(Complex64, Blocks)], beats: &mut Vec<Beat>) {
         let Converter { lsb, noise_lsb, .. } = self.converter;
         let scale = BLOCK_SAMPLES as f64 * 32767.0 / f64::from(1_u32 << RadarConfig::PAPER.shift());
         let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
-        let mut drawn = [0.0; 2 * BLOCKS];
-        self.random.gaussians(&mut drawn);
-        let ideal = self.impairments.is_ideal() && turn == Complex64::new(1.0, 0.0);
+        let mut drawn = [[0.0; 2 * BLOCKS]; TOGETHER];
+        self.random.gaussians(drawn[..slots.len()].as_flattened_mut());
+        let still = Complex64::new(1.0, 0.0);
+        let ideal = self.impairments.is_ideal() && slots.iter().all(|(turn, _)| *turn == still);
         let Impairments { direct, image, .. } = self.impairments;
-        let (re, im) = vectorised(
+        // real and imaginary parts by turns, in LSB
+        let mut values = [[0.0; 2 * BLOCKS]; TOGETHER];
+        for (values, (turn, blocks)) in values.iter_mut().zip(slots) {
+            let places = values.as_chunks_mut::<2>().0.iter_mut().zip(blocks);
+            if ideal {
+                places.for_each(|(to, z)| *to = [z.re, z.im]);
+                continue;
+            }
+            for (((to, z), of_image), offset) in places.zip(IMAGE.iter()).zip(&self.offset) {
+                let z = z * turn / lsb;
+                let z = direct * z + image * (z.conj() * of_image) + offset;
+                *to = [z.re, z.im];
+            }
+        }
+        let lsb = if ideal { lsb } else { 1.0 };
+        let mut rounded = [[0; 2 * BLOCKS]; TOGETHER];
+        vectorised(
             #[inline(always)]
             || {
-                let mut scaled = blocks.map(|z| z / lsb);
-                if !ideal {
-                    let places = scaled.iter_mut().zip(blocks).zip(IMAGE.iter()).zip(&self.offset);
-                    for (((to, z), of_image), offset) in places {
-                        let z = z * turn / lsb;
-                        *to = direct * z + image * (z.conj() * of_image) + offset;
-                    }
+                let places = rounded.as_flattened_mut().iter_mut().zip(values.as_flattened());
+                for ((to, x), drawn) in places.zip(drawn.as_flattened()) {
+                    *to = round((x / lsb + noise * drawn) * scale);
                 }
-                let part = |k: usize, x: f64| round((x + noise * drawn[k]) * scale);
-                let re: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b, scaled[b].re));
-                let im: [i32; BLOCKS] = std::array::from_fn(|b| part(2 * b + 1, scaled[b].im));
-                (re, im)
             },
         );
-        std::array::from_fn(|b| Complex::new(re[b], im[b]))
+        let beat =
+            |parts: &[i32; 2 * BLOCKS]| std::array::from_fn(|b| Complex::new(parts[2 * b], parts[2 * b + 1]));
+        beats.extend(rounded[..slots.len()].iter().map(beat));
     }
 
     fn range_samples(
