@@ -13,8 +13,7 @@ pub const FLOOR: i16 = i16::MIN;
 pub static SIGNIFICAND_THRESHOLDS: [u32; LEVELS_PER_OCTAVE as usize + 1] = thresholds();
 
 const fn thresholds() -> [u32; LEVELS_PER_OCTAVE as usize + 1] {
-    let mut table = [u32::MAX; LEVELS_PER_OCTAVE as usize + 1];
-    let mut i = 1;
+    let (mut table, mut i) = ([u32::MAX; LEVELS_PER_OCTAVE as usize + 1], 1);
     table[0] = (1 << 31) - 1;
     while i < LEVELS_PER_OCTAVE as usize {
         // never an integer for 0 < i < 64
@@ -31,10 +30,8 @@ const INDEX_BITS: u32 = 7;
 static LEVEL_FLOORS: [u8; 1 << INDEX_BITS] = floors();
 
 const fn floors() -> [u8; 1 << INDEX_BITS] {
-    let thresholds = thresholds();
-    let mut table = [0; 1 << INDEX_BITS];
-    let mut k = 0;
-    let mut level = 0;
+    let (thresholds, mut table) = (thresholds(), [0; 1 << INDEX_BITS]);
+    let (mut k, mut level) = (0, 0);
     while k < table.len() {
         let smallest = (1 << 31) + ((k as u32) << (31 - INDEX_BITS));
         while smallest > thresholds[level + 1] {
@@ -63,8 +60,7 @@ pub fn level(p: f32) -> i16 {
     if !(1..=254).contains(&exponent) {
         return FLOOR; // zero, subnormal, negative, infinite or not a number
     }
-    let significand = (bits | 0x0080_0000) << 8;
-    ((exponent - 127) * LEVELS_PER_OCTAVE as i32 + within_octave(significand)) as i16
+    ((exponent - 127) * LEVELS_PER_OCTAVE as i32 + within_octave((bits | 0x0080_0000) << 8)) as i16
 }
 
 /// `floor(64 log2 p)` for the leading 32 bits of a positive `p`: exact below 2^32, else up to 2^-31 of p too late.

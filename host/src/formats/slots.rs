@@ -1,5 +1,6 @@
 //! Raw slots: what a converter delivered, sweep after sweep.
 
+use crate::numerics::vectors::vectorised;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::Beat;
 use sdp3_core::signal::fast_time::FastTime;
@@ -43,7 +44,17 @@ impl Slots {
     pub fn beats(&self, config: RadarConfig) -> Option<Vec<Beat>> {
         let mut reference = vec![[0; 2]; config.reference_len()];
         let fast_time = FastTime::new(config, &mut reference)?;
-        self.iter().map(|slot| fast_time.beat(slot)).collect()
+        let mut beats = Vec::with_capacity(self.len());
+        vectorised(
+            #[inline(always)]
+            || {
+                for slot in self {
+                    beats.push(fast_time.beat(slot)?);
+                }
+                Some(())
+            },
+        )?;
+        Some(beats)
     }
 
     /// The values as bytes, little-endian.

@@ -12,4 +12,5 @@ pub mod random;
 pub(crate) mod resample;
 pub(crate) mod sincos;
 pub(crate) mod vectors;
+pub(crate) mod xoshiro;
 pub(crate) mod ziggurat;

@@ -1,43 +1,56 @@
 //! Random numbers of a recording: a function of (seed, set, class, index) alone, the same on every machine.
 //!
-//! Xoshiro256++ for bits; Gaussians by the [`ziggurat`].
+//! [`xoshiro`](super::xoshiro) for bits; Gaussians by the [`ziggurat`].
 
+use super::xoshiro::{Ahead, Words, Xoshiro256PlusPlus};
 use super::ziggurat;
-use rand_core::{Rng, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_core::Rng;
 use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Gaussians from which on their words are made ahead.
+const MANY: usize = 1000;
+
+/// Where words come from.
+#[derive(Debug, Clone)]
+enum Source {
+    One(Xoshiro256PlusPlus),
+    /// Of a stream of which many are drawn.
+    Ahead(Ahead),
+}
 
 /// A seeded stream.
 #[derive(Debug, Clone)]
 pub struct Random {
-    bits: Xoshiro256PlusPlus,
+    source: Source,
 }
 
 impl Random {
     /// The stream of a recording: its set, class and index, each mixed into the seed.
     pub fn new(seed: u64, set: u64, class: u64, index: u64) -> Self {
-        let mut bytes = [0; 32];
         let mut state = seed;
-        for (word, key) in bytes.chunks_exact_mut(8).zip([0x5d, set, class, index]) {
+        let words = [0x5d, set, class, index].map(|key| {
             // SplitMix64's finaliser
             state = (state ^ key.wrapping_mul(0xd1b5_4a32_d192_ed03)).wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut z = state;
             z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             state = z ^ (z >> 31);
-            word.copy_from_slice(&state.to_le_bytes());
-        }
-        Random { bits: Xoshiro256PlusPlus::from_seed(bytes) }
+            state
+        });
+        Random { source: Source::One(Xoshiro256PlusPlus::new(words)) }
     }
 
     /// Uniform in 0..1.
     pub fn uniform(&mut self) -> f64 {
-        ziggurat::uniform(self.bits.next_u64())
+        ziggurat::uniform(self.bits())
     }
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.bits.next_u64()
+        match &mut self.source {
+            Source::One(generator) => generator.next(),
+            Source::Ahead(ahead) => (&mut *ahead).next(),
+        }
     }
 
     /// Laplacian with mean 0 and variance 1.
@@ -58,7 +71,19 @@ impl Random {
     /// Fills with what as many calls of [`Random::gaussian`] draw.
     #[inline]
     pub fn gaussians(&mut self, values: &mut [f64]) {
-        ziggurat::fill(&mut self.bits, values);
+        match &mut self.source {
+            Source::One(generator) if values.len() < MANY => {
+                *generator = ziggurat::fill(generator.clone(), values);
+            }
+            Source::One(generator) => {
+                let mut ahead = Ahead::of(generator);
+                ziggurat::fill(&mut ahead, values);
+                self.source = Source::Ahead(ahead);
+            }
+            Source::Ahead(ahead) => {
+                ziggurat::fill(ahead, values);
+            }
+        }
     }
 
     /// Gamma distribution of a shape, with rate 1: Marsaglia and Tsang (2000).

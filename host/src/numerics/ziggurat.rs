@@ -5,8 +5,7 @@
 //! in vectors: every word of a block is taken for the first of a number, and the words that others turn out to have used are passed over.
 
 use super::vectors::vectorised;
-use rand_core::Rng;
-use rand_xoshiro::Xoshiro256PlusPlus;
+use super::xoshiro::Words;
 use std::sync::LazyLock;
 
 const LAYERS: usize = 256;
@@ -103,19 +102,19 @@ impl Ziggurat {
 }
 
 /// Words that were drawn, and the generator of those after them.
-struct Words<'a> {
-    drawn: &'a [u64],
-    generator: Xoshiro256PlusPlus,
+struct Drawn<'a, G> {
+    words: &'a [u64],
+    generator: G,
 }
 
-impl Words<'_> {
+impl<G: Words> Drawn<'_, G> {
     fn next(&mut self) -> u64 {
-        match self.drawn.split_first() {
+        match self.words.split_first() {
             Some((first, rest)) => {
-                self.drawn = rest;
+                self.words = rest;
                 *first
             }
-            None => self.generator.next_u64(),
+            None => self.generator.next(),
         }
     }
 
@@ -151,33 +150,33 @@ impl Words<'_> {
     }
 }
 
-/// Fills with normal numbers of mean 0 and variance 1.
+/// Fills with normal numbers of mean 0 and variance 1. The generator goes in and out.
 #[inline]
-pub fn fill(generator: &mut Xoshiro256PlusPlus, mut values: &mut [f64]) {
+pub fn fill<G: Words>(mut generator: G, mut values: &mut [f64]) -> G {
     if values.len() >= FEWEST {
         let mut block = Block::new();
         while values.len() >= FEWEST {
-            let made = block.fill(generator, values);
+            let made;
+            (generator, made) = block.fill(generator, values);
             values = &mut values[made..];
         }
     }
-    one_by_one(generator, values);
+    one_by_one(generator, values)
 }
 
 #[inline]
-fn one_by_one(generator: &mut Xoshiro256PlusPlus, values: &mut [f64]) {
+fn one_by_one<G: Words>(generator: G, values: &mut [f64]) -> G {
     let ziggurat = &*ZIGGURAT;
-    // by value: its words stay in registers
-    let mut words = Words { drawn: &[], generator: generator.clone() };
+    let mut drawn = Drawn { words: &[], generator };
     for value in values {
-        let bits = words.generator.next_u64();
+        let bits = drawn.generator.next();
         let (x, inside) = ziggurat.place(bits);
         *value = x;
         if !inside {
-            (words, *value) = words.outside(bits);
+            (drawn, *value) = drawn.outside(bits);
         }
     }
-    *generator = words.generator;
+    drawn.generator
 }
 
 /// A block of words, and each word's place.
@@ -195,10 +194,9 @@ impl Block {
 
     /// Makes numbers from as many words as there are values or a block has; how many numbers. Every word is used: a number takes at least
     /// one.
-    fn fill(&mut self, generator: &mut Xoshiro256PlusPlus, values: &mut [f64]) -> usize {
+    fn fill<G: Words>(&mut self, mut generator: G, values: &mut [f64]) -> (G, usize) {
         let count = values.len().min(BLOCK);
-        let mut drawing = generator.clone();
-        self.words[..count].iter_mut().for_each(|word| *word = drawing.next_u64());
+        generator.fill(&mut self.words[..count]);
         let (ziggurat, Block { words, places, outside }) = (&*ZIGGURAT, &mut *self);
         vectorised(
             #[inline(always)]
@@ -214,11 +212,11 @@ impl Block {
             values[made..made + run].copy_from_slice(&self.places[from..at]);
             made += run;
             if layer(self.words[at]) == 0 || at + 1 == count {
-                let words = Words { drawn: &self.words[at + 1..count], generator: drawing };
-                let (words, value) = words.outside(self.words[at]);
+                let drawn = Drawn { words: &self.words[at + 1..count], generator };
+                let (drawn, value) = drawn.outside(self.words[at]);
                 values[made] = value;
-                (from, made) = (count - words.drawn.len(), made + 1);
-                drawing = words.generator;
+                (from, made) = (count - drawn.words.len(), made + 1);
+                generator = drawn.generator;
             } else {
                 values[made] = self.places[at];
                 let kept = ziggurat.keeps(self.words[at], self.words[at + 1], self.places[at]);
@@ -227,8 +225,7 @@ impl Block {
         }
         let run = count - from;
         values[made..made + run].copy_from_slice(&self.places[from..count]);
-        *generator = drawing;
-        made + run
+        (generator, made + run)
     }
 
     /// Indices below `count` of the places outside their layers, ascending.
@@ -249,15 +246,15 @@ impl Block {
 
 #[cfg(test)]
 mod tests {
+    use super::super::xoshiro::{Ahead, Xoshiro256PlusPlus};
     use super::*;
-    use rand_core::SeedableRng;
 
     #[test]
     fn bounds_of_the_density_decide_as_the_density_does() {
-        let mut generator = Xoshiro256PlusPlus::seed_from_u64(5);
+        let mut generator = Xoshiro256PlusPlus::new([5, 4, 3, 2]);
         let (mut kept, mut edges) = (0, 0);
         while edges < 200_000 {
-            let first = generator.next_u64();
+            let first = generator.next();
             let (place, inside) = ZIGGURAT.place(first);
             if inside || layer(first) == 0 {
                 continue;
@@ -270,7 +267,7 @@ mod tests {
             let at = (((density - low) / (high - low) * most as f64) as u64).min(most);
             let beside = [0, 1 << 8, 1 << 16, 1 << 32]
                 .map(|step| [at.saturating_sub(step) << 11, (at + step).min(most) << 11]);
-            for second in beside.into_iter().flatten().chain([generator.next_u64()]) {
+            for second in beside.into_iter().flatten().chain([generator.next()]) {
                 let exact = low + (high - low) * uniform(second) < density;
                 assert_eq!(ZIGGURAT.keeps(first, second, place), exact, "{first} {second}");
                 kept += u32::from(exact);
@@ -284,18 +281,20 @@ mod tests {
         let lengths = [1, 63, 64, 65, 127, 511, 512, 513, 600, 2000, 5000];
         let (mut tails, mut borders) = (0, 0);
         for seed in 0..300 {
-            let mut blocks = Xoshiro256PlusPlus::seed_from_u64(seed);
-            let mut plain = blocks.clone();
+            let mut plain = Xoshiro256PlusPlus::new([seed, 1, 2, 3]);
+            let (mut blocks, mut ahead) = (plain.clone(), Ahead::of(&plain));
             for length in lengths {
-                let (mut found, mut expected) = (vec![0.0; length], vec![0.0; length]);
+                let [mut found, mut found_ahead, mut expected] = [(); 3].map(|()| vec![0.0; length]);
                 // a block with its last word at an edge
-                let mut ahead = blocks.clone();
-                let last = (0..length.min(BLOCK)).map(|_| ahead.next_u64()).last().unwrap();
+                let mut next = blocks.clone();
+                let last = (0..length.min(BLOCK)).map(|_| next.next()).last().unwrap();
                 borders += u32::from(!ZIGGURAT.place(last).1);
-                fill(&mut blocks, &mut found);
-                one_by_one(&mut plain, &mut expected);
+                blocks = fill(blocks, &mut found);
+                fill(&mut ahead, &mut found_ahead);
+                plain = one_by_one(plain, &mut expected);
                 let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&found), bits(&expected), "seed {seed}, {length} numbers");
+                assert_eq!(bits(&found_ahead), bits(&expected), "seed {seed}, {length} numbers, ahead");
                 // and as many words are used
                 assert_eq!(blocks, plain, "seed {seed}, {length} numbers");
                 tails += expected.iter().filter(|x| x.abs() > TAIL).count();

@@ -42,7 +42,7 @@ impl Real for f64 {
     }
     fn sin_cos_turns(self) -> (Self, Self) {
         let angle = std::f64::consts::TAU * (self - self.floor());
-        (libm::sin(angle), libm::cos(angle))
+        libm::sincos(angle)
     }
     fn lift<const K: usize>(self, f: impl Fn(f64) -> ([f64; K], [f64; K])) -> [Self; K] {
         f(self).0
@@ -135,6 +135,12 @@ impl Lanes {
     #[inline(always)]
     pub fn new(values: [f64; LANES]) -> Self {
         Lanes(values)
+    }
+
+    /// The value at one instant.
+    #[inline(always)]
+    pub fn at(&self, lane: usize) -> f64 {
+        self.0[lane]
     }
 
     #[inline(always)]

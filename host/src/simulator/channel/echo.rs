@@ -49,9 +49,9 @@ impl View {
 
 /// The primitive of a limb with these ends at one instant.
 #[inline(always)]
-fn primitive(limb: &Limb, ends: &[Vec3<[f64; LANES]>; 2], lane: usize) -> Primitive {
+fn primitive(limb: &Limb, ends: [&Vec3<Lanes>; 2], lane: usize) -> Primitive {
     let [[ax, ay, az], [bx, by, bz]] = ends;
-    limb.between([ax[lane], ay[lane], az[lane]], [bx[lane], by[lane], bz[lane]])
+    limb.between([ax.at(lane), ay.at(lane), az.at(lane)], [bx.at(lane), by.at(lane), bz.at(lane)])
 }
 
 /// Distances in m of a person's primitives, one after the other, and their echoes with the phase of `-turns` turns a metre: `each` gets the
@@ -71,16 +71,16 @@ fn echoes(
     let front = target.gain * view.lambda / SPREADING;
     for index in 0..PRIMITIVES {
         let limb = limb(target.person.segments(), target.person.truth.height_m, index);
-        let ends = limb.ends.map(|joint| joints[joint].map(Lanes::to_array));
+        let ends = limb.ends.map(|joint| &joints[joint]);
         let through = view.through(
             antenna,
             #[inline(always)]
-            |lane| primitive(&limb, &ends, lane).centre,
+            |lane| primitive(&limb, ends, lane).centre,
         );
         let kept = view.kept.as_ref().map_or([1.0; LANES], |kept| kept[index].to_array());
         let (weight, phase) = (front * target.weights[index], target.phases[index] / TAU);
         for lane in 0..LANES {
-            let (distance, amplitude) = primitive(&limb, &ends, lane).echo(view.radar);
+            let (distance, amplitude) = primitive(&limb, ends, lane).echo(view.radar);
             let amplitude = amplitude * weight * through[lane] * kept[lane];
             let (s, c) = sin_cos_turns(distance * -turns + phase);
             each(index, lane, distance, [amplitude * c, amplitude * s]);

@@ -7,30 +7,46 @@ use crate::simulator::channel::{Complex64, NODES, SWEEP_RATE, SWEEP_S, Sweep, no
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Samples worked on together: their sums stay in registers.
-const BLOCK: usize = 40;
+/// Half as many nodes, and the samples of the sweep's first half; sample n = 1 to 1000, at n / f_s, mirrors 1000 - n.
+const HALF: usize = NODES / 2;
+const FIRST: usize = SAMPLES / 2;
+/// Samples worked on together: their sums stay in registers. The last ones go beyond the middle.
+const BLOCK: usize = 24;
+const BLOCKS: usize = FIRST.div_ceil(BLOCK);
 
-/// The polynomials at a block's samples, `[node][fast_time]`, where a vector lies within a line of the cache.
+/// Sums and differences of the polynomials of two mirrored nodes at a block's samples, halved, `[node][fast_time]`, where a vector lies
+/// within a line of the cache.
 #[repr(align(64))]
-struct Rows([[f64; BLOCK]; NODES]);
+struct Rows {
+    even: [[f64; BLOCK]; HALF],
+    odd: [[f64; BLOCK]; HALF],
+}
 
-/// Values of the Lagrange polynomials of the nodes at the samples, block by block.
-static INTERPOLATION: LazyLock<Vec<Rows>> = LazyLock::new(|| {
-    let node = |k: usize| PI * (k as f64 + 0.5) / NODES as f64;
-    let at = |k: usize, n: usize| {
-        let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
-        let x = libm::acos(x.clamp(-1.0, 1.0));
-        // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
-        let sum: f64 = (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * node(k))).sum();
-        (1.0 + 2.0 * sum) / NODES as f64
+/// Value of a node's Lagrange polynomial at sample n.
+fn polynomial(k: usize, n: usize) -> f64 {
+    let node = PI * (k as f64 + 0.5) / NODES as f64;
+    let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
+    let x = libm::acos(x.clamp(-1.0, 1.0));
+    // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
+    let sum: f64 = (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * node)).sum();
+    (1.0 + 2.0 * sum) / NODES as f64
+}
+
+/// The polynomials at the first half's samples, block by block.
+static INTERPOLATION: LazyLock<[Rows; BLOCKS]> = LazyLock::new(|| {
+    let half = |k: usize, n: usize, sign: f64| 0.5 * (polynomial(k, n) + sign * polynomial(NODES - 1 - k, n));
+    let part = |b: usize, sign: f64| {
+        std::array::from_fn(|k| std::array::from_fn(|n| half(k, b * BLOCK + n + 1, sign)))
     };
-    let block = |b: usize| Rows(std::array::from_fn(|k| std::array::from_fn(|n| at(k, b * BLOCK + n + 1))));
-    (0..SAMPLES / BLOCK).map(block).collect()
+    std::array::from_fn(|b| Rows { even: part(b, 1.0), odd: part(b, -1.0) })
 });
+
+/// The polynomials at the last sample, which mirrors none.
+static LAST: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(|k| polynomial(k, SAMPLES)));
 
 /// Sums over the nodes in their order.
 #[inline(always)]
-fn sums(rows: &[[f64; BLOCK]; NODES], nodes: &[f64; NODES]) -> [f64; BLOCK] {
+fn sums(rows: &[[f64; BLOCK]; HALF], nodes: &[f64; HALF]) -> [f64; BLOCK] {
     let mut sums = [0.0; BLOCK];
     for (row, z) in rows.iter().zip(nodes) {
         for n in 0..BLOCK {
@@ -40,19 +56,39 @@ fn sums(rows: &[[f64; BLOCK]; NODES], nodes: &[f64; NODES]) -> [f64; BLOCK] {
     sums
 }
 
-/// Real and imaginary part at the samples. Cost: [`NODES`] complex multiply-adds a sample.
+/// A real function at the samples from its values at the nodes, by the symmetry of the nodes: with e the sums and d the differences of
+/// mirrored values, what sample n sees of them is e + d, and what 1000 - n sees e - d.
+#[inline(always)]
+fn real(nodes: &[f64; NODES], samples: &mut [f64; SAMPLES]) {
+    let even: [f64; HALF] = std::array::from_fn(|k| nodes[k] + nodes[NODES - 1 - k]);
+    let odd: [f64; HALF] = std::array::from_fn(|k| nodes[k] - nodes[NODES - 1 - k]);
+    for (b, Rows { even: even_rows, odd: odd_rows }) in INTERPOLATION.iter().enumerate() {
+        let (a, d) = (sums(even_rows, &even), sums(odd_rows, &odd));
+        let (mut first, mut mirrored) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for n in 0..BLOCK {
+            first[n] = a[n] + d[n];
+        }
+        for n in 0..BLOCK {
+            mirrored[BLOCK - 1 - n] = a[n] - d[n];
+        }
+        // sample n has index n - 1
+        let mirror = SAMPLES - 1 - (b + 1) * BLOCK;
+        samples[b * BLOCK..(b + 1) * BLOCK].copy_from_slice(&first);
+        samples[mirror..mirror + BLOCK].copy_from_slice(&mirrored);
+    }
+    samples[SAMPLES - 1] = LAST.iter().zip(nodes).map(|(weight, z)| weight * z).sum();
+}
+
+/// Real and imaginary part at the samples. Cost: half of [`NODES`] complex multiply-adds a sample.
 pub fn interpolate(nodes: &Sweep, re: &mut [f64], im: &mut [f64]) {
-    let table = &*INTERPOLATION;
-    let (real, imaginary) = (nodes.map(|z| z.re), nodes.map(|z| z.im));
+    let parts = [nodes.map(|z| z.re), nodes.map(|z| z.im)];
+    let samples = (re.first_chunk_mut(), im.first_chunk_mut());
+    let (Some(re), Some(im)) = samples else { return };
     vectorised(
         #[inline(always)]
         || {
-            let (re, _) = re.as_chunks_mut::<BLOCK>();
-            let (im, _) = im.as_chunks_mut::<BLOCK>();
-            for (Rows(rows), (re, im)) in table.iter().zip(re.iter_mut().zip(im)) {
-                *re = sums(rows, &real);
-                *im = sums(rows, &imaginary);
-            }
+            real(&parts[0], re);
+            real(&parts[1], im);
         },
     );
 }
@@ -71,5 +107,3 @@ pub fn time_shift(sweep: &Sweep) -> Sweep {
         slope / (-2.0 * PI * SWEEP_RATE)
     })
 }
-
-const _: () = assert!(SAMPLES.is_multiple_of(BLOCK));

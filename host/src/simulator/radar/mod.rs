@@ -9,6 +9,7 @@
 //! an offset, thermal noise (referred to the input by its level), the converter. Each is a field of [`Radar`]; docs/theory.md has the
 //! equations. Compression follows phase noise here: it takes magnitudes, which a phase leaves alone.
 
+mod converter;
 mod impairments;
 mod interpolation;
 mod oscillator;
@@ -16,12 +17,13 @@ mod range_samples;
 mod samples;
 
 use super::channel::response::{Response, Table};
-use super::channel::room::expected_power;
 use super::channel::{BLOCKS, Blocks, Complex64, Path, Sweep, Sweeps, phasor};
 use crate::numerics::filter::{HighPass, pole};
 use crate::numerics::random::Random;
 use crate::numerics::vectors::vectorised;
 use crate::scenario::{Dechirp, Format, Radar, Scenario};
+use converter::round;
+pub use converter::{Converter, KT};
 use impairments::{Impairments, Limiter};
 use interpolation::time_shift;
 use oscillator::{Filters, Oscillator};
@@ -31,9 +33,6 @@ use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::{BEATS, Beat, Complex, ZERO_BEAT};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
-
-/// Boltzmann's constant times 290 K in W/Hz.
-pub const KT: f64 = 1.380_649e-23 * 290.0;
 
 /// Samples, sampling rate in Hz and block of the paper's radar.
 const SAMPLES: usize = RadarConfig::PAPER.samples as usize;
@@ -46,85 +45,16 @@ const LEAKAGE_DELAY_S: f64 = 1e-9;
 /// The paper's chirp of amplitude 1, `[fast_time]`.
 static CHIRP: LazyLock<Vec<Complex64>> = LazyLock::new(|| chirp(SAMPLES));
 
+/// Its real and its imaginary parts.
+static CHIRP_PARTS: LazyLock<[[f64; SAMPLES]; 2]> = LazyLock::new(|| {
+    let part = |of: fn(&Complex64) -> f64| std::array::from_fn(|n| of(&CHIRP[n]));
+    [part(|z| z.re), part(|z| z.im)]
+});
+
 /// A chirp of a bandwidth equal to its sampling rate, at t = n / f_s, n = 1 to L.
 fn chirp(samples: usize) -> Vec<Complex64> {
     let l = samples as u64;
     (1..=l).map(|n| phasor(PI * ((n * n) % (2 * l)) as f64 / l as f64)).collect()
-}
-
-/// Analog to digital conversion: LSB per sqrt W and noise in LSB.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Converter {
-    /// Amplitude of one LSB in sqrt W.
-    pub lsb: f64,
-    /// Standard deviation of the thermal noise of each value in LSB.
-    pub noise_lsb: f64,
-    /// Largest value in LSB; the smallest is one below its negative.
-    largest: f64,
-    /// Places by which values are shifted up in their 16 bits.
-    shift: u32,
-}
-
-impl Converter {
-    /// Full scale is `headroom_db` above the loudest that is expected, with the leakage.
-    ///
-    /// Noise of power k T f_s F is that of both sidebands; I and Q, or the only real value, have half of it each.
-    pub fn of(scenario: &Scenario) -> Self {
-        let radar = &scenario.radar;
-        let front = radar.power_w.sqrt() * libm::pow(10.0, radar.antenna_gain_db / 10.0);
-        let mut received = front * expected_power(scenario).sqrt();
-        let leakage = impairments::leakage(radar, &radar.effects());
-        if leakage > 0.0 {
-            received = (received * received + leakage * leakage).sqrt();
-        }
-        let full_scale = received * libm::pow(10.0, radar.headroom_db / 20.0);
-        let bits = u32::from(radar.converter_bits);
-        let largest = f64::from((1_u32 << (bits - 1)) - 1);
-        let lsb = full_scale / largest;
-        let figure = libm::pow(10.0, scenario.radar.noise_figure_db / 10.0);
-        let noise = (KT * radar.sample_rate_hz * figure / 2.0).sqrt();
-        let shift = if radar.left_justified { 16 - bits } else { 0 };
-        Converter { lsb, noise_lsb: noise / lsb, largest, shift }
-    }
-
-    /// Nearest integer (halves to even), saturated to the converter's range.
-    #[inline(always)]
-    fn nearest(&self, x: f64) -> i16 {
-        let smallest = -1.0 - self.largest;
-        let x = if x < smallest { smallest } else { x };
-        let x = if x > self.largest { self.largest } else { x };
-        // the integer is what the sum's mantissa ends with
-        (x + ROUNDING).to_bits() as i16
-    }
-
-    /// The same, justified.
-    fn convert(&self, x: f64) -> i16 {
-        self.nearest(x) << self.shift
-    }
-
-    /// Appends real and imaginary parts by turns, each with its noise.
-    fn convert_all(&self, re: &[f64], im: &[f64], noise: &[f64], values: &mut Vec<i16>) {
-        let from = values.len();
-        values.resize(from + 2 * re.len(), 0);
-        let values = &mut values[from..];
-        let (pairs, _) = values.as_chunks_mut::<2>();
-        let (noise, _) = noise.as_chunks::<2>();
-        vectorised(
-            #[inline(always)]
-            || {
-                for ((pair, noise), (&re, &im)) in pairs.iter_mut().zip(noise).zip(re.iter().zip(im)) {
-                    let noisy = [re + self.noise_lsb * noise[0], im + self.noise_lsb * noise[1]];
-                    *pair = noisy.map(
-                        #[inline(always)]
-                        |x| self.nearest(x),
-                    );
-                }
-            },
-        );
-        if self.shift > 0 {
-            values.iter_mut().for_each(|value| *value <<= self.shift);
-        }
-    }
 }
 
 /// Mean over each block of conj(s)^2: what dechirping leaves of a mirrored signal.
@@ -134,15 +64,6 @@ static IMAGE: LazyLock<Blocks> = LazyLock::new(|| {
         block(b).map(|s| (s * s).conj()).sum::<Complex64>() / BLOCK_SAMPLES as f64
     })
 });
-
-/// Adding 1.5 * 2^52 rounds to an integer, halves to even.
-const ROUNDING: f64 = 6_755_399_441_055_744.0;
-
-/// Nearest integer, halves to even.
-#[inline(always)]
-fn round(x: f64) -> i32 {
-    (x + ROUNDING - ROUNDING) as i32
-}
 
 /// What a receiver draws random numbers for, each from a stream of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,7 +100,7 @@ pub struct Receiver<'a> {
     sweeps: Sweeps,
     beat: Samples,
     /// Draws of a slot's thermal noise, of the paper's radar.
-    noise: Vec<f64>,
+    noise: Vec<[f64; 2]>,
 }
 
 impl<'a> Receiver<'a> {
@@ -205,7 +126,7 @@ impl<'a> Receiver<'a> {
             chirp: if own { chirp(samples) } else { Vec::new() },
             sweeps: Sweeps::default(),
             beat: Samples::new(samples, filters.is_some()),
-            noise: if papers { vec![0.0; 2 * samples] } else { Vec::new() },
+            noise: if papers { vec![[0.0; 2]; samples] } else { Vec::new() },
             offset: Blocks::default(),
             converter,
             impairments,
@@ -353,33 +274,31 @@ impl<'a> Receiver<'a> {
         if matches!(self.response, Response::Paper) {
             let scaled: Sweep = self.sweeps.sum(tones).map(|z| z * turn / converter.lsb);
             self.beat.interpolate(&scaled, || time_shift(&scaled));
-            let Samples { re, im, .. } = &mut self.beat;
-            let ideal = self.impairments.is_ideal();
-            let chirp = &*CHIRP;
-            vectorised(
-                #[inline(always)]
-                || {
-                    let samples = re.iter_mut().zip(im.iter_mut()).zip(chirp);
-                    if ideal {
-                        samples.for_each(
-                            #[inline(always)]
-                            |((re, im), s)| {
-                                (*re, *im) = (*re * s.re - *im * s.im, *re * s.im + *im * s.re);
-                            },
-                        );
-                    } else {
-                        samples.for_each(
-                            #[inline(always)]
-                            |((re, im), s)| {
-                                let z = impaired(compressed(Complex64::new(*re, *im)) * s);
-                                (*re, *im) = (z.re, z.im);
-                            },
-                        );
-                    }
-                },
-            );
-            random.gaussians(noise);
-            converter.convert_all(re, im, noise, values);
+            random.gaussians(noise.as_flattened_mut());
+            let Samples { re, im, .. } = &self.beat;
+            let samples = (re.first_chunk::<SAMPLES>(), im.first_chunk::<SAMPLES>(), noise.first_chunk());
+            let (Some(re), Some(im), Some(noise)) = samples else { return };
+            let (mut slot, [c, s]) = ([[0; 2]; SAMPLES], &*CHIRP_PARTS);
+            if self.impairments.is_ideal() {
+                converter.convert_all(
+                    #[inline(always)]
+                    move |n| [re[n] * c[n] - im[n] * s[n], re[n] * s[n] + im[n] * c[n]],
+                    noise,
+                    &mut slot,
+                );
+            } else {
+                converter.convert_all(
+                    #[inline(always)]
+                    move |n| {
+                        let z = compressed(Complex64::new(re[n], im[n])) * Complex64::new(c[n], s[n]);
+                        let z = impaired(z);
+                        [z.re, z.im]
+                    },
+                    noise,
+                    &mut slot,
+                );
+            }
+            values.extend_from_slice(slot.as_flattened());
             return;
         }
         self.beat.fill(tones, radar);

@@ -1,0 +1,235 @@
+//! Xoshiro256++ (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2019), and its words far ahead of their use: eight
+//! stretches of one stream side by side, in vectors.
+//!
+//! A step is linear over the state's bits, and so are many: where each of the 256 bits alone leads says where any state does.
+
+use super::vectors::vectorised;
+use std::sync::LazyLock;
+
+/// Words of a stretch, and stretches side by side.
+const STRETCH: usize = 2048;
+const LANES: usize = 8;
+
+/// What numbers are drawn from.
+pub trait Words {
+    /// The next word.
+    fn next(&mut self) -> u64;
+
+    /// As many as there is room for.
+    #[inline(always)]
+    fn fill(&mut self, words: &mut [u64]) {
+        words.iter_mut().for_each(|word| *word = self.next());
+    }
+}
+
+type State = [u64; 4];
+
+/// The generator, word by word.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Xoshiro256PlusPlus(State);
+
+impl Xoshiro256PlusPlus {
+    /// Of a state, not all of it 0.
+    pub fn new(state: State) -> Self {
+        Xoshiro256PlusPlus(state)
+    }
+}
+
+impl Words for Xoshiro256PlusPlus {
+    #[inline(always)]
+    fn next(&mut self) -> u64 {
+        let [a, b, c, d] = &mut self.0;
+        let word = a.wrapping_add(*d).rotate_left(23).wrapping_add(*a);
+        let shifted = *b << 17;
+        *c ^= *a;
+        *d ^= *b;
+        *b ^= *c;
+        *a ^= *d;
+        *c ^= shifted;
+        *d = d.rotate_left(45);
+        word
+    }
+}
+
+/// The same word of eight states, and of each bit of them.
+type Lanes = [u64; LANES];
+
+#[inline(always)]
+fn lanes(word: impl Fn(usize) -> u64) -> Lanes {
+    std::array::from_fn(
+        #[inline(always)]
+        |lane| word(lane),
+    )
+}
+
+#[inline(always)]
+fn xor(a: Lanes, b: Lanes) -> Lanes {
+    lanes(
+        #[inline(always)]
+        |n| a[n] ^ b[n],
+    )
+}
+
+/// [`Xoshiro256PlusPlus`] of eight states; their words, and the states after them.
+#[inline(always)]
+fn step([a, b, c, d]: [Lanes; 4]) -> (Lanes, [Lanes; 4]) {
+    let word = lanes(
+        #[inline(always)]
+        |n| a[n].wrapping_add(d[n]).rotate_left(23).wrapping_add(a[n]),
+    );
+    let (c, d) = (xor(c, a), xor(d, b));
+    let (shifted, b, a) = (
+        lanes(
+            #[inline(always)]
+            |n| b[n] << 17,
+        ),
+        xor(b, c),
+        xor(a, d),
+    );
+    (
+        word,
+        [
+            a,
+            b,
+            xor(c, shifted),
+            lanes(
+                #[inline(always)]
+                |n| d[n].rotate_left(45),
+            ),
+        ],
+    )
+}
+
+/// The states to which many steps lead from each single bit.
+type Jump = [State; 64 * 4];
+
+fn jumped(jump: &Jump, state: &State) -> State {
+    let mut to = [0; 4];
+    for (bit, image) in jump.iter().enumerate() {
+        if state[bit / 64] >> (bit % 64) & 1 == 1 {
+            to.iter_mut().zip(image).for_each(|(to, image)| *to ^= image);
+        }
+    }
+    to
+}
+
+/// Over one stretch, and over all of the others.
+static JUMPS: LazyLock<[Jump; 2]> = LazyLock::new(|| {
+    let one: Jump = std::array::from_fn(|bit| {
+        let mut state = [0; 4];
+        state[bit / 64] = 1 << (bit % 64);
+        let mut generator = Xoshiro256PlusPlus(state);
+        generator.next();
+        generator.0
+    });
+    let then = |first: &Jump, second: &Jump| first.map(|state| jumped(second, &state));
+    let stretch = (0..STRETCH.ilog2()).fold(one, |jump, _| then(&jump, &jump));
+    let others = (1..LANES - 1).fold(stretch, |jump, _| then(&jump, &stretch));
+    [stretch, others]
+});
+
+/// A stream's words, thousands at a time.
+#[derive(Debug, Clone)]
+pub struct Ahead {
+    /// Where the next stretches begin, `[word][stretch]`.
+    states: [Lanes; 4],
+    words: Vec<[u64; STRETCH]>,
+    used: usize,
+}
+
+impl Ahead {
+    /// The words that a generator draws from here on.
+    pub fn of(generator: &Xoshiro256PlusPlus) -> Self {
+        let (mut states, mut state) = ([[0; LANES]; 4], generator.0);
+        for lane in 0..LANES {
+            states.iter_mut().zip(state).for_each(|(to, word)| to[lane] = word);
+            state = jumped(&JUMPS[0], &state);
+        }
+        Ahead { states, words: vec![[0; STRETCH]; LANES], used: LANES * STRETCH }
+    }
+
+    fn make(&mut self) {
+        let (Ahead { states, words, used }, others) = (self, &JUMPS[1]);
+        *used = 0;
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut now = *states;
+                for from in (0..STRETCH).step_by(LANES) {
+                    // as many words as stretches: they change places in registers
+                    let mut some = [[0; LANES]; LANES];
+                    for word in &mut some {
+                        (*word, now) = step(now);
+                    }
+                    for (lane, words) in words.iter_mut().enumerate() {
+                        for k in 0..LANES {
+                            words[from + k] = some[k][lane];
+                        }
+                    }
+                }
+                let mut begin = [[0; LANES]; 4];
+                for (bit, image) in others.iter().enumerate() {
+                    let word = now[bit / 64];
+                    let mask = lanes(
+                        #[inline(always)]
+                        |n| 0_u64.wrapping_sub(word[n] >> (bit % 64) & 1),
+                    );
+                    for k in 0..4 {
+                        let before = begin[k];
+                        begin[k] = lanes(
+                            #[inline(always)]
+                            |n| before[n] ^ (image[k] & mask[n]),
+                        );
+                    }
+                }
+                *states = begin;
+            },
+        );
+    }
+}
+
+impl Words for &mut Ahead {
+    fn next(&mut self) -> u64 {
+        let mut word = [0];
+        self.fill(&mut word);
+        word[0]
+    }
+
+    fn fill(&mut self, mut words: &mut [u64]) {
+        while !words.is_empty() {
+            if self.used == LANES * STRETCH {
+                self.make();
+            }
+            let made = &self.words.as_flattened()[self.used..];
+            let (now, later) = words.split_at_mut(words.len().min(made.len()));
+            now.copy_from_slice(&made[..now.len()]);
+            self.used += now.len();
+            words = later;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::{Rng, SeedableRng};
+
+    #[test]
+    fn words_are_those_of_the_published_generator() {
+        let state = [1, 2, 3, 0x9e37_79b9_7f4a_7c15];
+        let bytes: Vec<u8> = state.iter().flat_map(|word: &u64| word.to_le_bytes()).collect();
+        let mut published = rand_xoshiro::Xoshiro256PlusPlus::from_seed(bytes.try_into().unwrap());
+        let mut one = Xoshiro256PlusPlus::new(state);
+        let mut ahead = Ahead::of(&one);
+        let mut many = &mut ahead;
+        // of lengths that divide no stretch, over four groups of stretches
+        for length in (0..40).map(|k| 1 + 811 * (k % 3)) {
+            let mut words = vec![0; length];
+            many.fill(&mut words);
+            for word in words {
+                let expected = published.next_u64();
+                assert_eq!([one.next(), word], [expected; 2]);
+            }
+        }
+    }
+}
