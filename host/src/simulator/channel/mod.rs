@@ -193,8 +193,12 @@ pub fn node_time(k: usize) -> f64 {
     SWEEP_S * 0.5 * (1.0 - libm::cos(PI * (k as f64 + 0.5) / NODES as f64))
 }
 
-/// Times of the nodes in s.
-static NODE_TIMES: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(node_time));
+/// Half of the nodes; the others mirror them at the sweep's middle.
+const HALF: usize = NODES / 2;
+
+/// How far the first half of the nodes lies before the sweep's middle, in halves of the sweep.
+static NODE_COSINES: LazyLock<[f64; HALF]> =
+    LazyLock::new(|| std::array::from_fn(|k| libm::cos(PI * (k as f64 + 0.5) / NODES as f64)));
 
 /// Paths of which the first phases are found together.
 const TOGETHER: usize = 8;
@@ -202,19 +206,19 @@ const TOGETHER: usize = 8;
 /// Sums of paths' beats at the nodes, slot after slot. A path that keeps its delay from one slot to the next keeps its phasors.
 #[derive(Default)]
 pub struct Sweeps {
-    /// Of each path the last delay in s, and sines and cosines at the nodes.
-    phasors: Vec<(f64, [[f64; NODES]; 2])>,
+    /// Of each path the last delay in s, and sines and cosines of what the first half of the nodes turns it from the middle.
+    phasors: Vec<(f64, [[f64; HALF]; 2])>,
 }
 
 impl Sweeps {
-    /// Of each path its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude. Cost: [`NODES`] phasors a path that
-    /// moves.
+    /// Of each path its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude: exp(j pi S tau (tau - T)) in the
+    /// sweep's middle, and exp(+-j pi S tau T x) of it at the nodes x before and behind. Cost: [`NODES`] / 2 phasors a path that moves.
     pub fn sum(&mut self, mut paths: impl Iterator<Item = (Complex64, f64)>) -> Sweep {
-        let times = &*NODE_TIMES;
+        let nodes = &*NODE_COSINES;
         vectorised(
             #[inline(always)]
             || {
-                let (mut re, mut im) = ([0.0; NODES], [0.0; NODES]);
+                let [mut re, mut im, mut mirrored_re, mut mirrored_im] = [[0.0; HALF]; 4];
                 let mut index = 0;
                 while let Some(first) = paths.next() {
                     let (mut group, mut count) = ([first; TOGETHER], 1);
@@ -222,26 +226,33 @@ impl Sweeps {
                         (*place, count) = (path, count + 1);
                     }
                     let [sines, cosines] =
-                        sincos(&group.map(|(_, delay_s)| PI * SWEEP_RATE * delay_s * delay_s));
+                        sincos(&group.map(|(_, delay_s)| PI * SWEEP_RATE * delay_s * (delay_s - SWEEP_S)));
                     if self.phasors.len() < index + count {
                         self.phasors.resize(index + count, (f64::NAN, Default::default()));
                     }
                     for (n, (amplitude, delay_s)) in group.into_iter().enumerate().take(count) {
-                        let start = Complex64::new(cosines[n], sines[n]) * amplitude;
+                        let middle = Complex64::new(cosines[n], sines[n]) * amplitude;
                         let (kept_s, phasors) = &mut self.phasors[index + n];
                         if *kept_s != delay_s {
-                            *phasors = sincos(&times.map(|time_s| -2.0 * PI * SWEEP_RATE * delay_s * time_s));
+                            *phasors = sincos(&nodes.map(|x| PI * SWEEP_RATE * SWEEP_S * delay_s * x));
                             *kept_s = delay_s;
                         }
                         let [s, c] = &*phasors;
-                        for k in 0..NODES {
-                            re[k] += start.re * c[k] - start.im * s[k];
-                            im[k] += start.re * s[k] + start.im * c[k];
+                        for k in 0..HALF {
+                            let (a, b) = (middle.re * c[k], middle.im * s[k]);
+                            let (d, e) = (middle.re * s[k], middle.im * c[k]);
+                            re[k] += a - b;
+                            im[k] += e + d;
+                            mirrored_re[k] += a + b;
+                            mirrored_im[k] += e - d;
                         }
                     }
                     index += count;
                 }
-                std::array::from_fn(|k| Complex64::new(re[k], im[k]))
+                std::array::from_fn(|k| match k {
+                    ..HALF => Complex64::new(re[k], im[k]),
+                    _ => Complex64::new(mirrored_re[NODES - 1 - k], mirrored_im[NODES - 1 - k]),
+                })
             },
         )
     }
