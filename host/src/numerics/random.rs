@@ -15,7 +15,7 @@ const MANY: usize = 1000;
 enum Source {
     One(Xoshiro256PlusPlus),
     /// Of a stream of which many are drawn.
-    Ahead(Ahead),
+    Ahead(Box<Ahead>),
 }
 
 /// A seeded stream.
@@ -49,7 +49,7 @@ impl Random {
     pub fn bits(&mut self) -> u64 {
         match &mut self.source {
             Source::One(generator) => generator.next(),
-            Source::Ahead(ahead) => (&mut *ahead).next(),
+            Source::Ahead(ahead) => (&mut **ahead).next(),
         }
     }
 
@@ -76,12 +76,12 @@ impl Random {
                 *generator = ziggurat::fill(generator.clone(), values);
             }
             Source::One(generator) => {
-                let mut ahead = Ahead::of(generator);
-                ziggurat::fill(&mut ahead, values);
+                let mut ahead = Box::new(Ahead::of(generator));
+                ziggurat::fill(&mut *ahead, values);
                 self.source = Source::Ahead(ahead);
             }
             Source::Ahead(ahead) => {
-                ziggurat::fill(ahead, values);
+                ziggurat::fill(&mut **ahead, values);
             }
         }
     }

@@ -51,15 +51,12 @@ impl Words for Xoshiro256PlusPlus {
     }
 }
 
-/// The same word of eight states, and of each bit of them.
+/// A word of eight states.
 type Lanes = [u64; LANES];
 
 #[inline(always)]
 fn lanes(word: impl Fn(usize) -> u64) -> Lanes {
-    std::array::from_fn(
-        #[inline(always)]
-        |lane| word(lane),
-    )
+    std::array::from_fn(word)
 }
 
 #[inline(always)]

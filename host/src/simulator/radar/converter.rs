@@ -1,12 +1,17 @@
 //! Analog to digital conversion: full scale, thermal noise in its units, and rounding.
 
-use super::{SAMPLES, impairments};
+use super::SAMPLES;
 use crate::numerics::vectors::vectorised;
-use crate::scenario::Scenario;
+use crate::scenario::{Effects, Radar, Scenario};
 use crate::simulator::channel::room::expected_power;
 
 /// Boltzmann's constant times 290 K in W/Hz.
 pub const KT: f64 = 1.380_649e-23 * 290.0;
+
+/// Amplitude of the leakage in sqrt W; 0 without.
+pub(super) fn leakage(radar: &Radar, effects: &Effects) -> f64 {
+    effects.isolation_db.map_or(0.0, |db| radar.power_w.sqrt() * libm::pow(10.0, -db / 20.0))
+}
 
 /// Real and imaginary parts of a slot of the paper's radar, by turns.
 pub(super) type Pairs<T> = [[T; 2]; SAMPLES];
@@ -32,7 +37,7 @@ impl Converter {
         let radar = &scenario.radar;
         let front = radar.power_w.sqrt() * libm::pow(10.0, radar.antenna_gain_db / 10.0);
         let mut received = front * expected_power(scenario).sqrt();
-        let leakage = impairments::leakage(radar, &radar.effects());
+        let leakage = leakage(radar, &radar.effects());
         if leakage > 0.0 {
             received = (received * received + leakage * leakage).sqrt();
         }

@@ -1,6 +1,7 @@
 //! What real front ends add: leakage, compression, phases from slot to slot, unequal I and Q, an offset.
 
-use super::{Converter, LEAKAGE_DELAY_S};
+use super::LEAKAGE_DELAY_S;
+use super::converter::{Converter, leakage};
 use crate::numerics::random::Random;
 use crate::scenario::{Effects, Format, Radar};
 use crate::simulator::channel::{Complex64, phasor};
@@ -16,11 +17,6 @@ pub struct Leakage {
     pub gain: Complex64,
     /// Delay in s.
     pub delay_s: f64,
-}
-
-/// Amplitude of the leakage in sqrt W; 0 without.
-pub fn leakage(radar: &Radar, effects: &Effects) -> f64 {
-    effects.isolation_db.map_or(0.0, |db| radar.power_w.sqrt() * libm::pow(10.0, -db / 20.0))
 }
 
 /// A soft limiter without memory: y = x / sqrt(1 + |x|^2 / A^2), Rapp's law of smoothness 1. At small signals it is of third order.
