@@ -6,7 +6,7 @@ use crate::numerics::vectors::vectorised;
 use sdp3_core::dims::{Complex, FFT_LEN, ROWS};
 use sdp3_core::probe::Probe;
 use sdp3_core::signal::stft::{FixedSpectrum, FloatStft, Stft};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
@@ -52,7 +52,25 @@ struct Group {
 pub struct VectorStft {
     one: FloatStft,
     hop: usize,
-    group: RefCell<Box<Group>>,
+    /// Until it is dropped.
+    group: RefCell<Option<Box<Group>>>,
+}
+
+thread_local! {
+    /// The last transform's memory: allocated once, for small allocations between large aligned ones scatter the heap.
+    static SPARE: Cell<Option<Box<Group>>> = const { Cell::new(None) };
+}
+
+impl Drop for VectorStft {
+    fn drop(&mut self) {
+        SPARE.set(self.group.take());
+    }
+}
+
+impl Default for Group {
+    fn default() -> Self {
+        Group { re: [[0.0; FRAMES]; FFT_LEN], im: [[0.0; FRAMES]; FFT_LEN], first: 0, given: FRAMES }
+    }
 }
 
 impl Group {
@@ -138,9 +156,9 @@ impl Stft for VectorStft {
     fn new(length: u16, beta: f32, hop: u16) -> Self {
         let one = FloatStft::new(length, beta, hop);
         let hop = usize::from(hop).clamp(1, one.window().len());
-        let group =
-            Group { re: [[0.0; FRAMES]; FFT_LEN], im: [[0.0; FRAMES]; FFT_LEN], first: 0, given: FRAMES };
-        VectorStft { one, hop, group: RefCell::new(Box::new(group)) }
+        let mut group = SPARE.take().unwrap_or_default();
+        (group.first, group.given) = (0, FRAMES);
+        VectorStft { one, hop, group: RefCell::new(Some(group)) }
     }
 
     fn frames(&self, slots: usize) -> usize {
@@ -149,7 +167,8 @@ impl Stft for VectorStft {
 
     /// The central 64 `per_row` bins. A frame that does not follow the last one begins a group; slow time stays the same within a group.
     fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut Spectrum) {
-        let group = &mut **self.group.borrow_mut();
+        let mut group = self.group.borrow_mut();
+        let group = group.get_or_insert_default();
         if group.given == FRAMES || group.first + group.given != k {
             group.make(slow_time, k, self.hop, self.one.window());
         }
