@@ -226,7 +226,8 @@ impl ClutterSolver {
 
     /// The projection, after the last step; `sum` over `slots` is that of the range samples where the first component is [`ADAPTIVE`].
     pub fn projection(&self, slots: usize, sum: &Sum) -> Projection {
-        let (ranks, last) = (self.ranks(), usize::from(self.kept.last));
+        let ranks = self.ranks();
+        let last = usize::from(self.kept.last);
         let mut first = usize::from(self.kept.first.max(1));
         if self.kept.first == ADAPTIVE {
             let is_clutter = |rank| (0..BEATS).any(|k| ranks[k] == rank && self.is_static(k, slots, sum));

@@ -56,7 +56,6 @@ impl<'b> FastTime<'b> {
     /// [`RadarConfig::values_per_slot`] values.
     ///
     /// Cost: one complex multiply-accumulate a sample with digital dechirp, one for each range sample with a gate.
-    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
     pub fn beat(&self, slot: &[i16]) -> Option<Beat> {
         if slot.len() != self.config.values_per_slot() {
             return None;

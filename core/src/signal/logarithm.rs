@@ -13,7 +13,8 @@ pub const FLOOR: i16 = i16::MIN;
 pub static SIGNIFICAND_THRESHOLDS: [u32; LEVELS_PER_OCTAVE as usize + 1] = thresholds();
 
 const fn thresholds() -> [u32; LEVELS_PER_OCTAVE as usize + 1] {
-    let (mut table, mut i) = ([u32::MAX; LEVELS_PER_OCTAVE as usize + 1], 1);
+    let mut table = [u32::MAX; LEVELS_PER_OCTAVE as usize + 1];
+    let mut i = 1;
     table[0] = (1 << 31) - 1;
     while i < LEVELS_PER_OCTAVE as usize {
         // never an integer for 0 < i < 64
@@ -30,8 +31,10 @@ const INDEX_BITS: u32 = 7;
 static LEVEL_FLOORS: [u8; 1 << INDEX_BITS] = floors();
 
 const fn floors() -> [u8; 1 << INDEX_BITS] {
-    let (thresholds, mut table) = (thresholds(), [0; 1 << INDEX_BITS]);
-    let (mut k, mut level) = (0, 0);
+    let thresholds = thresholds();
+    let mut table = [0; 1 << INDEX_BITS];
+    let mut k = 0;
+    let mut level = 0;
     while k < table.len() {
         let smallest = (1 << 31) + ((k as u32) << (31 - INDEX_BITS));
         while smallest > thresholds[level + 1] {

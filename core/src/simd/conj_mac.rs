@@ -9,8 +9,7 @@ pub(crate) type ComplexI16 = [i16; 2];
 /// `sum conj(reference) samples` of every block of `block` samples, `[real, imaginary]`, in portable Rust.
 ///
 /// |samples| |reference| below 2^31, blocks of at most 2^15 samples. Cost: four multiply-accumulates a sample.
-#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline)]
-#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
+#[inline]
 pub fn portable(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, sums: &mut [[i64; 2]]) {
     let blocks = samples.chunks_exact(block.max(1)).zip(reference.chunks_exact(block.max(1)));
     for (sum, (samples, reference)) in sums.iter_mut().zip(blocks) {
@@ -22,8 +21,7 @@ pub fn portable(samples: &[ComplexI16], reference: &[ComplexI16], block: usize, 
 }
 
 /// A block of the paper's configuration: a loop of known length is unrolled by the compiler.
-#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
-#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
+#[inline(never)]
 fn paper_block(samples: &[ComplexI16; 125], reference: &[ComplexI16; 125]) -> [i64; 2] {
     block_sum(samples, reference)
 }
@@ -55,8 +53,7 @@ fn block_sum(samples: &[ComplexI16], reference: &[ComplexI16]) -> [i64; 2] {
 pub(crate) type Chirp = [ComplexI16; 1000];
 
 /// [`portable`] of the paper's eight blocks of 125 samples.
-#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline)]
-#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
+#[inline]
 pub fn eight_blocks(samples: &Chirp, reference: &Chirp) -> [[i64; 2]; 8] {
     let mut sums = [[0; 2]; 8];
     portable(samples, reference, 125, &mut sums);

@@ -94,8 +94,10 @@ pub fn one(work: &Work, index: u32) -> One {
     One { slots, image, beat: beats, label: (index % count) as u8, truth }
 }
 
-/// What takes an array's bytes.
+/// Appends bytes to an array.
 type Put<'a> = &'a mut dyn FnMut(&[u8]) -> io::Result<()>;
+/// An array of all recordings: name, element type and size, shape, and what writes a recording's bytes.
+type Column<'a> = (&'a str, (&'a str, usize), Vec<usize>, &'a dyn Fn(&mut One, Put) -> io::Result<()>);
 
 /// Adds an array to the archive: its header, then what `rows` gives, which must be as many bytes as the shape says.
 ///
@@ -157,8 +159,8 @@ pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -
     Ok(())
 }
 
-/// Makes recordings, and of each its SigMF files if asked for; `made` takes them in order. They come in batches of as many as there are
-/// threads if their raw slots are wanted, which are large, else of [`TOGETHER`] a thread. Stops early where `made` is no longer received: the writer says why.
+/// Makes recordings, and of each its SigMF files if asked for; `made` receives them in order. A batch has one recording a thread if raw slots
+/// are wanted, which are large, else [`TOGETHER`]. Stops early where `made` is no longer received: the writer reports why.
 fn simulate(
     work: &Work,
     range: Range<u32>,
@@ -258,7 +260,7 @@ impl<W: Write> Write for UntilError<W> {
     }
 }
 
-/// Writes the arrays. The largest comes first and goes to the file as recordings are made: the raw slots if they are wanted, else the beats.
+/// Writes the arrays. The largest is first and is written while recordings are made: the raw slots if they are wanted, else the beats.
 fn arrays<W: Write + Seek>(
     work: &Work,
     n: usize,
@@ -272,36 +274,34 @@ fn arrays<W: Write + Seek>(
         SampleFormat::Complex => vec![n, slots, samples, 2],
         SampleFormat::Real => vec![n, slots, samples],
     };
-    let beat = ("beat", ("<i4", 4), [n, slots, BEATS, 2]);
-    let put_beat = |one: &mut One, put: Put| {
-        let parts = std::mem::take(&mut one.beat).into_iter().flatten().flat_map(|z| [z.re, z.im]);
-        put(parts.map(i32::to_le_bytes).collect::<Vec<_>>().as_flattened())
-    };
-    let put_raw = |one: &mut One, put: Put| {
+    let raw_bytes = |one: &mut One, put: Put| {
         let values = one.slots.take().map(|slots| slots.values).unwrap_or_default();
         values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))
     };
+    let beat_bytes = |one: &mut One, put: Put| {
+        let parts = std::mem::take(&mut one.beat).into_iter().flatten().flat_map(|z| [z.re, z.im]);
+        put(parts.map(i32::to_le_bytes).collect::<Vec<_>>().as_flattened())
+    };
+    let raw: Column = ("raw", ("<i2", 2), raw_shape, &raw_bytes);
+    let beat: Column = ("beat", ("<i4", 4), vec![n, slots, BEATS, 2], &beat_bytes);
+    let ((name, format, shape, bytes), later) =
+        if work.request.raw { (raw, Some(beat)) } else { (beat, None) };
     let mut all = Vec::with_capacity(n);
-    let stream = |put: Put, put_one: &dyn Fn(&mut One, Put) -> io::Result<()>| {
+    array(archive, name, format, &shape, |put| {
         for mut ones in made {
-            ones.iter_mut().try_for_each(|one| put_one(one, put))?;
+            ones.iter_mut().try_for_each(|one| bytes(one, put))?;
             all.extend(ones);
         }
         Ok(())
-    };
-    if work.request.raw {
-        array(archive, "raw", ("<i2", 2), &raw_shape, |put| stream(put, &put_raw))?;
-    } else {
-        array(archive, beat.0, beat.1, &beat.2, |put| stream(put, &put_beat))?;
-    }
+    })?;
     let frames = work.scenario.spectrogram.preprocessing().frames(slots);
     array(archive, "image", ("|i1", 1), &[n, ROWS, frames], |put| {
         all.iter_mut().try_for_each(|one| {
             put(&std::mem::take(&mut one.image).into_iter().map(i8::cast_unsigned).collect::<Vec<_>>())
         })
     })?;
-    if work.request.raw {
-        array(archive, beat.0, beat.1, &beat.2, |put| all.iter_mut().try_for_each(|one| put_beat(one, put)))?;
+    if let Some((name, format, shape, bytes)) = later {
+        array(archive, name, format, &shape, |put| all.iter_mut().try_for_each(|one| bytes(one, put)))?;
     }
     array(archive, "label", ("|u1", 1), &[n], |put| all.iter().try_for_each(|one| put(&[one.label])))?;
     Ok(all)

@@ -1,6 +1,5 @@
 //! Raw slots: what a converter delivered, sweep after sweep.
 
-use crate::numerics::vectors::vectorised;
 use sdp3_core::config::RadarConfig;
 use sdp3_core::dims::Beat;
 use sdp3_core::signal::fast_time::FastTime;
@@ -44,17 +43,7 @@ impl Slots {
     pub fn beats(&self, config: RadarConfig) -> Option<Vec<Beat>> {
         let mut reference = vec![[0; 2]; config.reference_len()];
         let fast_time = FastTime::new(config, &mut reference)?;
-        let mut beats = Vec::with_capacity(self.len());
-        vectorised(
-            #[inline(always)]
-            || {
-                for slot in self {
-                    beats.push(fast_time.beat(slot)?);
-                }
-                Some(())
-            },
-        )?;
-        Some(beats)
+        self.iter().map(|slot| fast_time.beat(slot)).collect()
     }
 
     /// The values as bytes, little-endian.

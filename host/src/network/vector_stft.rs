@@ -12,13 +12,13 @@ use std::sync::LazyLock;
 
 type Spectrum = <FloatStft as Stft>::Spectrum;
 
-/// Frames of a group.
+/// Frames of a batch.
 const FRAMES: usize = 16;
 
 /// A bin's real or imaginary parts, `[frame]`.
 type Bin = [f32; FRAMES];
 
-/// exp(-2 pi j k / 256) of half a turn: microfft's table.
+/// Twiddle factors exp(-2 pi j k / 256), `[k]`, rounded as in microfft's table.
 static TWIDDLES: LazyLock<[[f32; 2]; FFT_LEN / 2]> = LazyLock::new(|| {
     let sine = |k: usize| libm::sin(TAU * k as f64 / FFT_LEN as f64) as f32;
     let quarter = FFT_LEN / 4;
@@ -27,25 +27,25 @@ static TWIDDLES: LazyLock<[[f32; 2]; FFT_LEN / 2]> = LazyLock::new(|| {
     })
 });
 
-/// A bin's place before the butterflies: its number with its bits in reverse.
-const REVERSED: [u8; FFT_LEN] = {
-    let (mut places, mut n) = ([0; FFT_LEN], 0);
+/// Index of a sample before the butterflies: its own with the bits reversed.
+const BIT_REVERSAL: [u8; FFT_LEN] = {
+    let (mut indices, mut n) = ([0; FFT_LEN], 0);
     while n < FFT_LEN {
-        places[n] = (n as u8).reverse_bits();
+        indices[n] = (n as u8).reverse_bits();
         n += 1;
     }
-    places
+    indices
 };
 
 /// Frames that follow one another.
 #[repr(align(64))]
-struct Group {
+struct Batch {
     /// `[bin][frame]`.
     re: [Bin; FFT_LEN],
     im: [Bin; FFT_LEN],
-    /// The first of them, and how many were asked for.
+    /// Number of the first of them, and how many have been read.
     first: usize,
-    given: usize,
+    read: usize,
 }
 
 /// [`FloatStft`] for frames that are asked for one after the other, as a front end does.
@@ -53,37 +53,37 @@ pub struct VectorStft {
     one: FloatStft,
     hop: usize,
     /// Until it is dropped.
-    group: RefCell<Option<Box<Group>>>,
+    batch: RefCell<Option<Box<Batch>>>,
 }
 
 thread_local! {
     /// The last transform's memory: allocated once, for small allocations between large aligned ones scatter the heap.
-    static SPARE: Cell<Option<Box<Group>>> = const { Cell::new(None) };
+    static SPARE: Cell<Option<Box<Batch>>> = const { Cell::new(None) };
 }
 
 impl Drop for VectorStft {
     fn drop(&mut self) {
-        SPARE.set(self.group.take());
+        SPARE.set(self.batch.take());
     }
 }
 
-impl Default for Group {
+impl Default for Batch {
     fn default() -> Self {
-        Group { re: [[0.0; FRAMES]; FFT_LEN], im: [[0.0; FRAMES]; FFT_LEN], first: 0, given: FRAMES }
+        Batch { re: [[0.0; FRAMES]; FFT_LEN], im: [[0.0; FRAMES]; FFT_LEN], first: 0, read: FRAMES }
     }
 }
 
-impl Group {
+impl Batch {
     /// Transforms the frames from `first` on.
     fn make(&mut self, slow_time: &[Complex<i32>], first: usize, hop: usize, window: &[f32]) {
-        (self.first, self.given) = (first, 0);
-        let Group { re, im, .. } = self;
+        (self.first, self.read) = (first, 0);
+        let Batch { re, im, .. } = self;
         (*re, *im) = ([[0.0; FRAMES]; FFT_LEN], [[0.0; FRAMES]; FFT_LEN]);
         for frame in 0..FRAMES {
             let signal = slow_time.get((first + frame) * hop..).unwrap_or(&[]);
-            for ((y, weight), place) in signal.iter().zip(window).zip(REVERSED) {
-                let place = usize::from(place);
-                (re[place][frame], im[place][frame]) = (y.re as f32 * weight, y.im as f32 * weight);
+            for ((y, weight), index) in signal.iter().zip(window).zip(BIT_REVERSAL) {
+                let index = usize::from(index);
+                (re[index][frame], im[index][frame]) = (y.re as f32 * weight, y.im as f32 * weight);
             }
         }
         let twiddles = &*TWIDDLES;
@@ -97,9 +97,10 @@ impl Group {
                         let ((re, later_re), (im, later_im)) = (re.split_at_mut(half), im.split_at_mut(half));
                         let pairs = re.iter_mut().zip(im).zip(later_re.iter_mut().zip(later_im));
                         for (k, ((re, im), (later_re, later_im))) in pairs.enumerate() {
-                            let turned = turn([*later_re, *later_im], k, half, twiddles);
-                            let sums = [sum(re, &turned[0]), sum(im, &turned[1])];
-                            [*later_re, *later_im] = [difference(re, &turned[0]), difference(im, &turned[1])];
+                            let rotated = twiddle_mul([*later_re, *later_im], k, half, twiddles);
+                            let sums = [sum(re, &rotated[0]), sum(im, &rotated[1])];
+                            [*later_re, *later_im] =
+                                [difference(re, &rotated[0]), difference(im, &rotated[1])];
                             [*re, *im] = sums;
                         }
                     }
@@ -109,9 +110,9 @@ impl Group {
     }
 }
 
-/// A bin of the later half of a block times its twiddle factor, of which 1 and -j are no products.
+/// A bin of a block's second half times its twiddle factor; 1 and -j need no multiplication.
 #[inline(always)]
-fn turn([re, im]: [Bin; 2], k: usize, half: usize, twiddles: &[[f32; 2]; FFT_LEN / 2]) -> [Bin; 2] {
+fn twiddle_mul([re, im]: [Bin; 2], k: usize, half: usize, twiddles: &[[f32; 2]; FFT_LEN / 2]) -> [Bin; 2] {
     let [c, s] = twiddles[k * (FFT_LEN / 2 / half)];
     if k == 0 {
         [re, im]
@@ -156,27 +157,27 @@ impl Stft for VectorStft {
     fn new(length: u16, beta: f32, hop: u16) -> Self {
         let one = FloatStft::new(length, beta, hop);
         let hop = usize::from(hop).clamp(1, one.window().len());
-        let mut group = SPARE.take().unwrap_or_default();
-        (group.first, group.given) = (0, FRAMES);
-        VectorStft { one, hop, group: RefCell::new(Some(group)) }
+        let mut batch = SPARE.take().unwrap_or_default();
+        (batch.first, batch.read) = (0, FRAMES);
+        VectorStft { one, hop, batch: RefCell::new(Some(batch)) }
     }
 
     fn frames(&self, slots: usize) -> usize {
         self.one.frames(slots)
     }
 
-    /// The central 64 `per_row` bins. A frame that does not follow the last one begins a group; slow time stays the same within a group.
+    /// The central 64 `per_row` bins. A frame that does not follow the last one begins a batch; slow time stays the same within a batch.
     fn frame(&self, slow_time: &[Complex<i32>], k: usize, per_row: u8, spectrum: &mut Spectrum) {
-        let mut group = self.group.borrow_mut();
-        let group = group.get_or_insert_default();
-        if group.given == FRAMES || group.first + group.given != k {
-            group.make(slow_time, k, self.hop, self.one.window());
+        let mut batch = self.batch.borrow_mut();
+        let batch = batch.get_or_insert_default();
+        if batch.read == FRAMES || batch.first + batch.read != k {
+            batch.make(slow_time, k, self.hop, self.one.window());
         }
         let half = ROWS / 2 * usize::from(per_row);
         for bin in (0..half).chain(FFT_LEN - half..FFT_LEN) {
-            spectrum[bin] = Complex::new(group.re[bin][group.given], group.im[bin][group.given]);
+            spectrum[bin] = Complex::new(batch.re[bin][batch.read], batch.im[bin][batch.read]);
         }
-        group.given += 1;
+        batch.read += 1;
     }
 
     fn level(spectrum: &Spectrum, first: usize, count: usize) -> i16 {

@@ -2,20 +2,20 @@
 //!
 //! [`xoshiro`](super::xoshiro) for bits; Gaussians by the [`ziggurat`].
 
-use super::xoshiro::{Ahead, Words, Xoshiro256PlusPlus};
+use super::xoshiro::{Generator, Substreams, Xoshiro256PlusPlus};
 use super::ziggurat;
 use rand_core::Rng;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Gaussians from which on their words are made ahead.
+/// Gaussians in one call from which on a stream's words are drawn as substreams.
 const MANY: usize = 1000;
 
 /// Where words come from.
 #[derive(Debug, Clone)]
 enum Source {
     One(Xoshiro256PlusPlus),
-    /// Of a stream of which many are drawn.
-    Ahead(Box<Ahead>),
+    /// Many at a time.
+    Substreams(Box<Substreams>),
 }
 
 /// A seeded stream.
@@ -49,7 +49,7 @@ impl Random {
     pub fn bits(&mut self) -> u64 {
         match &mut self.source {
             Source::One(generator) => generator.next(),
-            Source::Ahead(ahead) => (&mut **ahead).next(),
+            Source::Substreams(many) => (&mut **many).next(),
         }
     }
 
@@ -76,12 +76,12 @@ impl Random {
                 *generator = ziggurat::fill(generator.clone(), values);
             }
             Source::One(generator) => {
-                let mut ahead = Box::new(Ahead::of(generator));
-                ziggurat::fill(&mut *ahead, values);
-                self.source = Source::Ahead(ahead);
+                let mut many = Box::new(Substreams::of(generator));
+                ziggurat::fill(&mut *many, values);
+                self.source = Source::Substreams(many);
             }
-            Source::Ahead(ahead) => {
-                ziggurat::fill(&mut **ahead, values);
+            Source::Substreams(many) => {
+                ziggurat::fill(&mut **many, values);
             }
         }
     }
@@ -170,6 +170,18 @@ mod tests {
                 assert!((variance / expected - 1.0).abs() < 0.03, "{variance} {expected}");
             }
         }
+    }
+
+    #[test]
+    fn many_gaussians_at_once_are_those_drawn_one_by_one() {
+        let (mut at_once, mut single) = (Random::new(1, 2, 3, 6), Random::new(1, 2, 3, 6));
+        for length in [MANY - 1, MANY, 3, 17 * MANY, 1] {
+            let mut values = vec![0.0; length];
+            at_once.gaussians(&mut values);
+            assert!(values.iter().all(|value| value.to_bits() == single.gaussian().to_bits()), "{length}");
+            assert_eq!(at_once.bits(), single.bits(), "{length}");
+        }
+        assert!(matches!((at_once.source, single.source), (Source::Substreams(_), Source::One(_))));
     }
 
     #[test]

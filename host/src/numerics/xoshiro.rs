@@ -1,21 +1,21 @@
-//! Xoshiro256++ (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2019), and its words far ahead of their use: eight
-//! stretches of one stream side by side, in vectors.
+//! Xoshiro256++ (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2019), and its words by jump-ahead: eight
+//! consecutive substreams of one stream side by side, in vectors.
 //!
-//! A step is linear over the state's bits, and so are many: where each of the 256 bits alone leads says where any state does.
+//! A step is linear over GF(2) in the 256 bits of the state, and so is a jump of many steps: a matrix of 256 by 256 bits.
 
 use super::vectors::vectorised;
 use std::sync::LazyLock;
 
-/// Words of a stretch, and stretches side by side.
-const STRETCH: usize = 2048;
+/// Words of a substream, and substreams side by side.
+const SUBSTREAM: usize = 2048;
 const LANES: usize = 8;
 
-/// What numbers are drawn from.
-pub trait Words {
+/// A generator of 64-bit words.
+pub trait Generator {
     /// The next word.
     fn next(&mut self) -> u64;
 
-    /// As many as there is room for.
+    /// The next words, as many as the slice holds.
     #[inline(always)]
     fn fill(&mut self, words: &mut [u64]) {
         words.iter_mut().for_each(|word| *word = self.next());
@@ -35,7 +35,7 @@ impl Xoshiro256PlusPlus {
     }
 }
 
-impl Words for Xoshiro256PlusPlus {
+impl Generator for Xoshiro256PlusPlus {
     #[inline(always)]
     fn next(&mut self) -> u64 {
         let [a, b, c, d] = &mut self.0;
@@ -74,35 +74,25 @@ fn step([a, b, c, d]: [Lanes; 4]) -> (Lanes, [Lanes; 4]) {
         #[inline(always)]
         |n| a[n].wrapping_add(d[n]).rotate_left(23).wrapping_add(a[n]),
     );
-    let (c, d) = (xor(c, a), xor(d, b));
-    let (shifted, b, a) = (
-        lanes(
-            #[inline(always)]
-            |n| b[n] << 17,
-        ),
-        xor(b, c),
-        xor(a, d),
+    let shifted = lanes(
+        #[inline(always)]
+        |n| b[n] << 17,
     );
-    (
-        word,
-        [
-            a,
-            b,
-            xor(c, shifted),
-            lanes(
-                #[inline(always)]
-                |n| d[n].rotate_left(45),
-            ),
-        ],
-    )
+    let (c, d) = (xor(c, a), xor(d, b));
+    let (b, a) = (xor(b, c), xor(a, d));
+    let rotated = lanes(
+        #[inline(always)]
+        |n| d[n].rotate_left(45),
+    );
+    (word, [a, b, xor(c, shifted), rotated])
 }
 
-/// The states to which many steps lead from each single bit.
-type Jump = [State; 64 * 4];
+/// A jump's matrix: the state to which each single bit leads.
+type JumpMatrix = [State; 64 * 4];
 
-fn jumped(jump: &Jump, state: &State) -> State {
+fn jump(matrix: &JumpMatrix, state: &State) -> State {
     let mut to = [0; 4];
-    for (bit, image) in jump.iter().enumerate() {
+    for (bit, image) in matrix.iter().enumerate() {
         if state[bit / 64] >> (bit % 64) & 1 == 1 {
             to.iter_mut().zip(image).for_each(|(to, image)| *to ^= image);
         }
@@ -110,50 +100,51 @@ fn jumped(jump: &Jump, state: &State) -> State {
     to
 }
 
-/// Over one stretch, and over all of the others.
-static JUMPS: LazyLock<[Jump; 2]> = LazyLock::new(|| {
-    let one: Jump = std::array::from_fn(|bit| {
+/// Over one substream, and over the seven others.
+static JUMPS: LazyLock<[JumpMatrix; 2]> = LazyLock::new(|| {
+    let one: JumpMatrix = std::array::from_fn(|bit| {
         let mut state = [0; 4];
         state[bit / 64] = 1 << (bit % 64);
         let mut generator = Xoshiro256PlusPlus(state);
         generator.next();
         generator.0
     });
-    let then = |first: &Jump, second: &Jump| first.map(|state| jumped(second, &state));
-    let stretch = (0..STRETCH.ilog2()).fold(one, |jump, _| then(&jump, &jump));
-    let others = (1..LANES - 1).fold(stretch, |jump, _| then(&jump, &stretch));
-    [stretch, others]
+    let then = |first: &JumpMatrix, second: &JumpMatrix| first.map(|state| jump(second, &state));
+    let substream = (0..SUBSTREAM.ilog2()).fold(one, |matrix, _| then(&matrix, &matrix));
+    let others = (1..LANES - 1).fold(substream, |matrix, _| then(&matrix, &substream));
+    [substream, others]
 });
 
-/// A stream's words, thousands at a time.
+/// The words of one stream, 16384 at a time.
 #[derive(Debug, Clone)]
-pub struct Ahead {
-    /// Where the next stretches begin, `[word][stretch]`.
+pub struct Substreams {
+    /// States at which the next substreams begin, `[word][substream]`.
     states: [Lanes; 4],
-    words: Vec<[u64; STRETCH]>,
+    words: Vec<[u64; SUBSTREAM]>,
     used: usize,
 }
 
-impl Ahead {
+impl Substreams {
     /// The words that a generator draws from here on.
     pub fn of(generator: &Xoshiro256PlusPlus) -> Self {
         let (mut states, mut state) = ([[0; LANES]; 4], generator.0);
         for lane in 0..LANES {
             states.iter_mut().zip(state).for_each(|(to, word)| to[lane] = word);
-            state = jumped(&JUMPS[0], &state);
+            state = jump(&JUMPS[0], &state);
         }
-        Ahead { states, words: vec![[0; STRETCH]; LANES], used: LANES * STRETCH }
+        Substreams { states, words: vec![[0; SUBSTREAM]; LANES], used: LANES * SUBSTREAM }
     }
 
+    /// Draws the next substreams, and jumps to those behind them.
     fn make(&mut self) {
-        let (Ahead { states, words, used }, others) = (self, &JUMPS[1]);
+        let (Substreams { states, words, used }, others) = (self, &JUMPS[1]);
         *used = 0;
         vectorised(
             #[inline(always)]
             || {
                 let mut now = *states;
-                for from in (0..STRETCH).step_by(LANES) {
-                    // as many words as stretches: they change places in registers
+                for from in (0..SUBSTREAM).step_by(LANES) {
+                    // eight words of eight substreams are transposed in registers
                     let mut some = [[0; LANES]; LANES];
                     for word in &mut some {
                         (*word, now) = step(now);
@@ -185,7 +176,7 @@ impl Ahead {
     }
 }
 
-impl Words for &mut Ahead {
+impl Generator for &mut Substreams {
     fn next(&mut self) -> u64 {
         let mut word = [0];
         self.fill(&mut word);
@@ -194,7 +185,7 @@ impl Words for &mut Ahead {
 
     fn fill(&mut self, mut words: &mut [u64]) {
         while !words.is_empty() {
-            if self.used == LANES * STRETCH {
+            if self.used == LANES * SUBSTREAM {
                 self.make();
             }
             let made = &self.words.as_flattened()[self.used..];
@@ -217,9 +208,9 @@ mod tests {
         let bytes: Vec<u8> = state.iter().flat_map(|word: &u64| word.to_le_bytes()).collect();
         let mut published = rand_xoshiro::Xoshiro256PlusPlus::from_seed(bytes.try_into().unwrap());
         let mut one = Xoshiro256PlusPlus::new(state);
-        let mut ahead = Ahead::of(&one);
-        let mut many = &mut ahead;
-        // of lengths that divide no stretch, over four groups of stretches
+        let mut substreams = Substreams::of(&one);
+        let mut many = &mut substreams;
+        // of lengths that divide no substream, more than 16384 in all
         for length in (0..40).map(|k| 1 + 811 * (k % 3)) {
             let mut words = vec![0; length];
             many.fill(&mut words);

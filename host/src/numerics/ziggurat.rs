@@ -5,7 +5,7 @@
 //! in vectors: every word of a block is taken for the first of a number, and the words that others turn out to have used are passed over.
 
 use super::vectors::vectorised;
-use super::xoshiro::Words;
+use super::xoshiro::Generator;
 use std::sync::LazyLock;
 
 const LAYERS: usize = 256;
@@ -107,7 +107,7 @@ struct Drawn<'a, G> {
     generator: G,
 }
 
-impl<G: Words> Drawn<'_, G> {
+impl<G: Generator> Drawn<'_, G> {
     fn next(&mut self) -> u64 {
         match self.words.split_first() {
             Some((first, rest)) => {
@@ -150,9 +150,9 @@ impl<G: Words> Drawn<'_, G> {
     }
 }
 
-/// Fills with normal numbers of mean 0 and variance 1. The generator goes in and out.
+/// Fills with normal numbers of mean 0 and variance 1. The generator is returned as it is after the words that were used.
 #[inline]
-pub fn fill<G: Words>(mut generator: G, mut values: &mut [f64]) -> G {
+pub fn fill<G: Generator>(mut generator: G, mut values: &mut [f64]) -> G {
     if values.len() >= FEWEST {
         let mut block = Block::new();
         while values.len() >= FEWEST {
@@ -165,7 +165,7 @@ pub fn fill<G: Words>(mut generator: G, mut values: &mut [f64]) -> G {
 }
 
 #[inline]
-fn one_by_one<G: Words>(generator: G, values: &mut [f64]) -> G {
+fn one_by_one<G: Generator>(generator: G, values: &mut [f64]) -> G {
     let ziggurat = &*ZIGGURAT;
     let mut drawn = Drawn { words: &[], generator };
     for value in values {
@@ -194,7 +194,7 @@ impl Block {
 
     /// Makes numbers from as many words as there are values or a block has; how many numbers. Every word is used: a number takes at least
     /// one.
-    fn fill<G: Words>(&mut self, mut generator: G, values: &mut [f64]) -> (G, usize) {
+    fn fill<G: Generator>(&mut self, mut generator: G, values: &mut [f64]) -> (G, usize) {
         let count = values.len().min(BLOCK);
         generator.fill(&mut self.words[..count]);
         let (ziggurat, Block { words, places, outside }) = (&*ZIGGURAT, &mut *self);
@@ -246,7 +246,7 @@ impl Block {
 
 #[cfg(test)]
 mod tests {
-    use super::super::xoshiro::{Ahead, Xoshiro256PlusPlus};
+    use super::super::xoshiro::{Substreams, Xoshiro256PlusPlus};
     use super::*;
 
     #[test]
@@ -282,19 +282,19 @@ mod tests {
         let (mut tails, mut borders) = (0, 0);
         for seed in 0..300 {
             let mut plain = Xoshiro256PlusPlus::new([seed, 1, 2, 3]);
-            let (mut blocks, mut ahead) = (plain.clone(), Ahead::of(&plain));
+            let (mut blocks, mut substreams) = (plain.clone(), Substreams::of(&plain));
             for length in lengths {
-                let [mut found, mut found_ahead, mut expected] = [(); 3].map(|()| vec![0.0; length]);
+                let [mut found, mut found_many, mut expected] = [(); 3].map(|()| vec![0.0; length]);
                 // a block with its last word at an edge
                 let mut next = blocks.clone();
                 let last = (0..length.min(BLOCK)).map(|_| next.next()).last().unwrap();
                 borders += u32::from(!ZIGGURAT.place(last).1);
                 blocks = fill(blocks, &mut found);
-                fill(&mut ahead, &mut found_ahead);
+                fill(&mut substreams, &mut found_many);
                 plain = one_by_one(plain, &mut expected);
                 let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&found), bits(&expected), "seed {seed}, {length} numbers");
-                assert_eq!(bits(&found_ahead), bits(&expected), "seed {seed}, {length} numbers, ahead");
+                assert_eq!(bits(&found_many), bits(&expected), "seed {seed}, {length} numbers of substreams");
                 // and as many words are used
                 assert_eq!(blocks, plain, "seed {seed}, {length} numbers");
                 tails += expected.iter().filter(|x| x.abs() > TAIL).count();

@@ -55,7 +55,7 @@ impl Primitive {
     }
 }
 
-/// What a primitive stands on, wherever its joints are.
+/// A primitive without its position: which joints it connects, and its size.
 #[derive(Debug, Clone, Copy)]
 pub struct Limb {
     /// Joints at which its axis begins and ends.

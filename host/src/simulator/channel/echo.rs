@@ -32,9 +32,9 @@ impl View {
         Lanes::new(std::array::from_fn(|lane| at(lane as u32)))
     }
 
-    /// What the antenna leaves of the amplitudes of a primitive at these places, there and back.
+    /// Relative amplitude by the antenna's pattern, out and back, of a primitive with these centres, `[instant]`.
     #[inline(always)]
-    fn through(&self, antenna: &Antenna, centre: impl Fn(usize) -> Vec3) -> [f64; LANES] {
+    fn pattern(&self, antenna: &Antenna, centre: impl Fn(usize) -> Vec3) -> [f64; LANES] {
         if antenna.is_constant() {
             return [1.0; LANES];
         }
@@ -54,11 +54,10 @@ fn primitive(limb: &Limb, ends: [&Vec3<Lanes>; 2], lane: usize) -> Primitive {
     limb.between([ax.at(lane), ay.at(lane), az.at(lane)], [bx.at(lane), by.at(lane), bz.at(lane)])
 }
 
-/// Distances in m of a person's primitives, one after the other, and their echoes with the phase of `-turns` turns a metre: `each` gets the
-/// index, the instant, the distance, and the echo's real and imaginary part.
+/// Calls `each` with a primitive's index, the instant, its distance in m, and its echo's real and imaginary part, of phase -2 pi `turns` times
+/// the distance, for every primitive and instant.
 ///
-/// Everything of an instant is one formula: of such a loop over the instants the compiler makes vectors, and none of a chain of whole
-/// [`Lanes`].
+/// One loop over the instants has the whole formula: the compiler vectorises that, and no chain of operations on whole [`Lanes`].
 #[inline(always)]
 fn echoes(
     antenna: &Antenna,
@@ -72,7 +71,7 @@ fn echoes(
     for index in 0..PRIMITIVES {
         let limb = limb(target.person.segments(), target.person.truth.height_m, index);
         let ends = limb.ends.map(|joint| &joints[joint]);
-        let through = view.through(
+        let pattern = view.pattern(
             antenna,
             #[inline(always)]
             |lane| primitive(&limb, ends, lane).centre,
@@ -81,7 +80,7 @@ fn echoes(
         let (weight, phase) = (front * target.weights[index], target.phases[index] / TAU);
         for lane in 0..LANES {
             let (distance, amplitude) = primitive(&limb, ends, lane).echo(view.radar);
-            let amplitude = amplitude * weight * through[lane] * kept[lane];
+            let amplitude = amplitude * weight * pattern[lane] * kept[lane];
             let (s, c) = sin_cos_turns(distance * -turns + phase);
             each(index, lane, distance, [amplitude * c, amplitude * s]);
         }

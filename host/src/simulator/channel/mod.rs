@@ -190,15 +190,19 @@ pub const MIDDLE_S: f64 = SWEEP_S / 2.0 + 0.05e-6;
 
 /// Time of a node in s.
 pub fn node_time(k: usize) -> f64 {
-    SWEEP_S * 0.5 * (1.0 - libm::cos(PI * (k as f64 + 0.5) / NODES as f64))
+    SWEEP_S * 0.5 * (1.0 - node_cosine(k))
+}
+
+/// How far a node lies before the sweep's middle, in halves of the sweep.
+fn node_cosine(k: usize) -> f64 {
+    libm::cos(PI * (k as f64 + 0.5) / NODES as f64)
 }
 
 /// Half of the nodes; the others mirror them at the sweep's middle.
 const HALF: usize = NODES / 2;
 
-/// How far the first half of the nodes lies before the sweep's middle, in halves of the sweep.
-static NODE_COSINES: LazyLock<[f64; HALF]> =
-    LazyLock::new(|| std::array::from_fn(|k| libm::cos(PI * (k as f64 + 0.5) / NODES as f64)));
+/// [`node_cosine`] of the first half.
+static NODE_COSINES: LazyLock<[f64; HALF]> = LazyLock::new(|| std::array::from_fn(node_cosine));
 
 /// Paths of which the first phases are found together.
 const TOGETHER: usize = 8;
@@ -206,13 +210,13 @@ const TOGETHER: usize = 8;
 /// Sums of paths' beats at the nodes, slot after slot. A path that keeps its delay from one slot to the next keeps its phasors.
 #[derive(Default)]
 pub struct Sweeps {
-    /// Of each path the last delay in s, and sines and cosines of what the first half of the nodes turns it from the middle.
+    /// Of each path the last delay in s, and sines and cosines of its phase at the first half of the nodes relative to the sweep's middle.
     phasors: Vec<(f64, [[f64; HALF]; 2])>,
 }
 
 impl Sweeps {
     /// Of each path its amplitude times s(t - tau) / s(t), the carrier's phase left to the amplitude: exp(j pi S tau (tau - T)) in the
-    /// sweep's middle, and exp(+-j pi S tau T x) of it at the nodes x before and behind. Cost: [`NODES`] / 2 phasors a path that moves.
+    /// sweep's middle, and exp(+-j pi S tau T x) times that at the nodes x before and after it. Cost: [`NODES`] / 2 phasors a path that moves.
     pub fn sum(&mut self, mut paths: impl Iterator<Item = (Complex64, f64)>) -> Sweep {
         let nodes = &*NODE_COSINES;
         vectorised(

@@ -76,7 +76,7 @@ impl Converter {
         vectorised(
             #[inline(always)]
             || {
-                // copies: nobody writes to them
+                // local copies, which the stores to `values` cannot change: else the compiler makes no vectors
                 let (converter, sample) = (*self, sample);
                 for n in 0..SAMPLES {
                     let ([re, im], [re_noise, im_noise]) = (sample(n), noise[n]);

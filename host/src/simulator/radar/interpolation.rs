@@ -7,10 +7,10 @@ use crate::simulator::channel::{Complex64, NODES, SWEEP_RATE, SWEEP_S, Sweep, no
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Half as many nodes, and the samples of the sweep's first half; sample n = 1 to 1000, at n / f_s, mirrors 1000 - n.
+/// Half of the nodes, and samples of the sweep's first half. Sample n = 1 to 1000 is taken at n / f_s; 1000 - n is its mirror image.
 const HALF: usize = NODES / 2;
 const FIRST: usize = SAMPLES / 2;
-/// Samples worked on together: their sums stay in registers. The last ones go beyond the middle.
+/// Samples of a block: their sums stay in registers. The last block goes beyond the middle.
 const BLOCK: usize = 24;
 const BLOCKS: usize = FIRST.div_ceil(BLOCK);
 
@@ -41,7 +41,7 @@ static INTERPOLATION: LazyLock<[Rows; BLOCKS]> = LazyLock::new(|| {
     std::array::from_fn(|b| Rows { even: part(b, 1.0), odd: part(b, -1.0) })
 });
 
-/// The polynomials at the last sample, which mirrors none.
+/// The polynomials at the last sample, which has no mirror image.
 static LAST: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(|k| polynomial(k, SAMPLES)));
 
 /// Sums over the nodes in their order.
@@ -56,20 +56,20 @@ fn sums(rows: &[[f64; BLOCK]; HALF], nodes: &[f64; HALF]) -> [f64; BLOCK] {
     sums
 }
 
-/// A real function at the samples from its values at the nodes, by the symmetry of the nodes: with e the sums and d the differences of
-/// mirrored values, what sample n sees of them is e + d, and what 1000 - n sees e - d.
+/// A real function at the [`SAMPLES`] samples from its values at the nodes, which are symmetric about the sweep's middle: its even part plus
+/// its odd part at sample n is its value there, the even less the odd part its value at sample 1000 - n.
 #[inline(always)]
-fn real(nodes: &[f64; NODES], samples: &mut [f64; SAMPLES]) {
+fn real(nodes: &[f64; NODES], samples: &mut [f64]) {
     let even: [f64; HALF] = std::array::from_fn(|k| nodes[k] + nodes[NODES - 1 - k]);
     let odd: [f64; HALF] = std::array::from_fn(|k| nodes[k] - nodes[NODES - 1 - k]);
     for (b, Rows { even: even_rows, odd: odd_rows }) in INTERPOLATION.iter().enumerate() {
-        let (a, d) = (sums(even_rows, &even), sums(odd_rows, &odd));
+        let (even, odd) = (sums(even_rows, &even), sums(odd_rows, &odd));
         let (mut first, mut mirrored) = ([0.0; BLOCK], [0.0; BLOCK]);
         for n in 0..BLOCK {
-            first[n] = a[n] + d[n];
+            first[n] = even[n] + odd[n];
         }
         for n in 0..BLOCK {
-            mirrored[BLOCK - 1 - n] = a[n] - d[n];
+            mirrored[BLOCK - 1 - n] = even[n] - odd[n];
         }
         // sample n has index n - 1
         let mirror = SAMPLES - 1 - (b + 1) * BLOCK;
@@ -79,11 +79,9 @@ fn real(nodes: &[f64; NODES], samples: &mut [f64; SAMPLES]) {
     samples[SAMPLES - 1] = LAST.iter().zip(nodes).map(|(weight, z)| weight * z).sum();
 }
 
-/// Real and imaginary part at the samples. Cost: half of [`NODES`] complex multiply-adds a sample.
+/// Real and imaginary part at the [`SAMPLES`] samples. Cost: [`NODES`] / 2 complex multiply-adds a sample.
 pub fn interpolate(nodes: &Sweep, re: &mut [f64], im: &mut [f64]) {
     let parts = [nodes.map(|z| z.re), nodes.map(|z| z.im)];
-    let samples = (re.first_chunk_mut(), im.first_chunk_mut());
-    let (Some(re), Some(im)) = samples else { return };
     vectorised(
         #[inline(always)]
         || {

@@ -277,7 +277,9 @@ impl<'a> Receiver<'a> {
             random.gaussians(noise.as_flattened_mut());
             let Samples { re, im, .. } = &self.beat;
             let samples = (re.first_chunk::<SAMPLES>(), im.first_chunk::<SAMPLES>(), noise.first_chunk());
-            let (Some(re), Some(im), Some(noise)) = samples else { return };
+            let (Some(re), Some(im), Some(noise)) = samples else {
+                unreachable!("the paper's radar has {SAMPLES} samples")
+            };
             let (mut slot, [c, s]) = ([[0; 2]; SAMPLES], &*CHIRP_PARTS);
             if self.impairments.is_ideal() {
                 converter.convert_all(
@@ -290,8 +292,8 @@ impl<'a> Receiver<'a> {
                 converter.convert_all(
                     #[inline(always)]
                     move |n| {
-                        let z = compressed(Complex64::new(re[n], im[n])) * Complex64::new(c[n], s[n]);
-                        let z = impaired(z);
+                        let z =
+                            impaired(compressed(Complex64::new(re[n], im[n])) * Complex64::new(c[n], s[n]));
                         [z.re, z.im]
                     },
                     noise,
