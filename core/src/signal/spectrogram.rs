@@ -28,19 +28,24 @@ pub fn log_magnitudes<T: Stft>(
     largest
 }
 
-/// Intensity of a cell: 127 at the maximum or above, -128 at `range` level units below it or weaker.
+/// Intensity of a cell: 127 at the maximum or above, -128 at `range` level units, up to 4095, below it or weaker.
 pub const fn quantize_db(level: i16, largest: i16, range: u16) -> i8 {
-    intensity(if level > largest { largest } else { level }, largest, range)
+    intensity(if level > largest { largest } else { level }, largest, range, reciprocal(range))
+}
+
+/// 2^32 over a range, rounded up: x / range, rounded down, is x times this over 2^32 for x < 255 range and ranges up to 4095.
+const fn reciprocal(range: u16) -> u32 {
+    if range == 0 { 0 } else { (u32::MAX / range as u32).wrapping_add(1) }
 }
 
 /// [`quantize_db`] of a level that is not above the largest.
 #[inline(always)]
-const fn intensity(level: i16, largest: i16, range: u16) -> i8 {
-    let (below, range) = (largest as i32 - level as i32, range as i32);
-    if level == FLOOR || below >= range || range == 0 {
+const fn intensity(level: i16, largest: i16, range: u16, reciprocal: u32) -> i8 {
+    let below = (largest as i32 - level as i32) as u32;
+    if level == FLOOR || below >= range as u32 {
         return -128;
     }
-    (255 - below * 255 / range - 128) as i8
+    (127 - (((below * 255) as u64 * reciprocal as u64) >> 32) as i32) as i8
 }
 
 /// Cells that are quantised at once before the others.
@@ -49,12 +54,15 @@ const LAST: usize = 16;
 /// [`quantize_db`] of these cells in the memory of all levels, of which the image's bytes are the second half: the last cells first, for a
 /// cell's place lies behind the levels of the cells before. `None` if they are not in it.
 pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, range: u16) -> Option<()> {
-    let (all, mut end) = (memory.len(), cells.end);
+    let (all, mut end, over) = (memory.len(), cells.end, reciprocal(range));
     if end == all {
         // the last ones' places are their own levels
         let levels = *memory.last_chunk::<LAST>()?;
         let pixels = must_cast_slice_mut(memory).last_chunk_mut::<LAST>()?;
-        pixels.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = intensity(level, largest, range));
+        pixels
+            .iter_mut()
+            .zip(levels)
+            .for_each(|(cell, level)| *cell = intensity(level, largest, range, over));
         end -= LAST;
     }
     while end > cells.start {
@@ -63,7 +71,7 @@ pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, ra
         let (levels, rest) = memory.split_at_mut_checked(end)?;
         let pixels: &mut [i8] = must_cast_slice_mut(rest).get_mut((all + start).checked_sub(2 * end)?..)?;
         for (pixel, &level) in pixels.iter_mut().zip(levels.get(start..)?) {
-            *pixel = intensity(level, largest, range);
+            *pixel = intensity(level, largest, range, over);
         }
         end = start;
     }

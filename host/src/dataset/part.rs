@@ -10,7 +10,7 @@ use crate::formats::numpy;
 use crate::formats::slots::{Slots, to_le_bytes};
 use crate::network::spectrograms::image_of_beats;
 use crate::simulator::body::motion::GroundTruth;
-use crate::simulator::dataset::{Set, beats, recording};
+use crate::simulator::dataset::{Set, beats, recording_in};
 use crate::store::digest::Hash;
 use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
@@ -23,6 +23,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::iter;
 use std::ops::Range;
 use std::panic::resume_unwind;
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -36,7 +37,7 @@ const TOGETHER: usize = 16;
 /// Batches of recordings that may wait to be written.
 const BATCHES: usize = 2;
 /// Bytes of an archive that may be written and not yet on the disk.
-const SYNCED: usize = 1 << 25;
+const SYNCED: usize = 1 << 23;
 /// What makes a sidecar.
 pub(super) const REMAKE: &str = "`sdp3 simulate` with the same options makes it again";
 
@@ -75,15 +76,19 @@ pub struct One {
     pub truth: GroundTruth,
 }
 
+/// Memory of raw slots that have been written: fresh memory costs a fault a page.
+type Spare = Mutex<Vec<Vec<i16>>>;
+
 /// Recording `index`: a function of (scenario, classes, rho, seed, index) alone. Raw slots are made where they are stored, and
 /// beats and image are then theirs; else the beats are made directly.
-pub fn one(work: &Work, index: u32) -> One {
+fn one(work: &Work, index: u32, spare: &Spare) -> One {
     let Work { scenario, rho, request, .. } = work;
     let count = request.classes.len() as u32;
     let (class, n) = (request.classes[(index % count) as usize], index / count);
     let slots = work.slots();
     let (slots, beats, truth) = if request.raw || request.sigmf {
-        let recording = recording(scenario, *rho, request.seed, Set::Train, class, n, slots);
+        let memory = spare.lock().ok().and_then(|mut spare| spare.pop()).unwrap_or_default();
+        let recording = recording_in(memory, scenario, *rho, request.seed, Set::Train, class, n, slots);
         let beats = recording.slots.beats(scenario.radar.config()).unwrap_or_default();
         (Some(recording.slots), beats, recording.truth)
     } else {
@@ -136,11 +141,12 @@ fn array<W: Write + Seek>(
 pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -> Result<(), OutputError> {
     let (range, name) = (work.recordings_of(part), npz_name(part));
     let (sender, receiver) = sync_channel(BATCHES);
+    let spare = Spare::default();
     let (described, written) = thread::scope(|scope| {
         let write = || {
             output.fill(&name, |file| {
                 let mut sink = Sink { file, hash: Hash::default(), bytes: 0, unsynced: 0 };
-                let all = write(work, range.len(), &mut sink, receiver)?;
+                let all = write(work, range.len(), &mut sink, receiver, &spare)?;
                 Ok((FileRecord { name: name.clone(), bytes: sink.bytes, sha256: sink.hash.hex() }, all))
             })
         };
@@ -148,7 +154,7 @@ pub fn make(work: &Work, part: u32, output: &Output, tick: &(dyn Fn() + Sync)) -
             let source = io::Error::other(format!("no thread can be started: {error}"));
             OutputError::Write { path: output.path(&name), source }
         })?;
-        let described = simulate(work, range.clone(), output, tick, sender);
+        let described = simulate(work, range.clone(), output, tick, sender, &spare);
         Ok((described, writer.join().unwrap_or_else(|panic| resume_unwind(panic))))
     })?;
     let (described, (npz, all)) = (described?, written?);
@@ -167,9 +173,10 @@ fn simulate(
     output: &Output,
     tick: &(dyn Fn() + Sync),
     made: SyncSender<Vec<One>>,
+    spare: &Spare,
 ) -> Result<Vec<FileRecord>, OutputError> {
     let one = |index: u32| {
-        let mut one = one(work, index);
+        let mut one = one(work, index, spare);
         let mut described = Vec::new();
         if work.request.sigmf {
             let raw = one.slots.as_ref().map(Slots::to_le_bytes).unwrap_or_default();
@@ -196,10 +203,16 @@ fn simulate(
 }
 
 /// Writes the archive of `count` recordings as they come; what they still hold comes back.
-fn write(work: &Work, count: usize, file: impl Write, made: Receiver<Vec<One>>) -> io::Result<Vec<One>> {
+fn write(
+    work: &Work,
+    count: usize,
+    file: impl Write,
+    made: Receiver<Vec<One>>,
+    spare: &Spare,
+) -> io::Result<Vec<One>> {
     // streamed: nothing that was written is written again, so that it can be hashed on its way
     let mut archive = ZipWriter::new_stream(UntilError { file, failed: false });
-    let all = arrays(work, count, &mut archive, made)?;
+    let all = arrays(work, count, &mut archive, made, spare)?;
     archive.finish()?;
     Ok(all)
 }
@@ -266,6 +279,7 @@ fn arrays<W: Write + Seek>(
     n: usize,
     archive: &mut ZipWriter<W>,
     made: Receiver<Vec<One>>,
+    spare: &Spare,
 ) -> io::Result<Vec<One>> {
     let slots = work.slots() as usize;
     let config = work.scenario.radar.config();
@@ -276,7 +290,11 @@ fn arrays<W: Write + Seek>(
     };
     let raw_bytes = |one: &mut One, put: Put| {
         let values = one.slots.take().map(|slots| slots.values).unwrap_or_default();
-        values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))
+        values.chunks(VALUES).try_for_each(|values| put(&to_le_bytes(values)))?;
+        if let Ok(mut spare) = spare.lock() {
+            spare.push(values);
+        }
+        Ok(())
     };
     let beat_bytes = |one: &mut One, put: Put| {
         let parts = std::mem::take(&mut one.beat).into_iter().flatten().flat_map(|z| [z.re, z.im]);

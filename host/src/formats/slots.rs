@@ -16,7 +16,14 @@ pub struct Slots {
 impl Slots {
     /// No slots yet, room for `count`.
     pub fn with_capacity(per_slot: usize, count: usize) -> Self {
-        Slots { values: Vec::with_capacity(per_slot * count), per_slot: per_slot.max(1) }
+        Self::in_memory(Vec::new(), per_slot, count)
+    }
+
+    /// The same in memory that was that of other slots.
+    pub fn in_memory(mut values: Vec<i16>, per_slot: usize, count: usize) -> Self {
+        values.clear();
+        values.reserve_exact(per_slot * count);
+        Slots { values, per_slot: per_slot.max(1) }
     }
 
     /// Every slot in order.

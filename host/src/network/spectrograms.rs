@@ -7,6 +7,7 @@ use super::parameters::Images;
 use super::vector_stft::VectorStft;
 use crate::formats::slots::Slots;
 use crate::network::memory::OwnedMemory;
+use crate::numerics::vectors::vectorised;
 use crate::results::{GallerySpectrogram, Spectrogram};
 use crate::scenario::{Class, Model, Radar, Scenario};
 use crate::simulator::calibration::rho_of;
@@ -262,7 +263,13 @@ pub fn sliding(
 /// Images at every N_s of the scenario of a recording's raw slots.
 pub fn images_of(scenario: &Scenario, slots: &Slots) -> Vec<Vec<i8>> {
     let wanted = &scenario.frame.sensing_slots;
-    images_on_the_way(scenario, slots.len(), wanted, |front_end, n| front_end.push(&slots[n], &mut ()))
+    images_on_the_way(
+        scenario,
+        slots.len(),
+        wanted,
+        #[inline(always)]
+        |front_end, n| front_end.push(&slots[n], &mut ()),
+    )
 }
 
 /// Images at every N_s of the scenario of a recording's beats.
@@ -276,15 +283,21 @@ pub fn image_of_beats(scenario: &Scenario, beats: &[Beat]) -> Vec<i8> {
 }
 
 fn images_of_first_beats(scenario: &Scenario, beats: &[Beat], wanted: &[u32]) -> Vec<Vec<i8>> {
-    images_on_the_way(scenario, beats.len(), wanted, |front_end, n| front_end.push_beat(beats[n], &mut ()))
+    images_on_the_way(
+        scenario,
+        beats.len(),
+        wanted,
+        #[inline(always)]
+        |front_end, n| front_end.push_beat(beats[n], &mut ()),
+    )
 }
 
-/// One pass: an image whenever as many slots are in as one of `wanted`.
+/// One pass: an image whenever as many slots are in as one of `wanted`, in ascending order.
 fn images_on_the_way(
     scenario: &Scenario,
     slots: usize,
     wanted: &[u32],
-    push: impl Fn(&mut FrontEnd<'_, VectorStft>, usize) -> bool,
+    push: impl Fn(&mut FrontEnd<'_, VectorStft>, usize) -> bool + Copy,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
     let radar = scenario.radar.config();
@@ -292,14 +305,18 @@ fn images_on_the_way(
     let Some(mut front_end) = FrontEnd::new(radar, settings, memory.view().front_end) else {
         return Vec::new();
     };
-    let mut images = Vec::new();
-    for n in 0..slots {
-        push(&mut front_end, n);
-        if wanted.contains(&(front_end.taken() as u32)) {
-            images.push(front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default());
-        }
-    }
-    images
+    let image = |end: usize| {
+        vectorised(
+            #[inline(always)]
+            || {
+                for n in front_end.taken()..end {
+                    push(&mut front_end, n);
+                }
+            },
+        );
+        front_end.image(&mut ()).map(<[i8]>::to_vec).unwrap_or_default()
+    };
+    wanted.iter().map(|&end| end as usize).filter(|&end| end <= slots).map(image).collect()
 }
 
 /// Length of a gallery's recordings in s, three steps of a walk, and the most slots the front end takes.

@@ -8,6 +8,7 @@ use sdp3_core::probe::Probe;
 use sdp3_core::signal::stft::{FixedSpectrum, FloatStft, Stft};
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
+use std::rc::Rc;
 use std::sync::LazyLock;
 
 type Spectrum = <FloatStft as Stft>::Spectrum;
@@ -50,14 +51,22 @@ struct Batch {
 
 /// [`FloatStft`] for frames that are asked for one after the other, as a front end does.
 pub struct VectorStft {
-    one: FloatStft,
-    hop: usize,
+    window: Rc<Window>,
     /// Until it is dropped.
     batch: RefCell<Option<Box<Batch>>>,
 }
 
+/// The transform of these settings.
+struct Window {
+    settings: (u16, f32, u16),
+    one: FloatStft,
+    hop: usize,
+}
+
 thread_local! {
-    /// The last transform's memory: allocated once, for small allocations between large aligned ones scatter the heap.
+    /// The last transform's window, which is mostly the next one's, and memory: allocated once, for small allocations between large aligned
+    /// ones scatter the heap.
+    static WINDOW: RefCell<Option<Rc<Window>>> = const { RefCell::new(None) };
     static SPARE: Cell<Option<Box<Batch>>> = const { Cell::new(None) };
 }
 
@@ -155,15 +164,21 @@ impl Stft for VectorStft {
     }
 
     fn new(length: u16, beta: f32, hop: u16) -> Self {
-        let one = FloatStft::new(length, beta, hop);
-        let hop = usize::from(hop).clamp(1, one.window().len());
+        let settings = (length, beta, hop);
+        let new = || {
+            let one = FloatStft::new(length, beta, hop);
+            let hop = usize::from(hop).clamp(1, one.window().len());
+            Rc::new(Window { settings, one, hop })
+        };
+        let window = WINDOW.take().filter(|window| window.settings == settings).unwrap_or_else(new);
+        WINDOW.set(Some(Rc::clone(&window)));
         let mut batch = SPARE.take().unwrap_or_default();
         (batch.first, batch.read) = (0, FRAMES);
-        VectorStft { one, hop, batch: RefCell::new(Some(batch)) }
+        VectorStft { window, batch: RefCell::new(Some(batch)) }
     }
 
     fn frames(&self, slots: usize) -> usize {
-        self.one.frames(slots)
+        self.window.one.frames(slots)
     }
 
     /// The central 64 `per_row` bins. A frame that does not follow the last one begins a batch; slow time stays the same within a batch.
@@ -171,7 +186,7 @@ impl Stft for VectorStft {
         let mut batch = self.batch.borrow_mut();
         let batch = batch.get_or_insert_default();
         if batch.read == FRAMES || batch.first + batch.read != k {
-            batch.make(slow_time, k, self.hop, self.one.window());
+            batch.make(slow_time, k, self.window.hop, self.window.one.window());
         }
         let half = ROWS / 2 * usize::from(per_row);
         for bin in (0..half).chain(FFT_LEN - half..FFT_LEN) {

@@ -18,6 +18,7 @@ use crate::formats::slots::Slots;
 use crate::numerics::random::Random;
 use crate::scenario::{AntennaPattern, Class, Scenario};
 use sdp3_core::dims::Beat;
+use std::cell::Cell;
 
 /// What a recording is for; recordings of different sets share nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,7 +108,13 @@ impl<'a> Simulation<'a> {
 
     /// The range samples of the next `count` sensing slots by the radar's response, without noise.
     pub fn advance_blocks(&mut self, count: u32) -> Vec<Blocks> {
-        let mut beats = vec![Blocks::default(); count as usize];
+        self.advance_blocks_in(Vec::new(), count)
+    }
+
+    /// The same in memory that was that of other range samples.
+    fn advance_blocks_in(&mut self, mut beats: Vec<Blocks>, count: u32) -> Vec<Blocks> {
+        beats.clear();
+        beats.resize(count as usize, Blocks::default());
         let radar = self.scenario.radar.position_m;
         let interval_s = self.scenario.interval_s();
         let time_s = f64::from(self.taken) * interval_s;
@@ -178,9 +185,24 @@ pub fn recording(
     index: u32,
     slots: u32,
 ) -> Recording {
+    recording_in(Vec::new(), scenario, rho, seed, set, class, index, slots)
+}
+
+/// [`recording`] in memory that was that of other slots.
+#[allow(clippy::too_many_arguments)] // a recording's coordinates
+pub fn recording_in(
+    memory: Vec<i16>,
+    scenario: &Scenario,
+    rho: f64,
+    seed: u64,
+    set: Set,
+    class: Class,
+    index: u32,
+    slots: u32,
+) -> Recording {
     let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
     let mut receiver = receiver(scenario, seed, set, class, index);
-    let mut raw = Slots::with_capacity(scenario.radar.config().values_per_slot(), slots as usize);
+    let mut raw = Slots::in_memory(memory, scenario.radar.config().values_per_slot(), slots as usize);
     (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
     Recording { slots: raw, truth: simulation.truth().clone() }
 }
@@ -195,6 +217,11 @@ fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) 
         };
         stream(seed, set, part, class, index)
     })
+}
+
+thread_local! {
+    /// The last recording's range samples: fresh memory costs a fault a page.
+    static SPARE: Cell<Vec<Blocks>> = const { Cell::new(Vec::new()) };
 }
 
 /// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
@@ -216,7 +243,9 @@ pub fn beats(
         (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
         return (raw.beats(config).unwrap_or_default(), simulation.truth().clone());
     }
-    let beats = receiver.beats(&simulation.advance_blocks(slots));
+    let blocks = simulation.advance_blocks_in(SPARE.take(), slots);
+    let beats = receiver.beats(&blocks);
+    SPARE.set(blocks);
     (beats, simulation.truth().clone())
 }
 

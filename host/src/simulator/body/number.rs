@@ -241,8 +241,13 @@ impl Real for Lanes {
     }
     #[inline(always)]
     fn lift<const K: usize>(self, f: impl Fn(f64) -> ([f64; K], [f64; K])) -> [Self; K] {
-        let at = self.to_array().map(|x| f(x).0);
-        std::array::from_fn(|k| Self::new(std::array::from_fn(|lane| at[lane][k])))
+        let mut values = [[0.0; LANES]; K];
+        for (lane, &x) in self.0.iter().enumerate() {
+            for (to, value) in values.iter_mut().zip(f(x).0) {
+                to[lane] = value;
+            }
+        }
+        values.map(Lanes)
     }
     /// The instants mostly lie on one piece.
     #[inline(always)]

@@ -43,15 +43,23 @@ impl<R: Real> Primitive<R> {
 impl Primitive {
     /// Radar cross section in m^2 seen from `radar`.
     pub fn cross_section(&self, radar: Vec3) -> f64 {
-        let (distance, amplitude) = self.echo(radar);
-        let root = amplitude * distance * distance;
+        let root = self.root_cross_section(radar);
         root * root
     }
 
-    /// Geometric mean of the cross sections seen from two points, in m^2: the bistatic cross section of a body that is
+    /// Its square root in m.
+    fn root_cross_section(&self, radar: Vec3) -> f64 {
+        let (distance, amplitude) = self.echo(radar);
+        amplitude * distance * distance
+    }
+
+    /// Root in m of the geometric mean of the cross sections seen from two points: of the bistatic cross section of a body that is
     /// small against both distances.
-    pub fn bistatic_cross_section(&self, from: Vec3, to: Vec3) -> f64 {
-        (self.cross_section(from) * self.cross_section(to)).sqrt()
+    pub fn root_bistatic_cross_section(&self, from: Vec3, to: Vec3) -> f64 {
+        if from == to {
+            return self.root_cross_section(from);
+        }
+        (self.cross_section(from) * self.cross_section(to)).sqrt().sqrt()
     }
 }
 

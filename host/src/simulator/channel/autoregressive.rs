@@ -20,6 +20,14 @@ pub enum Innovation {
     Gaussian,
 }
 
+/// Range samples of a ray at the amplitudes 1 and j, real and imaginary parts by turns.
+type Part = [[f64; 2 * BLOCKS]; 2];
+
+/// Slots of which the innovations are drawn together.
+const DRAWN: usize = 32;
+/// Slots of which the rays are summed together.
+const SIDE_BY_SIDE: usize = 4;
+
 /// The room between two points, slot after slot.
 #[derive(Debug, Clone)]
 pub struct Ar1Process {
@@ -32,8 +40,8 @@ pub struct Ar1Process {
     /// Gaussian numbers that were drawn, two a ray and innovation, and how many of them were used.
     numbers: Vec<f64>,
     used: usize,
-    /// Range samples of each ray at the amplitudes 1 and j, once they are asked for: real and imaginary parts by turns.
-    parts: Vec<[[f64; 2 * BLOCKS]; 2]>,
+    /// Of each ray, once they are asked for.
+    parts: Vec<Part>,
     rho: f64,
     innovation: f64,
     mode: ArMode,
@@ -77,7 +85,7 @@ impl Ar1Process {
     }
 
     /// Draws what the next `slots` calls of [`Ar1Process::step`] would draw: many numbers are made faster.
-    pub fn draw_ahead(&mut self, random: &mut Random, slots: usize) {
+    fn draw_ahead(&mut self, random: &mut Random, slots: usize) {
         let steps = if self.rho == 1.0 { 0 } else { self.steps as usize };
         let innovations = if self.started { slots * steps } else { 1 + slots.saturating_sub(1) * steps };
         if self.innovation_kind == Innovation::Gaussian && self.used == self.numbers.len() {
@@ -159,8 +167,8 @@ impl Ar1Process {
         paths.extend(self.state.iter().zip(&self.rays).map(path));
     }
 
-    /// Adds their range samples, by the same sensor every time.
-    pub fn beat(&mut self, sensor: &Sensor, beat: &mut Blocks) {
+    /// Goes on slot by slot and adds the room's range samples, by the same sensor every time.
+    pub fn beats(&mut self, random: &mut Random, sensor: &Sensor, beats: &mut [Blocks]) {
         if self.parts.is_empty() {
             let parts = |ray: &Ray| {
                 let weight = sensor.antenna.amplitude(ray.departure) * sensor.antenna.amplitude(ray.arrival);
@@ -171,25 +179,50 @@ impl Ar1Process {
             };
             self.parts = self.rays.iter().map(parts).collect();
         }
-        let begin: [f64; 2 * BLOCKS] =
-            std::array::from_fn(|k| if k % 2 == 0 { beat[k / 2].re } else { beat[k / 2].im });
-        let (state, parts) = (&self.state, &self.parts);
-        let sums = vectorised(
-            #[inline(always)]
-            || {
-                let mut sums = begin;
-                for (state, [one, j]) in state.iter().zip(parts) {
-                    for k in 0..2 * BLOCKS {
-                        sums[k] += state.re * one[k] + state.im * j[k];
-                    }
+        let mut states = vec![[Complex64::default(); SIDE_BY_SIDE]; self.rays.len()];
+        for beats in beats.chunks_mut(DRAWN) {
+            self.draw_ahead(random, beats.len());
+            for beats in beats.chunks_mut(SIDE_BY_SIDE) {
+                for slot in 0..beats.len() {
+                    self.step(random);
+                    states.iter_mut().zip(&self.state).for_each(|(states, state)| states[slot] = *state);
                 }
-                sums
-            },
-        );
-        for (beat, sum) in beat.iter_mut().zip(sums.as_chunks::<2>().0) {
-            *beat = Complex64::new(sum[0], sum[1]);
+                add_rays(&states, &self.parts, beats);
+            }
         }
     }
+}
+
+/// Adds rays' range samples to those of up to [`SIDE_BY_SIDE`] slots, of which `states` has the rays' amplitudes: every slot's sum waits for
+/// its last term, not for the other slots'.
+fn add_rays(states: &[[Complex64; SIDE_BY_SIDE]], parts: &[Part], beats: &mut [Blocks]) {
+    let mut begin = [[0.0; 2 * BLOCKS]; SIDE_BY_SIDE];
+    for (begin, beat) in begin.iter_mut().zip(&*beats) {
+        begin.as_chunks_mut().0.iter_mut().zip(beat).for_each(|(to, z)| *to = [z.re, z.im]);
+    }
+    let sums = vectorised(
+        #[inline(always)]
+        || {
+            let [mut a, mut b, mut c, mut d] = begin;
+            for ([of_a, of_b, of_c, of_d], part) in states.iter().zip(parts) {
+                (a, b) = (added(a, of_a, part), added(b, of_b, part));
+                (c, d) = (added(c, of_c, part), added(d, of_d, part));
+            }
+            [a, b, c, d]
+        },
+    );
+    for (beat, sums) in beats.iter_mut().zip(&sums) {
+        beat.iter_mut().zip(sums.as_chunks().0).for_each(|(z, &[re, im])| *z = Complex64::new(re, im));
+    }
+}
+
+/// A sum and a ray's range samples at an amplitude.
+#[inline(always)]
+fn added(mut sum: [f64; 2 * BLOCKS], amplitude: &Complex64, [one, j]: &Part) -> [f64; 2 * BLOCKS] {
+    for k in 0..2 * BLOCKS {
+        sum[k] += amplitude.re * one[k] + amplitude.im * j[k];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -21,9 +21,6 @@ use crate::simulator::body::Vec3;
 use crate::simulator::body::number::{LANES, Lanes};
 use crate::simulator::body::primitives::PRIMITIVES;
 
-/// Slots of which the innovations are drawn together.
-const DRAWN: usize = 32;
-
 #[derive(Debug, Clone)]
 pub struct Dahc {
     lambda: f64,
@@ -141,13 +138,7 @@ impl ChannelModel for Dahc {
     }
 
     fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
-        for beats in beats.chunks_mut(DRAWN) {
-            self.room.draw_ahead(&mut self.random, beats.len());
-            for beat in beats {
-                self.room.step(&mut self.random);
-                self.room.beat(sensor, beat);
-            }
-        }
+        self.room.beats(&mut self.random, sensor, beats);
         if !self.mean.is_empty() {
             self.mean_beats(scene, sensor, beats);
         }

@@ -102,8 +102,9 @@ impl RayTracing {
             for &(i, j) in pairs {
                 let (out, back) = (&out[i], &back[j]);
                 let bent = Scene { from: out.image, to: back.image, ..*scene };
-                let section = primitive.bistatic_cross_section(bent.from, bent.to);
-                let root = person.gain * person.weights[k] * section.sqrt();
+                let root = person.gain
+                    * person.weights[k]
+                    * primitive.root_bistatic_cross_section(bent.from, bent.to);
                 let mut path = scattered(&bent, primitive.centre, root, self.lambda, *phase);
                 let surfaces = self.traced.map.reflected(&self.bounces[i], path.departure)
                     * self.traced.map.reflected(&self.bounces[j], path.arrival);

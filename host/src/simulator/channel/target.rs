@@ -74,7 +74,7 @@ impl Target {
         );
         for (k, (primitive, way)) in primitives.iter().zip(&ways).enumerate() {
             let root =
-                self.gain * self.weights[k] * primitive.bistatic_cross_section(scene.from, scene.to).sqrt();
+                self.gain * self.weights[k] * primitive.root_bistatic_cross_section(scene.from, scene.to);
             let (carrier, first) = (Complex64::new(c[k], s[k]), Complex64::new(first_c[k], first_s[k]));
             paths.push(way.path(carrier * first, root, lambda));
         }
@@ -103,8 +103,13 @@ struct Way {
 
 impl Way {
     fn of(scene: &Scene, centre: Vec3) -> Self {
-        let (from, to) = (sub(centre, scene.from), sub(centre, scene.to));
-        Way { from, to, there: norm(from).max(NEAREST_M), back: norm(to).max(NEAREST_M) }
+        let from = sub(centre, scene.from);
+        let there = norm(from).max(NEAREST_M);
+        if scene.monostatic() {
+            return Way { from, to: from, there, back: there };
+        }
+        let to = sub(centre, scene.to);
+        Way { from, to, there, back: norm(to).max(NEAREST_M) }
     }
 
     fn length(&self) -> f64 {

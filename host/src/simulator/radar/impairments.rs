@@ -97,13 +97,14 @@ impl Impairments {
         self.limiter.is_none() && [self.direct - 1.0, self.image, self.offset] == [zero; 3]
     }
 
+    /// Whether the phase changes from slot to slot.
+    pub fn turns(&self) -> bool {
+        self.phase_rad != 0.0
+    }
+
     /// The oscillator's phase in the next slot.
     pub fn turn(&mut self) -> Complex64 {
-        if self.phase_rad == 0.0 {
-            Complex64::new(1.0, 0.0)
-        } else {
-            phasor(self.phase_rad * self.phases.gaussian())
-        }
+        if self.turns() { phasor(self.phase_rad * self.phases.gaussian()) } else { Complex64::new(1.0, 0.0) }
     }
 }
 

@@ -22,27 +22,44 @@ struct Rows {
     odd: [[f64; BLOCK]; HALF],
 }
 
-/// Value of a node's Lagrange polynomial at sample n.
-fn polynomial(k: usize, n: usize) -> f64 {
-    let node = PI * (k as f64 + 0.5) / NODES as f64;
+/// Chebyshev polynomials T_1 to T_15 at cos x.
+fn chebyshev(x: f64) -> [f64; NODES - 1] {
+    std::array::from_fn(|d| libm::cos((d + 1) as f64 * x))
+}
+
+/// Their values at the nodes, `[node][degree - 1]`.
+static AT_NODES: LazyLock<[[f64; NODES - 1]; NODES]> =
+    LazyLock::new(|| std::array::from_fn(|k| chebyshev(PI * (k as f64 + 0.5) / NODES as f64)));
+
+/// Values of the nodes' Lagrange polynomials at sample n.
+fn polynomials(n: usize) -> [f64; NODES] {
     let x = 1.0 - 2.0 * (n as f64 / SAMPLE_RATE) / SWEEP_S;
-    let x = libm::acos(x.clamp(-1.0, 1.0));
-    // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
-    let sum: f64 = (1..NODES).map(|d| libm::cos(d as f64 * x) * libm::cos(d as f64 * node)).sum();
-    (1.0 + 2.0 * sum) / NODES as f64
+    let at_sample = chebyshev(libm::acos(x.clamp(-1.0, 1.0)));
+    AT_NODES.each_ref().map(|at_node| {
+        // discrete cosine synthesis: sum over degrees of T_d(x) T_d(x_k)
+        let sum: f64 = at_sample.iter().zip(at_node).map(|(a, b)| a * b).sum();
+        (1.0 + 2.0 * sum) / NODES as f64
+    })
 }
 
 /// The polynomials at the first half's samples, block by block.
 static INTERPOLATION: LazyLock<[Rows; BLOCKS]> = LazyLock::new(|| {
-    let half = |k: usize, n: usize, sign: f64| 0.5 * (polynomial(k, n) + sign * polynomial(NODES - 1 - k, n));
-    let part = |b: usize, sign: f64| {
-        std::array::from_fn(|k| std::array::from_fn(|n| half(k, b * BLOCK + n + 1, sign)))
-    };
-    std::array::from_fn(|b| Rows { even: part(b, 1.0), odd: part(b, -1.0) })
+    let mut blocks = [(); BLOCKS].map(|()| Rows { even: [[0.0; BLOCK]; HALF], odd: [[0.0; BLOCK]; HALF] });
+    for (b, rows) in blocks.iter_mut().enumerate() {
+        for n in 0..BLOCK {
+            let at_sample = polynomials(b * BLOCK + n + 1);
+            for k in 0..HALF {
+                let mirrored = at_sample[NODES - 1 - k];
+                rows.even[k][n] = 0.5 * (at_sample[k] + mirrored);
+                rows.odd[k][n] = 0.5 * (at_sample[k] - mirrored);
+            }
+        }
+    }
+    blocks
 });
 
 /// The polynomials at the last sample, which has no mirror image.
-static LAST: LazyLock<[f64; NODES]> = LazyLock::new(|| std::array::from_fn(|k| polynomial(k, SAMPLES)));
+static LAST: LazyLock<[f64; NODES]> = LazyLock::new(|| polynomials(SAMPLES));
 
 /// Sums over the nodes in their order.
 #[inline(always)]

@@ -30,7 +30,7 @@ use oscillator::{Filters, Oscillator};
 use range_samples::RangeFrontEnd;
 use samples::Samples;
 use sdp3_core::config::RadarConfig;
-use sdp3_core::dims::{BEATS, Beat, Complex, ZERO_BEAT};
+use sdp3_core::dims::{BEATS, Beat, ZERO_BEAT};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -173,20 +173,19 @@ impl<'a> Receiver<'a> {
     /// real samples leave in the gate, -70 dB of the loudest echo from the sixth bin on.
     pub fn beats(&mut self, slots: &[Blocks]) -> Vec<Beat> {
         let mut beats = Vec::with_capacity(slots.len());
-        for slots in slots.chunks(TOGETHER) {
-            let behind: Vec<_> = slots.iter().map(|blocks| self.behind_front_end(blocks)).collect();
-            match &self.response {
-                Response::Paper => self.block_means(&behind, &mut beats),
-                Response::Table(table) => beats.extend(behind.iter().map(|(turn, blocks)| {
-                    let front = match self.radar.dechirp {
-                        Dechirp::Digital => turn * self.impairments.direct,
-                        Dechirp::Analog => (turn * self.impairments.direct).conj(),
-                    };
-                    let blocks = [blocks, &self.offset];
-                    Self::range_samples(&self.converter, table, blocks, front, &mut self.random)
-                })),
-            }
-        }
+        let Response::Table(table) = self.response.clone() else {
+            slots.chunks(TOGETHER).for_each(|slots| self.block_means(slots, &mut beats));
+            return beats;
+        };
+        beats.extend(slots.iter().map(|blocks| {
+            let (turn, blocks) = self.behind_front_end(blocks);
+            let front = match self.radar.dechirp {
+                Dechirp::Digital => turn * self.impairments.direct,
+                Dechirp::Analog => (turn * self.impairments.direct).conj(),
+            };
+            let blocks = [&blocks, &self.offset];
+            Self::range_samples(&self.converter, &table, blocks, front, &mut self.random)
+        }));
         beats
     }
 
@@ -199,44 +198,44 @@ impl<'a> Receiver<'a> {
         }
     }
 
-    /// Appends the block means of up to [`TOGETHER`] slots, each with the oscillator's phase.
-    fn block_means(&mut self, slots: &[(Complex64, Blocks)], beats: &mut Vec<Beat>) {
+    /// Appends the block means of up to [`TOGETHER`] slots.
+    fn block_means(&mut self, slots: &[Blocks], beats: &mut Vec<Beat>) {
         let Converter { lsb, noise_lsb, .. } = self.converter;
         let scale = BLOCK_SAMPLES as f64 * 32767.0 / f64::from(1_u32 << RadarConfig::PAPER.shift());
         let noise = ((noise_lsb * noise_lsb + 1.0 / 12.0) / BLOCK_SAMPLES as f64).sqrt();
-        let mut drawn = [[0.0; 2 * BLOCKS]; TOGETHER];
-        self.random.gaussians(drawn[..slots.len()].as_flattened_mut());
-        let still = Complex64::new(1.0, 0.0);
-        let ideal = self.impairments.is_ideal() && slots.iter().all(|(turn, _)| *turn == still);
+        let mut drawn = [[[0.0; 2]; BLOCKS]; TOGETHER];
+        self.random.gaussians(drawn[..slots.len()].as_flattened_mut().as_flattened_mut());
         let Impairments { direct, image, .. } = self.impairments;
-        // real and imaginary parts by turns, in LSB
-        let mut values = [[0.0; 2 * BLOCKS]; TOGETHER];
-        for (values, (turn, blocks)) in values.iter_mut().zip(slots) {
-            let places = values.as_chunks_mut::<2>().0.iter_mut().zip(blocks);
-            if ideal {
-                places.for_each(|(to, z)| *to = [z.re, z.im]);
-                continue;
+        let ideal = self.front_end.is_none() && self.impairments.is_ideal() && !self.impairments.turns();
+        let mut received;
+        // in LSB
+        let (slots, lsb) = if ideal {
+            (slots, lsb)
+        } else {
+            received = [Blocks::default(); TOGETHER];
+            for (received, blocks) in received.iter_mut().zip(slots) {
+                let (turn, blocks) = self.behind_front_end(blocks);
+                let places = received.iter_mut().zip(&blocks).zip(IMAGE.iter()).zip(&self.offset);
+                for (((to, z), of_image), offset) in places {
+                    let z = z * turn / lsb;
+                    *to = direct * z + image * (z.conj() * of_image) + offset;
+                }
             }
-            for (((to, z), of_image), offset) in places.zip(IMAGE.iter()).zip(&self.offset) {
-                let z = z * turn / lsb;
-                let z = direct * z + image * (z.conj() * of_image) + offset;
-                *to = [z.re, z.im];
-            }
-        }
-        let lsb = if ideal { lsb } else { 1.0 };
-        let mut rounded = [[0; 2 * BLOCKS]; TOGETHER];
+            (&received[..slots.len()], 1.0)
+        };
+        let begin = beats.len();
+        beats.resize(begin + slots.len(), ZERO_BEAT);
         vectorised(
             #[inline(always)]
             || {
-                let places = rounded.as_flattened_mut().iter_mut().zip(values.as_flattened());
-                for ((to, x), drawn) in places.zip(drawn.as_flattened()) {
-                    *to = round((x / lsb + noise * drawn) * scale);
+                for ((beat, slot), drawn) in beats[begin..].iter_mut().zip(slots).zip(&drawn) {
+                    for ((to, z), drawn) in beat.iter_mut().zip(slot).zip(drawn) {
+                        to.re = round((z.re / lsb + noise * drawn[0]) * scale);
+                        to.im = round((z.im / lsb + noise * drawn[1]) * scale);
+                    }
                 }
             },
         );
-        let beat =
-            |parts: &[i32; 2 * BLOCKS]| std::array::from_fn(|b| Complex::new(parts[2 * b], parts[2 * b + 1]));
-        beats.extend(rounded[..slots.len()].iter().map(beat));
     }
 
     fn range_samples(
@@ -280,13 +279,17 @@ impl<'a> Receiver<'a> {
             let (Some(re), Some(im), Some(noise)) = samples else {
                 unreachable!("the paper's radar has {SAMPLES} samples")
             };
-            let (mut slot, [c, s]) = ([[0; 2]; SAMPLES], &*CHIRP_PARTS);
+            let ([c, s], begin) = (&*CHIRP_PARTS, values.len());
+            values.resize(begin + 2 * SAMPLES, 0);
+            let Some(slot) = values[begin..].as_chunks_mut().0.first_chunk_mut() else {
+                unreachable!("as many values as were appended")
+            };
             if self.impairments.is_ideal() {
                 converter.convert_all(
                     #[inline(always)]
                     move |n| [re[n] * c[n] - im[n] * s[n], re[n] * s[n] + im[n] * c[n]],
                     noise,
-                    &mut slot,
+                    slot,
                 );
             } else {
                 converter.convert_all(
@@ -297,10 +300,9 @@ impl<'a> Receiver<'a> {
                         [z.re, z.im]
                     },
                     noise,
-                    &mut slot,
+                    slot,
                 );
             }
-            values.extend_from_slice(slot.as_flattened());
             return;
         }
         self.beat.fill(tones, radar);
