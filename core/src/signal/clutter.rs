@@ -31,7 +31,7 @@ impl Gram {
 
     /// Adds one slot. Cost: 8 squared magnitudes and 28 complex multiply-accumulates of 32 x 32 -> 64 bits.
     #[cfg_attr(target_os = "none", inline(never))]
-    #[cfg_attr(not(target_os = "none"), inline(always))] // in the caller's vectors
+    #[cfg_attr(not(target_os = "none"), inline(always))] // for the caller's vector instructions
     pub fn add(&mut self, beat: &Beat) {
         let rows = add_row::<8>(beat, &mut self.upper);
         let rows = add_row::<7>(beat, rows);

@@ -222,7 +222,7 @@ impl<'b, T: Stft> FrontEnd<'b, T> {
     }
 
     /// Takes the range samples of a slot, each below 2^25.5 in magnitude. `false` as [`FrontEnd::push`].
-    #[cfg_attr(not(target_os = "none"), inline(always))] // in the caller's vectors
+    #[cfg_attr(not(target_os = "none"), inline(always))] // for the caller's vector instructions
     pub fn push_beat(&mut self, beat: Beat, probe: &mut impl Probe) -> bool {
         if !self.has_room() {
             return false;

@@ -54,15 +54,14 @@ const LAST: usize = 16;
 /// [`quantize_db`] of these cells in the memory of all levels, of which the image's bytes are the second half: the last cells first, for a
 /// cell's place lies behind the levels of the cells before. `None` if they are not in it.
 pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, range: u16) -> Option<()> {
-    let (all, mut end, over) = (memory.len(), cells.end, reciprocal(range));
+    let (all, mut end, reciprocal) = (memory.len(), cells.end, reciprocal(range));
     if end == all {
         // the last ones' places are their own levels
         let levels = *memory.last_chunk::<LAST>()?;
         let pixels = must_cast_slice_mut(memory).last_chunk_mut::<LAST>()?;
-        pixels
-            .iter_mut()
-            .zip(levels)
-            .for_each(|(cell, level)| *cell = intensity(level, largest, range, over));
+        for (pixel, level) in pixels.iter_mut().zip(levels) {
+            *pixel = intensity(level, largest, range, reciprocal);
+        }
         end -= LAST;
     }
     while end > cells.start {
@@ -71,7 +70,7 @@ pub(crate) fn quantize(memory: &mut [i16], cells: Range<usize>, largest: i16, ra
         let (levels, rest) = memory.split_at_mut_checked(end)?;
         let pixels: &mut [i8] = must_cast_slice_mut(rest).get_mut((all + start).checked_sub(2 * end)?..)?;
         for (pixel, &level) in pixels.iter_mut().zip(levels.get(start..)?) {
-            *pixel = intensity(level, largest, range, over);
+            *pixel = intensity(level, largest, range, reciprocal);
         }
         end = start;
     }

@@ -24,6 +24,7 @@ fn a_level_above_the_maximum_is_the_maximum() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore)] // eight million of them
 fn intensities_are_those_of_a_division() {
     for range in 1..=4095_u16 {
         for below in 0..range {

@@ -10,7 +10,7 @@ use crate::formats::numpy;
 use crate::formats::slots::{Slots, to_le_bytes};
 use crate::network::spectrograms::image_of_beats;
 use crate::simulator::body::motion::GroundTruth;
-use crate::simulator::dataset::{Set, beats, recording_in};
+use crate::simulator::dataset::{Recorder, Set, beats};
 use crate::store::digest::Hash;
 use crate::store::file_record::FileRecord;
 use crate::store::output::{Output, OutputError};
@@ -88,9 +88,10 @@ fn one(work: &Work, index: u32, spare: &Spare) -> One {
     let slots = work.slots();
     let (slots, beats, truth) = if request.raw || request.sigmf {
         let memory = spare.lock().ok().and_then(|mut spare| spare.pop()).unwrap_or_default();
-        let recording = recording_in(memory, scenario, *rho, request.seed, Set::Train, class, n, slots);
-        let beats = recording.slots.beats(scenario.radar.config()).unwrap_or_default();
-        (Some(recording.slots), beats, recording.truth)
+        let mut recorder = Recorder::new(scenario, *rho, request.seed, Set::Train, class, n);
+        let raw = recorder.slots(memory, slots);
+        let beats = raw.beats(scenario.radar.config()).unwrap_or_default();
+        (Some(raw), beats, recorder.truth().clone())
     } else {
         let (beats, truth) = beats(scenario, *rho, request.seed, Set::Train, class, n, slots);
         (None, beats, truth)

@@ -297,7 +297,7 @@ fn images_on_the_way(
     scenario: &Scenario,
     slots: usize,
     wanted: &[u32],
-    push: impl Fn(&mut FrontEnd<'_, VectorStft>, usize) -> bool + Copy,
+    push: impl Fn(&mut FrontEnd<'_, VectorStft>, usize) -> bool,
 ) -> Vec<Vec<i8>> {
     let settings = scenario.spectrogram.preprocessing();
     let radar = scenario.radar.config();

@@ -175,6 +175,59 @@ pub(crate) fn target_of(scenario: &Scenario, seed: u64, set: Set, class: Class, 
     scene_people(scenario, class, &mut stream(seed, set, 0, class, index)).swap_remove(0)
 }
 
+/// The radar's channel and its receiver in a recording.
+pub struct Recorder<'a> {
+    simulation: Simulation<'a>,
+    receiver: Receiver<'a>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Of the recording with these coordinates.
+    pub fn new(scenario: &'a Scenario, rho: f64, seed: u64, set: Set, class: Class, index: u32) -> Self {
+        let receiver = Receiver::new(scenario, |draws| {
+            let part = match draws {
+                Draws::Noise => 2,
+                Draws::Phases => 3,
+                Draws::Module => 4,
+                Draws::Oscillator => 5,
+            };
+            stream(seed, set, part, class, index)
+        });
+        Recorder { simulation: Simulation::new(scenario, rho, seed, set, class, index), receiver }
+    }
+
+    /// The next raw slots, in memory that was that of others.
+    pub fn slots(&mut self, memory: Vec<i16>, count: u32) -> Slots {
+        let per_slot = self.simulation.scenario.radar.config().values_per_slot();
+        let mut raw = Slots::in_memory(memory, per_slot, count as usize);
+        (0..count).for_each(|_| self.receiver.slot(self.simulation.advance(), &mut raw.values));
+        raw
+    }
+
+    /// What the core makes of the next raw slots, to -60 dB of the signal; the noise is drawn per range sample, with the covariance it
+    /// has there.
+    fn beats(&mut self, count: u32) -> Vec<Beat> {
+        if self.receiver.needs_samples() {
+            let config = self.simulation.scenario.radar.config();
+            return self.slots(Vec::new(), count).beats(config).unwrap_or_default();
+        }
+        let blocks = self.simulation.advance_blocks_in(SPARE.take(), count);
+        let beats = self.receiver.beats(&blocks);
+        SPARE.set(blocks);
+        beats
+    }
+
+    /// What is true of the person.
+    pub fn truth(&self) -> &GroundTruth {
+        self.simulation.truth()
+    }
+}
+
+thread_local! {
+    /// The last recording's range samples: fresh memory costs a fault a page.
+    static SPARE: Cell<Vec<Blocks>> = const { Cell::new(Vec::new()) };
+}
+
 /// The recording with these coordinates.
 pub fn recording(
     scenario: &Scenario,
@@ -185,47 +238,11 @@ pub fn recording(
     index: u32,
     slots: u32,
 ) -> Recording {
-    recording_in(Vec::new(), scenario, rho, seed, set, class, index, slots)
+    let mut recorder = Recorder::new(scenario, rho, seed, set, class, index);
+    Recording { slots: recorder.slots(Vec::new(), slots), truth: recorder.truth().clone() }
 }
 
-/// [`recording`] in memory that was that of other slots.
-#[allow(clippy::too_many_arguments)] // a recording's coordinates
-pub fn recording_in(
-    memory: Vec<i16>,
-    scenario: &Scenario,
-    rho: f64,
-    seed: u64,
-    set: Set,
-    class: Class,
-    index: u32,
-    slots: u32,
-) -> Recording {
-    let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut receiver = receiver(scenario, seed, set, class, index);
-    let mut raw = Slots::in_memory(memory, scenario.radar.config().values_per_slot(), slots as usize);
-    (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
-    Recording { slots: raw, truth: simulation.truth().clone() }
-}
-
-fn receiver(scenario: &Scenario, seed: u64, set: Set, class: Class, index: u32) -> Receiver<'_> {
-    Receiver::new(scenario, |draws| {
-        let part = match draws {
-            Draws::Noise => 2,
-            Draws::Phases => 3,
-            Draws::Module => 4,
-            Draws::Oscillator => 5,
-        };
-        stream(seed, set, part, class, index)
-    })
-}
-
-thread_local! {
-    /// The last recording's range samples: fresh memory costs a fault a page.
-    static SPARE: Cell<Vec<Blocks>> = const { Cell::new(Vec::new()) };
-}
-
-/// The same recording as beats: what the core makes of the raw slots, to -60 dB of the signal; the noise is drawn per range
-/// sample, with the covariance it has there.
+/// The same recording as beats.
 pub fn beats(
     scenario: &Scenario,
     rho: f64,
@@ -235,18 +252,8 @@ pub fn beats(
     index: u32,
     slots: u32,
 ) -> (Vec<Beat>, GroundTruth) {
-    let mut simulation = Simulation::new(scenario, rho, seed, set, class, index);
-    let mut receiver = receiver(scenario, seed, set, class, index);
-    if receiver.needs_samples() {
-        let config = scenario.radar.config();
-        let mut raw = Slots::with_capacity(config.values_per_slot(), slots as usize);
-        (0..slots).for_each(|_| receiver.slot(simulation.advance(), &mut raw.values));
-        return (raw.beats(config).unwrap_or_default(), simulation.truth().clone());
-    }
-    let blocks = simulation.advance_blocks_in(SPARE.take(), slots);
-    let beats = receiver.beats(&blocks);
-    SPARE.set(blocks);
-    (beats, simulation.truth().clone())
+    let mut recorder = Recorder::new(scenario, rho, seed, set, class, index);
+    (recorder.beats(slots), recorder.truth().clone())
 }
 
 /// Deepest below the floor that a joint is captured, and fastest: a sprinter's foot passes 20 m/s.
