@@ -1,9 +1,11 @@
-"""Opens a run's page in headless Chromium and uses it: explorer.py OUT [--shots FOLDER].
+"""Opens a run's page in headless Chromium and uses it: explorer.py OUT [--shots FOLDER] [--first].
 
-Everything read in the page is compared with run.json and figures.json of OUT. A console error or a request fails the check.
+Everything read in the page is compared with run.json and figures.json of OUT. A console error or a request fails the check. With --first
+it ends at the first thing that is wrong.
 """
 
 import argparse
+import contextlib
 import pathlib
 import shutil
 import sys
@@ -11,19 +13,21 @@ import sys
 from playwright.sync_api import sync_playwright
 
 import layout
-from panels import PANELS, Visit, lonely
+from panels import PANELS, Findings, Visit, lonely
 from results import Results
 
 
-def opened(browser, address, trouble, **how):
+def opened(browser, address, findings, **how):
     """The page in a context of its own; what goes wrong in it is noted."""
     page = browser.new_context(**how).new_page()
     page.set_default_timeout(10_000)
-    page.on("console", lambda m: m.type in ("error", "warning") and trouble.append(f"console: {m.text}"))
-    page.on("pageerror", lambda error: trouble.append(f"script: {error}"))
+    noted = findings.trouble.append
+    page.on("console", lambda m: m.type in ("error", "warning") and noted(f"console: {m.text}"))
+    page.on("pageerror", lambda error: noted(f"script: {error}"))
     asked = lambda request: request.url != address and not request.url.startswith("data:")
-    page.on("request", lambda request: asked(request) and trouble.append(f"request: {request.url}"))
+    page.on("request", lambda request: asked(request) and noted(f"request: {request.url}"))
     page.goto(address)
+    findings.check()
     return page
 
 
@@ -53,40 +57,37 @@ def without_script(browser, address, visit):
     visit.same("without script: controls", page.locator("main button, main input").count(), 0)
 
 
+def look(browser, results, address, shots, findings):
+    """Every panel, without the script, and in other sizes and colours."""
+    size = {"width": 1280, "height": 900}
+    visit = Visit(opened(browser, address, findings, viewport=size, reduced_motion="reduce"), results, findings)
+    for panel in PANELS:
+        panel(visit)
+    moving = visit.page.locator(".bars i").first.evaluate("e => getComputedStyle(e).transitionDuration")
+    visit.same("reduced motion", moving, "0s")
+    without_script(browser, address, visit)
+    for name, width, scheme in [("light", 1280, "light"), ("dark", 1280, "dark"), ("narrow", 390, "light"), ("narrow-dark", 360, "dark")]:
+        size = {"width": width, "height": 900}
+        page = opened(browser, address, findings, viewport=size, color_scheme=scheme, has_touch=width < 600)
+        visit = Visit(page, results, findings)
+        layout.check(visit, width, name)
+        if shots and name != "narrow-dark":
+            layout.shots(page, shots, name)
+        touch(visit) if width < 600 else layout.keyboard(visit)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--shots", type=pathlib.Path)
+    parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
-    results, address = Results(given.out), (given.out / "report.html").resolve().as_uri()
-    trouble, wrong, compared = [], [], 0
-    with sync_playwright() as playwright:
+    findings = Findings(given.first)
+    with sync_playwright() as playwright, contextlib.suppress(Findings.Enough):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
-        size = {"width": 1280, "height": 900}
-        visit = Visit(opened(browser, address, trouble, viewport=size, reduced_motion="reduce"), results)
-        for panel in PANELS:
-            panel(visit)
-        moving = visit.page.locator(".bars i").first.evaluate("e => getComputedStyle(e).transitionDuration")
-        visit.same("reduced motion", moving, "0s")
-        without_script(browser, address, visit)
-        visits = [visit]
-        for name, width, scheme in [("light", 1280, "light"), ("dark", 1280, "dark"), ("narrow", 390, "light"), ("narrow-dark", 360, "dark")]:
-            size = {"width": width, "height": 900}
-            page = opened(browser, address, trouble, viewport=size, color_scheme=scheme, has_touch=width < 600)
-            visit = Visit(page, results)
-            layout.check(visit, width, name)
-            if given.shots and name != "narrow-dark":
-                layout.shots(page, given.shots, name)
-            touch(visit) if width < 600 else layout.keyboard(visit)
-            visits.append(visit)
+        look(browser, Results(given.out), (given.out / "report.html").resolve().as_uri(), given.shots, findings)
         browser.close()
-    for visit in visits:
-        wrong += visit.wrong
-        compared += visit.compared
-    for line in (trouble + wrong)[:20]:
-        print(line)
-    print(f"{compared} readings compared, {len(wrong)} wrong; {len(trouble)} console messages and requests")
-    sys.exit(1 if trouble or wrong else 0)
+    sys.exit(findings.report())
 
 
 main()

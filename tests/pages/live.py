@@ -1,10 +1,11 @@
-"""Uses the program in a run's page: live.py SDP3 OUT RECORDING... [--shots FOLDER].
+"""Uses the program in a run's page: live.py SDP3 OUT RECORDING... [--shots FOLDER] [--first].
 
 RECORDING are the files of one recording of raw slots. The page's JSON must be the command's, byte for byte; a console error or a
-request fails the check, and so does a page of more than 2 MiB.
+request fails the check, and so does a page of more than 2 MiB. With --first it ends at the first thing that is wrong.
 """
 
 import argparse
+import contextlib
 import json
 import pathlib
 import re
@@ -25,8 +26,8 @@ LARGEST = 2 << 20
 class Visit(panels.Visit):
     """A page, and what the commands say of the same files."""
 
-    def __init__(self, page, given):
-        super().__init__(page, None)
+    def __init__(self, page, given, findings):
+        super().__init__(page, None, findings)
         self.given = given
 
     def command(self, *arguments):
@@ -181,46 +182,49 @@ def links(visit):
             visit.same(f"boundaries after {name}", page.locator("#region .drawn path.compared").count(), len(computed["cases"]))
 
 
+def look(browser, given, findings):
+    """The page in two widths, used in every way."""
+    address = (given.out / "report.html").resolve().as_uri()
+    models = sorted((given.out / "models").glob("*.sdp3"))
+    for name, width, used in [("wide", 1280, models), ("narrow", 390, models[-1:])]:
+        context = browser.new_context(viewport={"width": width, "height": 900}, has_touch=width < 600, offline=True)
+        page = context.new_page()
+        page.set_default_timeout(30_000)
+        noted = findings.trouble.append
+        page.on("console", lambda m: m.type in ("error", "warning") and noted(f"console: {m.text}"))
+        page.on("pageerror", lambda error: noted(f"script: {error}"))
+        asked = lambda request: request.url != address and not request.url.startswith(("data:", "blob:"))
+        page.on("request", lambda request: asked(request) and noted(f"request: {request.url}"))
+        page.goto(address)
+        visit = Visit(page, given, findings)
+        recording(visit, used)
+        spectrogram(visit)
+        links(visit)
+        visit.same("wider than the window", page.evaluate("document.documentElement.scrollWidth <= innerWidth"), True)
+        if given.shots:
+            for section in ["recording", "region"]:
+                page.locator(f"#{section}").screenshot(path=given.shots / f"live-{section}-{name}.png")
+        dropped(visit)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("sdp3", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("recording", type=pathlib.Path, nargs="+")
     parser.add_argument("--shots", type=pathlib.Path)
+    parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
-    page_file = (given.out / "report.html").resolve()
-    trouble, wrong, compared = [], [], 0
-    size = page_file.stat().st_size
+    findings = panels.Findings(given.first)
+    size = (given.out / "report.html").stat().st_size
+    print(f"{size} bytes")
     if size > LARGEST:
-        wrong.append(f"the page has {size} bytes, more than {LARGEST}")
-    with sync_playwright() as playwright:
+        findings.wrong.append(f"the page has {size} bytes, more than {LARGEST}")
+    with sync_playwright() as playwright, contextlib.suppress(panels.Findings.Enough):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
-        models = sorted((given.out / "models").glob("*.sdp3"))
-        for name, width, used in [("wide", 1280, models), ("narrow", 390, models[-1:])]:
-            context = browser.new_context(viewport={"width": width, "height": 900}, has_touch=width < 600, offline=True)
-            page = context.new_page()
-            page.set_default_timeout(30_000)
-            page.on("console", lambda m: m.type in ("error", "warning") and trouble.append(f"console: {m.text}"))
-            page.on("pageerror", lambda error: trouble.append(f"script: {error}"))
-            asked = lambda request: request.url != page_file.as_uri() and not request.url.startswith(("data:", "blob:"))
-            page.on("request", lambda request: asked(request) and trouble.append(f"request: {request.url}"))
-            page.goto(page_file.as_uri())
-            visit = Visit(page, given)
-            recording(visit, used)
-            spectrogram(visit)
-            links(visit)
-            visit.same("wider than the window", page.evaluate("document.documentElement.scrollWidth <= innerWidth"), True)
-            if given.shots:
-                for section in ["recording", "region"]:
-                    page.locator(f"#{section}").screenshot(path=given.shots / f"live-{section}-{name}.png")
-            dropped(visit)
-            wrong += visit.wrong
-            compared += visit.compared
+        look(browser, given, findings)
         browser.close()
-    for line in (trouble + wrong)[:20]:
-        print(line)
-    print(f"{size} bytes; {compared} answers compared, {len(wrong)} wrong; {len(trouble)} console messages and requests")
-    sys.exit(1 if trouble or wrong else 0)
+    sys.exit(findings.report())
 
 
 main()
