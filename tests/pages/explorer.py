@@ -13,21 +13,16 @@ import sys
 from playwright.sync_api import sync_playwright
 
 import layout
-from panels import PANELS, Findings, Visit, lonely
+from findings import Findings
+from panels import PANELS, Visit, lonely
 from results import Results
 
 
 def opened(browser, address, findings, **how):
-    """The page in a context of its own; what goes wrong in it is noted."""
+    """The page in a context of its own."""
     page = browser.new_context(**how).new_page()
     page.set_default_timeout(10_000)
-    noted = findings.trouble.append
-    page.on("console", lambda m: m.type in ("error", "warning") and noted(f"console: {m.text}"))
-    page.on("pageerror", lambda error: noted(f"script: {error}"))
-    asked = lambda request: request.url != address and not request.url.startswith("data:")
-    page.on("request", lambda request: asked(request) and noted(f"request: {request.url}"))
-    page.goto(address)
-    findings.check()
+    findings.listen(page, address)
     return page
 
 
@@ -83,7 +78,7 @@ def main():
     parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
     findings = Findings(given.first)
-    with sync_playwright() as playwright, contextlib.suppress(Findings.Enough):
+    with sync_playwright() as playwright, contextlib.suppress(Findings.Stop):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
         look(browser, Results(given.out), (given.out / "report.html").resolve().as_uri(), given.shots, findings)
         browser.close()

@@ -19,6 +19,7 @@ import time
 from playwright.sync_api import sync_playwright
 
 import panels
+from findings import Findings
 
 LARGEST = 2 << 20
 
@@ -190,12 +191,7 @@ def look(browser, given, findings):
         context = browser.new_context(viewport={"width": width, "height": 900}, has_touch=width < 600, offline=True)
         page = context.new_page()
         page.set_default_timeout(30_000)
-        noted = findings.trouble.append
-        page.on("console", lambda m: m.type in ("error", "warning") and noted(f"console: {m.text}"))
-        page.on("pageerror", lambda error: noted(f"script: {error}"))
-        asked = lambda request: request.url != address and not request.url.startswith(("data:", "blob:"))
-        page.on("request", lambda request: asked(request) and noted(f"request: {request.url}"))
-        page.goto(address)
+        findings.listen(page, address, ("data:", "blob:"))
         visit = Visit(page, given, findings)
         recording(visit, used)
         spectrogram(visit)
@@ -215,12 +211,12 @@ def main():
     parser.add_argument("--shots", type=pathlib.Path)
     parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
-    findings = panels.Findings(given.first)
+    findings = Findings(given.first)
     size = (given.out / "report.html").stat().st_size
     print(f"{size} bytes")
     if size > LARGEST:
         findings.wrong.append(f"the page has {size} bytes, more than {LARGEST}")
-    with sync_playwright() as playwright, contextlib.suppress(panels.Findings.Enough):
+    with sync_playwright() as playwright, contextlib.suppress(Findings.Stop):
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
         look(browser, given, findings)
         browser.close()

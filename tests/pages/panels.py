@@ -3,29 +3,8 @@
 from results import digits, grouped, percent, stop_of, use_colour, use_name
 
 
-class Findings:
-    """What is wrong with a page, and how much was compared; the rest of a page that is wrong on purpose need not be seen."""
-
-    class Enough(Exception):
-        """Something is wrong, and the first was asked for."""
-
-    def __init__(self, first):
-        self.first, self.wrong, self.trouble, self.compared = first, [], [], 0
-
-    def check(self):
-        if self.first and (self.wrong or self.trouble):
-            raise Findings.Enough
-
-    def report(self):
-        """Prints them; the exit code."""
-        for line in (self.trouble + self.wrong)[:20]:
-            print(line)
-        print(f"{self.compared} readings compared, {len(self.wrong)} wrong; {len(self.trouble)} console messages and requests")
-        return 1 if self.trouble or self.wrong else 0
-
-
 class Visit:
-    """A page, its results, and the differences found."""
+    """A page, its results, and what was found in it."""
 
     def __init__(self, page, results, findings):
         self.page, self.results, self.findings = page, results, findings
