@@ -154,7 +154,7 @@ pub fn check(work: &Work, output: &Output) -> Result<(), OutputError> {
         "another".into(),
         "as it was written".into(),
     ));
-    let legal = format!("{must}, by {}, {} and the parts' sidecars", super::REQUEST, super::SCENARIO);
+    let legal = format!("{must}, by {}, {} and the parts' sidecars", super::REQUEST, Scenario::FILE);
     Err(OutputError::Content {
         path: output.path(NAME),
         reason: Invalid::new(field, found, legal).to_string(),

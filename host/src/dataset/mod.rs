@@ -32,7 +32,6 @@ pub use stored::{Labelled, Stored, StoredError};
 /// Legal recordings of each class: their parts are numbered with five digits.
 pub const PER_CLASS: RangeInclusive<u32> = 1..=2_000_000;
 
-const SCENARIO: &str = "scenario.toml";
 const REQUEST: &str = "request.json";
 
 /// What a dataset is besides its scenario: `request.json`.
@@ -135,7 +134,7 @@ impl<'a> Work<'a> {
     /// The files that say what the dataset is, by name.
     fn texts(&self) -> [(&'static str, String); 2] {
         let request = format!("{}\n", crate::store::output::to_json(&self.request));
-        [(SCENARIO, self.scenario.to_toml()), (REQUEST, request)]
+        [(Scenario::FILE, self.scenario.to_toml()), (REQUEST, request)]
     }
 
     fn parts(&self) -> u32 {
@@ -206,7 +205,9 @@ impl<'a> Work<'a> {
     /// Refuses a folder of another scenario or request.
     fn ensure_same_config(&self, output: &Output) -> Result<(), OutputError> {
         let asked = toml::from_str(&self.scenario.to_toml()).unwrap_or_default();
-        ensure_same_config(output, SCENARIO, &asked, |text| toml::from_str(text).map_err(|e| e.to_string()))?;
+        ensure_same_config(output, Scenario::FILE, &asked, |text| {
+            toml::from_str(text).map_err(|e| e.to_string())
+        })?;
         let asked = serde_json::to_value(&self.request).unwrap_or_default();
         ensure_same_config(output, REQUEST, &asked, |text| {
             serde_json::from_str(text).map_err(|e| e.to_string())

@@ -1,7 +1,7 @@
 //! A dataset read back: complete, every file that is read held to the digest in its manifest.
 
 use super::part::RECORDINGS;
-use super::{PER_CLASS, REQUEST, Request, SCENARIO, Work, manifest};
+use super::{PER_CLASS, REQUEST, Request, Work, manifest};
 use crate::error::Invalid;
 use crate::formats::numpy;
 use crate::scenario::{Class, Scenario, ScenarioError};
@@ -74,7 +74,7 @@ fn needed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String,
                 if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
                     return refuse(&name, "a path that stays in the folder");
                 }
-                if !name.ends_with(".npz") && name != REQUEST && name != SCENARIO {
+                if !name.ends_with(".npz") && name != REQUEST && name != Scenario::FILE {
                     continue;
                 }
                 if found.len() == MOST_FILES || found.insert(name.clone(), record).is_some() {
@@ -107,8 +107,8 @@ impl Stored {
     pub fn open(folder: &Path) -> Result<Self, StoredError> {
         let files = Files::open(folder)?;
         let request: Request = parsed(&folder.join(REQUEST), &files.read(REQUEST)?)?;
-        let text = files.read(SCENARIO)?;
-        let scenario = Scenario::load(&folder.join(SCENARIO))?;
+        let text = files.read(Scenario::FILE)?;
+        let scenario = Scenario::load(&folder.join(Scenario::FILE))?;
         let classes = &request.classes;
         if classes.len() != Class::ALL.len() || Class::ALL.iter().any(|class| !classes.contains(class)) {
             let names = |classes: &[Class]| classes.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
@@ -128,7 +128,7 @@ impl Stored {
                 REQUEST,
                 "scenario_sha256",
                 request.scenario_sha256,
-                format!("{digest}, that of {SCENARIO}"),
+                format!("{digest}, that of {Scenario::FILE}"),
             ));
         }
         let work = Work { scenario: &scenario, rho: request.rho, request: request.clone() };
@@ -172,12 +172,12 @@ impl Stored {
         let json = |s: &Scenario| serde_json::to_value(s).unwrap_or_default();
         if let Some((field, found, asked)) = difference("", &json(&found), &json(&same)) {
             let legal = format!("{asked}, as --scenario or --set says, or stay out of it");
-            return Err(self.files.value(SCENARIO, &field, found, legal));
+            return Err(self.files.value(Scenario::FILE, &field, found, legal));
         }
         let longest = found.largest_sensing_slots();
         if longest > self.slots() {
             let legal = format!("at least {longest}, the largest N_s that --scenario asks for");
-            return Err(self.files.value(SCENARIO, "frame.sensing_slots", self.slots(), legal));
+            return Err(self.files.value(Scenario::FILE, "frame.sensing_slots", self.slots(), legal));
         }
         found.learning.recording_slots = found.learning.recording_slots.min(self.slots());
         Ok(found)

@@ -111,7 +111,7 @@ fn what_is_missing_or_damaged_is_made_again_and_the_rest_is_kept() {
         assert_eq!((written.made, written.kept), (1, 1), "{name}");
         assert_eq!(differing(&whole, &case.files()), [""; 0], "{name}");
     }
-    for name in [manifest::NAME, REQUEST, SCENARIO] {
+    for name in [manifest::NAME, REQUEST, Scenario::FILE] {
         std::fs::remove_file(case.path().join(name)).unwrap();
         assert_eq!(case.make(3, 21, "1/1").unwrap().made, 0);
         assert_eq!(differing(&whole, &case.files()), [""; 0], "{name}");
@@ -154,11 +154,11 @@ fn another_dataset_is_refused_and_not_touched() {
     case.scenario.radar.power_w *= 2.0;
     refused(&case, 3, 1, &["scenario.toml: radar.power_w = "]);
     // without its scenario.toml the dataset still knows its scenario
-    let text = std::fs::read(case.path().join(SCENARIO)).unwrap();
-    std::fs::remove_file(case.path().join(SCENARIO)).unwrap();
+    let text = std::fs::read(case.path().join(Scenario::FILE)).unwrap();
+    std::fs::remove_file(case.path().join(Scenario::FILE)).unwrap();
     let refusal = case.make(3, 1, "1/1").unwrap_err().to_string();
     assert!(refusal.contains("scenario_sha256"), "{refusal}");
-    std::fs::write(case.path().join(SCENARIO), text).unwrap();
+    std::fs::write(case.path().join(Scenario::FILE), text).unwrap();
     case.scenario = scenario();
     std::fs::write(case.path().join(REQUEST), "{\"seed\": 3").unwrap();
     let refusal = case.make(3, 1, "1/1").unwrap_err().to_string();

@@ -18,12 +18,10 @@ use std::path::Path;
 /// Name of the resolved configuration.
 pub const REQUEST: &str = "study.json";
 
-/// Name of the scenario's own file.
-const SCENARIO: &str = "scenario.toml";
-
 /// Whether a text describes this scenario, with the defaults of the fields that it leaves out.
 fn describes(text: &[u8], scenario: &Scenario) -> bool {
-    let found = str::from_utf8(text).ok().and_then(|text| Scenario::parse(text, Path::new(SCENARIO)).ok());
+    let found =
+        str::from_utf8(text).ok().and_then(|text| Scenario::parse(text, Path::new(Scenario::FILE)).ok());
     found.as_ref() == Some(scenario)
 }
 
@@ -47,10 +45,10 @@ impl<'a> Cells<'a> {
         })?;
         let mut scenario = request.scenario.to_toml().into_bytes();
         if output.path(REQUEST).exists() {
-            let there = output.read(SCENARIO, "").ok();
+            let there = output.read(Scenario::FILE, "").ok();
             scenario = there.filter(|text| describes(text, &request.scenario)).unwrap_or(scenario);
         } else {
-            output.write(SCENARIO, &scenario)?;
+            output.write(Scenario::FILE, &scenario)?;
         }
         output.write_json(REQUEST, request)?;
         let study = vec![
@@ -125,7 +123,7 @@ mod tests {
         let mut study = value(&request());
         study["scenario"]["radar"].as_object_mut().unwrap().remove("ac_coupling_hz").unwrap();
         output.write_json(REQUEST, &study).unwrap();
-        output.write(SCENARIO, fewer.as_bytes()).unwrap();
+        output.write(Scenario::FILE, fewer.as_bytes()).unwrap();
         let cell = |name: &str| {
             Cells::open(&output, &request()).unwrap().get(name, || Ok(0.25_f64)).unwrap();
             output.path(&format!("cells/{name}.json"))
@@ -135,7 +133,7 @@ mod tests {
         // a text of another scenario is not the study's
         output
             .write(
-                SCENARIO,
+                Scenario::FILE,
                 fewer.replace("carrier_hz = 3500000000.0", "carrier_hz = 5800000000.0").as_bytes(),
             )
             .unwrap();

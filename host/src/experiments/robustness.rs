@@ -63,8 +63,8 @@ pub fn conditions(range_samples: u8) -> Vec<Condition> {
         add("first component kept, d", value, true, Box::new(change));
     }
     for (value, child, adult) in [
-        ("children 1.2..1.4 m, adults 1.5..1.6 m", [1.2, 1.4], [1.5, 1.6]),
-        ("children 0.8..0.9 m, adults 1.9..2.1 m", [0.8, 0.9], [1.9, 2.1]),
+        ("children 1.2 to 1.4 m, adults 1.5 to 1.6 m", [1.2, 1.4], [1.5, 1.6]),
+        ("children 0.8 to 0.9 m, adults 1.9 to 2.1 m", [0.8, 0.9], [1.9, 2.1]),
     ] {
         let change = move |s: &mut Scenario| {
             s.target.child_height_m = child;

@@ -13,7 +13,7 @@ use crate::network::spectrograms::{Collected, Part, collect_from};
 use crate::network::training::{self, Backend, train_all};
 use crate::network::tuning::quantize_tuned;
 use crate::results::{Accuracy, Confusion, Epoch, Training};
-use crate::scenario::Class;
+use crate::scenario::{Class, Scenario};
 use crate::store::record::{self, Fault};
 use std::sync::atomic::Ordering;
 
@@ -116,7 +116,7 @@ impl Job {
             identities.push(identity);
         }
         // what the checkpoints are of; those that are there have been checked
-        self.output.write("scenario.toml", s.to_toml().as_bytes())?;
+        self.output.write(Scenario::FILE, s.to_toml().as_bytes())?;
         let stage = self.progress.stage("train", "networks");
         let total = jobs.len() as u64 * u64::from(s.learning.epochs);
         let done: u64 = jobs.iter().flat_map(|j| &j.resume).map(|c| c.epochs.len() as u64).sum();

@@ -11,7 +11,7 @@ use crate::network::parameters::Images;
 use crate::network::spectrograms::{Collected, Part, picture};
 use crate::network::training::Backend;
 use crate::results::{Calibration, EarlyExitGallery, Figures, OperatingPoint, Run, Schedule, Spectrogram};
-use crate::scenario::Class;
+use crate::scenario::{Class, Scenario};
 use crate::scheduling::playback;
 use crate::simulator::calibration::stored_rho;
 use sdp3_core::early_exit::EXITS;
@@ -57,7 +57,7 @@ impl Job {
         self.check_cost(Work::Run { calibrates, emulated }, self.rho())?;
         // a refused --resume leaves the folder's own; training writes it when it has checked its checkpoints
         if !ask.resume {
-            self.output.write("scenario.toml", self.scenario.to_toml().as_bytes())?;
+            self.output.write(Scenario::FILE, self.scenario.to_toml().as_bytes())?;
         }
         let calibration = self.calibrate(ask.measured.as_ref())?;
         let rho = self.rho_used(&calibration, ask.measured.is_some());

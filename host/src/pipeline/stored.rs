@@ -16,8 +16,6 @@ use std::path::{Path, PathBuf};
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
-/// The scenario that the folder's results are of.
-const SCENARIO: &str = "scenario.toml";
 /// How the networks were trained.
 pub(super) const TRAINING: &str = "training.json";
 /// File of what a run's figures show.
@@ -67,7 +65,7 @@ impl Job {
             return Ok((run, made));
         }
         let reason = format!("another scenario than {RUN} is of: a later command began with it; {RUN_FIRST}");
-        Err(OutputError::Content { path: self.output.path(SCENARIO), reason })
+        Err(OutputError::Content { path: self.output.path(Scenario::FILE), reason })
     }
 
     /// The run of the folder's scenario, if there is one.
@@ -85,7 +83,7 @@ impl Job {
 
     /// Whether a result is of the folder's scenario.
     fn is_of_folder(&self, made: &Provenance) -> bool {
-        let scenario = self.output.read(SCENARIO, RUN_FIRST);
+        let scenario = self.output.read(Scenario::FILE, RUN_FIRST);
         scenario.is_ok_and(|text| made.scenario_sha256 == Some(sha256([text.as_slice()])))
     }
 
@@ -109,7 +107,7 @@ impl Job {
     ///
     /// The first field that differs; no scenario.
     pub(super) fn run_scenario(&self) -> Result<Scenario, Failure> {
-        let made = self.output.path(SCENARIO);
+        let made = self.output.path(Scenario::FILE);
         let found = Scenario::load(&made)?;
         let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap_or_default();
         let mut asked = self.trained_scenario()?;
@@ -138,7 +136,7 @@ impl Job {
         if self.given.scenario.is_some() {
             return Ok(self.scenario.clone());
         }
-        Ok(Scenario::resolve(Some(&self.output.path(SCENARIO)), &self.given.set)?)
+        Ok(Scenario::resolve(Some(&self.output.path(Scenario::FILE)), &self.given.set)?)
     }
 
     /// The seed that is given, or that of the folder's networks: of its run, or else of its training.

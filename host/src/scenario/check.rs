@@ -10,6 +10,9 @@ use sdp3_core::signal::clutter::SvdRange;
 use sdp3_core::signal::front_end::Preprocessing;
 
 impl Scenario {
+    /// Name of the file in a folder of results that holds the scenario they are of.
+    pub const FILE: &str = "scenario.toml";
+
     /// Largest N_s studied.
     pub fn largest_sensing_slots(&self) -> u32 {
         self.frame.sensing_slots.iter().copied().max().unwrap_or(0)

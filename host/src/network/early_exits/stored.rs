@@ -100,7 +100,7 @@ impl StoredExits {
         }
         let slots: Vec<u32> = match &known {
             Some(known) => known.exits.iter().map(|exit| exit.sensing_slots).collect(),
-            None => Scenario::load(&stored.path("scenario.toml"))?.frame.sensing_slots,
+            None => Scenario::load(&stored.path(Scenario::FILE))?.frame.sensing_slots,
         };
         let before: Vec<u32> = slots.iter().copied().take_while(|&n| n < own).collect();
         let name = model_file::name(own);

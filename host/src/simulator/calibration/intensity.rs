@@ -58,11 +58,11 @@ impl Intensity {
                 }
             }
         }
-        frames.iter_mut().flatten().for_each(|power| *power = 10.0 * libm::log10(power.max(1e-300)));
         let cells = frames.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-        let mean = frames.iter().flatten().map(|db| libm::pow(10.0, db / 10.0)).sum::<f64>() / cells;
-        let most = REFERENCE_DB + 10.0 * libm::log10(mean.max(1e-300));
-        frames.iter_mut().flatten().for_each(|db| *db -= most);
+        let mean = frames.iter().flatten().sum::<f64>() / cells;
+        let decibels = |power: f64| 10.0 * libm::log10(power.max(1e-300));
+        let most = REFERENCE_DB + decibels(mean);
+        frames.iter_mut().flatten().for_each(|cell| *cell = decibels(*cell) - most);
         frames
     }
 

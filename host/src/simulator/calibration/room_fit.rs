@@ -97,48 +97,51 @@ impl Parts<'_> {
 
     /// The powers of `bases` that bring their sum nearest to `measured`, the last of them white noise: the best of several beginnings, since
     /// there may be more than one minimum.
-    fn mixture(&self, measured: &[f64], bases: &[&Bands]) -> Mixture {
+    fn mixture<const N: usize>(&self, measured: &[f64], bases: [&Bands; N]) -> Mixture {
         let from = |noise_db: &f64| self.updated(measured, bases, libm::pow(10.0, noise_db / 10.0));
-        let beginnings = if bases.len() > 1 { &NOISE_DB[..] } else { &NOISE_DB[..1] };
+        let beginnings = if N > 1 { &NOISE_DB[..] } else { &NOISE_DB[..1] };
         let found = beginnings.iter().map(from).min_by(|a, b| a.divergence.total_cmp(&b.divergence));
         found.expect("there is a beginning")
     }
 
     /// The updates from equal powers of all parts but the noise, which begins `noise` times as strong.
-    fn updated(&self, measured: &[f64], bases: &[&Bands], noise: f64) -> Mixture {
+    fn updated<const N: usize>(&self, measured: &[f64], bases: [&Bands; N], noise: f64) -> Mixture {
         let sum = |x: &[f64]| x.iter().zip(&self.spectrum.bins).map(|(x, bins)| x * bins).sum::<f64>();
-        let mut parts: Vec<f64> =
-            bases.iter().map(|basis| sum(measured) / (sum(basis) * bases.len() as f64)).collect();
+        let mut parts = bases.map(|basis| sum(measured) / (sum(basis) * N as f64));
         if let [.., _, last] = &mut parts[..] {
             *last *= noise;
         }
+        let divergence_at = |parts: &[f64]| self.divergence(measured, &Self::model(&bases, parts));
         let mut divergence = f64::INFINITY;
         for update in 0..UPDATES {
-            let model = Self::model(bases, &parts);
             if update % 20 == 0 {
-                let now = self.divergence(measured, &model);
+                let now = divergence_at(&parts);
                 if divergence - now < SETTLED * now {
                     break;
                 }
                 divergence = now;
             }
-            for (part, basis) in parts.iter_mut().zip(bases) {
-                let (mut up, mut down) = (0.0, 0.0);
-                for (((basis, i), s), bins) in basis.iter().zip(measured).zip(&model).zip(&self.spectrum.bins)
-                {
-                    up += bins * basis * i / (s * s);
-                    down += bins * basis / s;
+            let (mut up, mut down) = ([0.0; N], [0.0; N]);
+            for (band, (i, bins)) in measured.iter().zip(&self.spectrum.bins).enumerate() {
+                let at = bases.map(|basis| basis[band]);
+                let model: f64 = at.iter().zip(&parts).map(|(basis, part)| basis * part).sum();
+                let weight = bins / model;
+                let excess = weight * i / model;
+                for k in 0..N {
+                    up[k] += at[k] * excess;
+                    down[k] += at[k] * weight;
                 }
-                *part *= (up / down).sqrt();
+            }
+            for k in 0..N {
+                parts[k] *= (up[k] / down[k]).sqrt();
             }
         }
-        let divergence = self.divergence(measured, &Self::model(bases, &parts));
-        Mixture { parts, divergence }
+        Mixture { divergence: divergence_at(&parts), parts: parts.into() }
     }
 
     /// The AR room: of the whole search, or downhill from a place of it.
     fn ar_room(&self, measured: &[f64], from: Option<usize>) -> ArRoom {
-        let at = |k: usize| self.mixture(measured, &[&self.echo, &self.grid[k].1, self.noise]);
+        let at = |k: usize| self.mixture(measured, [&self.echo, &self.grid[k].1, self.noise]);
         let mut found: Vec<Option<Mixture>> = vec![None; STEPS];
         let mut best = from.unwrap_or_else(|| {
             found = (0..STEPS).into_par_iter().map(|k| Some(at(k))).collect();
@@ -159,16 +162,16 @@ impl Parts<'_> {
         let (left, right) = (d(best - 1) - d(best), d(best + 1) - d(best));
         let shift = 0.5 * (left - right) / (left + right).max(f64::MIN_POSITIVE);
         let rho = 1.0 - (1.0 - self.grid[best].0) * libm::pow(RATIO, shift);
-        let mixture = self.mixture(measured, &[&self.echo, &self.spectrum.ar1(rho), self.noise]);
+        let mixture = self.mixture(measured, [&self.echo, &self.spectrum.ar1(rho), self.noise]);
         ArRoom { place: best, rho, mixture }
     }
 
     fn white_noise(&self, measured: &[f64]) -> Mixture {
-        self.mixture(measured, &[&self.echo, self.noise])
+        self.mixture(measured, [&self.echo, self.noise])
     }
 
     fn static_room(&self, measured: &[f64]) -> Mixture {
-        self.mixture(measured, &[&self.echo])
+        self.mixture(measured, [&self.echo])
     }
 
     /// Power of the noise over that of the echo in dB.
