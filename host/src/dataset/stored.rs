@@ -128,7 +128,7 @@ impl Stored {
                 REQUEST,
                 "scenario_sha256",
                 request.scenario_sha256,
-                format!("{digest}, that of {Scenario::FILE}"),
+                format!("{digest}, that of {}", Scenario::FILE),
             ));
         }
         let work = Work { scenario: &scenario, rho: request.rho, request: request.clone() };

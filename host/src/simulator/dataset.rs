@@ -60,6 +60,12 @@ fn stream(seed: u64, set: Set, part: u64, class: Class, index: u32) -> Random {
     Random::new(seed, set as u64 * 8 + part, class as u64, u64::from(index))
 }
 
+/// The scene of a recording's sensing slot.
+fn scene<'p>(scenario: &Scenario, slot: u32, people: &'p [Target]) -> Scene<'p> {
+    let radar = scenario.radar.position_m;
+    Scene { slot, time_s: f64::from(slot) * scenario.interval_s(), from: radar, to: radar, people }
+}
+
 impl<'a> Simulation<'a> {
     /// Draws the people and the room.
     pub fn new(scenario: &'a Scenario, rho: f64, seed: u64, set: Set, class: Class, index: u32) -> Self {
@@ -82,20 +88,11 @@ impl<'a> Simulation<'a> {
         &self.people[0].person.truth
     }
 
-    fn scene(&self) -> Scene<'_> {
-        let radar = self.scenario.radar.position_m;
-        let time_s = f64::from(self.taken) * self.scenario.interval_s();
-        Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people }
-    }
-
     /// The paths of the next sensing slot, with their amplitudes at the receiver in sqrt W.
     pub fn advance(&mut self) -> &[Path] {
         let mut paths = std::mem::take(&mut self.paths);
         paths.clear();
-        let radar = self.scenario.radar.position_m;
-        let time_s = f64::from(self.taken) * self.scenario.interval_s();
-        let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
-        self.channel.paths(&scene, &mut paths);
+        self.channel.paths(&scene(self.scenario, self.taken, &self.people), &mut paths);
         self.taken += 1;
         let (front, antenna) = (self.front, &self.sensor.antenna);
         match antenna.is_constant() {
@@ -115,19 +112,35 @@ impl<'a> Simulation<'a> {
     fn advance_blocks_in(&mut self, mut beats: Vec<Blocks>, count: u32) -> Vec<Blocks> {
         beats.clear();
         beats.resize(count as usize, Blocks::default());
-        let radar = self.scenario.radar.position_m;
-        let interval_s = self.scenario.interval_s();
-        let time_s = f64::from(self.taken) * interval_s;
-        let scene = Scene { slot: self.taken, time_s, from: radar, to: radar, people: &self.people };
-        self.channel.beats(&scene, interval_s, &self.sensor, &mut beats);
+        let scene = scene(self.scenario, self.taken, &self.people);
+        self.channel.beats(&scene, self.scenario.interval_s(), &self.sensor, &mut beats);
         self.taken += count;
+        beats.iter_mut().flatten().for_each(|z| *z *= self.front);
+        beats
+    }
+
+    /// The part of the next `count` slots' range samples that rho does not change, for [`Simulation::with_fluctuation`].
+    pub fn steady_blocks(&mut self, count: u32) -> Vec<Blocks> {
+        let mut beats = vec![Blocks::default(); count as usize];
+        let scene = scene(self.scenario, self.taken, &self.people);
+        self.channel.steady_beats(&scene, self.scenario.interval_s(), &self.sensor, &mut beats);
+        self.taken += count;
+        beats
+    }
+
+    /// The range samples of the next slots, of which an equal simulation has made the steady part, at whatever rho: as
+    /// [`Simulation::advance_blocks`] has them but for rounding.
+    pub fn with_fluctuation(&mut self, steady: &[Blocks]) -> Vec<Blocks> {
+        let mut beats = steady.to_vec();
+        self.channel.fluctuation(&self.sensor, &mut beats);
+        self.taken += steady.len() as u32;
         beats.iter_mut().flatten().for_each(|z| *z *= self.front);
         beats
     }
 
     /// Where the person is now; for warnings.
     pub fn place(&self) -> Vec3 {
-        let scene = self.scene();
+        let scene = scene(self.scenario, self.taken, &self.people);
         self.people[0].person.joints(scene.time_s)[joint::BASE]
     }
 }
@@ -399,7 +412,7 @@ pub fn near_field(scenario: &Scenario) -> Option<[f64; 2]> {
 pub(crate) mod tests {
     use super::*;
     use crate::scenario::builtin::named;
-    use crate::scenario::{Clusters, FrontEnd, Model};
+    use crate::scenario::{ArMode, Clusters, FrontEnd, Model};
 
     fn shipped(name: &str) -> Scenario {
         named(name.as_ref()).unwrap().scenario()
@@ -490,6 +503,22 @@ pub(crate) mod tests {
             }
         }
         10.0 * libm::log10(error / power)
+    }
+
+    #[test]
+    fn a_fluctuation_on_the_steady_part_of_another_rho_makes_the_same_beats() {
+        let as_set = Model::ALL.map(|model| (model, ArMode::Rician));
+        for (model, mode) in as_set.into_iter().chain([(Model::Dahc, ArMode::Paper)]) {
+            let mut scenario = Scenario::default();
+            (scenario.channel.model, scenario.channel.mode) = (model, mode);
+            let of = |rho| Simulation::new(&scenario, rho, 7, Set::Calibration, Class::AdultWalking, 2);
+            let whole = of(0.99).advance_blocks(300);
+            let sum = of(0.99).with_fluctuation(&of(1.0).steady_blocks(300));
+            let error: f64 =
+                whole.iter().flatten().zip(sum.iter().flatten()).map(|(a, b)| (a - b).norm_sqr()).sum();
+            let power: f64 = whole.iter().flatten().map(|z| z.norm_sqr()).sum();
+            assert!(power > 0.0 && error < 1e-28 * power, "{model:?} {mode:?}: {error:e} of {power:e}");
+        }
     }
 
     #[test]

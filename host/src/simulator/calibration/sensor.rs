@@ -40,11 +40,17 @@ impl<'a> SensorSimulation<'a> {
         SensorSimulation { scenario, seed, class, real, single_cell: false, slots, intensity }
     }
 
-    /// A person's slow-time signal before conditioning, with what settles before the window: one range sample of a sensor that has one
-    /// number a time, else their mean.
-    fn unconditioned(&self, scenario: &Scenario, rho: f64, set: Set, index: u32) -> Vec<Complex64> {
-        let mut simulation = Simulation::new(scenario, rho, self.seed, set, self.class, index);
-        let beats = simulation.advance_blocks(SETTLE_SLOTS + self.slots);
+    /// Slots of a simulation, with those that settle before the window.
+    fn simulated(&self) -> u32 {
+        SETTLE_SLOTS + self.slots
+    }
+
+    fn simulation<'s>(&self, scenario: &'s Scenario, rho: f64, set: Set, index: u32) -> Simulation<'s> {
+        Simulation::new(scenario, rho, self.seed, set, self.class, index)
+    }
+
+    /// The slow-time signal before conditioning: one range sample of a sensor that has one number a time, else their mean.
+    fn unconditioned(&self, beats: &[Blocks]) -> Vec<Complex64> {
         let one = self.real || self.single_cell;
         let sample =
             |b: &Blocks| if one { b[BLOCKS / 2] } else { b.iter().sum::<Complex64>() / BLOCKS as f64 };
@@ -66,13 +72,17 @@ impl<'a> SensorSimulation<'a> {
 
     /// One person's slow-time signal for spectra, in a scenario of its own.
     pub fn slow_time(&self, scenario: &Scenario, rho: f64, set: Set, index: u32) -> Vec<Complex64> {
-        self.conditioned(self.unconditioned(scenario, rho, set, index))
+        let beats = self.simulation(scenario, rho, set, index).advance_blocks(self.simulated());
+        self.conditioned(self.unconditioned(&beats))
     }
 
     /// Mean power that the second scenario's signals have in addition to the first's, before conditioning.
     pub fn added_power(&self, scenarios: [&Scenario; 2], rho: f64, people: u32) -> f64 {
         let of = |index| {
-            let [without, with] = scenarios.map(|s| self.unconditioned(s, rho, Set::Calibration, index));
+            let [without, with] = scenarios.map(|scenario| {
+                let mut simulation = self.simulation(scenario, rho, Set::Calibration, index);
+                self.unconditioned(&simulation.advance_blocks(self.simulated()))
+            });
             with.iter().zip(&without).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>() / with.len() as f64
         };
         (0..people).into_par_iter().map(of).collect::<Vec<_>>().iter().sum::<f64>() / f64::from(people)
@@ -82,16 +92,19 @@ impl<'a> SensorSimulation<'a> {
     pub fn noise(&self, index: u32) -> Vec<Complex64> {
         let mut random = Random::new(self.seed, NOISE_STREAM, self.class as u64, u64::from(index));
         let draw = |_| Complex64::new(random.gaussian(), random.gaussian()) * FRAC_1_SQRT_2;
-        self.conditioned((0..SETTLE_SLOTS + self.slots).map(draw).collect())
+        self.conditioned((0..self.simulated()).map(draw).collect())
     }
 
     /// One person's slow-time signal for intensities: clutter removed, as the measured one has it.
     pub fn signal(&self, rho: f64, set: Set, index: u32) -> Vec<Complex64> {
+        self.shown(self.simulation(self.scenario, rho, set, index).advance_blocks(self.simulated()))
+    }
+
+    /// Range samples as they are shown for intensities.
+    fn shown(&self, mut beats: Vec<Blocks>) -> Vec<Complex64> {
         if self.real || self.single_cell {
-            return self.slow_time(self.scenario, rho, set, index);
+            return self.conditioned(self.unconditioned(&beats));
         }
-        let mut simulation = Simulation::new(self.scenario, rho, self.seed, set, self.class, index);
-        let mut beats = simulation.advance_blocks(SETTLE_SLOTS + self.slots);
         without_clutter(&beats.split_off(SETTLE_SLOTS as usize), self.scenario.radar.range_samples)
     }
 
@@ -111,8 +124,12 @@ impl<'a> SensorSimulation<'a> {
     /// The KL curve over rho, what was simulated at each of its points, and the place of its minimum.
     pub fn search(&self, measured: &Counts, progress: Progress) -> (Vec<KlPoint>, Vec<Counts>, usize) {
         let done = AtomicU64::new(0);
+        let of = |rho, index| self.simulation(self.scenario, rho, Set::Calibration, index);
+        let steady: Vec<Vec<Blocks>> =
+            (0..PEOPLE).into_par_iter().map(|index| of(1.0, index).steady_blocks(self.simulated())).collect();
         let found = search(measured, |rho| {
-            let counts = self.counts(rho, Set::Calibration, PEOPLE);
+            let person = |index: u32| self.shown(of(rho, index).with_fluctuation(&steady[index as usize]));
+            let counts = self.counted((0..PEOPLE).into_par_iter().map(person));
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, EVALUATIONS);
             counts
         });

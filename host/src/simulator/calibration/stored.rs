@@ -4,9 +4,8 @@
 //! writes it again: the paper's experiments and the measured recordings as they were found, and what the hybrid channel of one
 //! person needs to stand for a room with a second one.
 
-use super::divergence::search;
+use super::SURROGATES;
 use super::sensor::SensorSimulation;
-use super::{PEOPLE, SURROGATES};
 use crate::scenario::{Class, Scenario};
 use crate::simulator::dataset::Set;
 use schemars::JsonSchema;
@@ -133,7 +132,7 @@ pub fn regenerate(seed: u64, progress: super::Progress) -> Table {
                 let surrogate = SensorSimulation::new(&room, seed, class, false, 1000);
                 let sensor = SensorSimulation::new(&single, seed, class, false, 1000);
                 let measured = surrogate.counts(PAPER_RHO, Set::Surrogate, SURROGATES);
-                let (curve, _, best) = search(&measured, |rho| sensor.counts(rho, Set::Calibration, PEOPLE));
+                let (curve, _, best) = sensor.search(&measured, &|_, _| ());
                 let last = curve.len() - 1;
                 let round = |x: f64| (x * 1e4).round() / 1e4;
                 entry.push(Stored {

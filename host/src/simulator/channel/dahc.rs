@@ -137,8 +137,11 @@ impl ChannelModel for Dahc {
         }
     }
 
-    fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
+    fn fluctuation(&mut self, sensor: &Sensor, beats: &mut [Blocks]) {
         self.room.beats(&mut self.random, sensor, beats);
+    }
+
+    fn steady_beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         if !self.mean.is_empty() {
             self.mean_beats(scene, sensor, beats);
         }

@@ -128,6 +128,15 @@ pub trait ChannelModel: Send {
     /// `interval_s` apart. Models with sums that can be formed faster than path by path do so; the result agrees with
     /// [`ChannelModel::paths`] to -80 dB, of people with limbs far from the torso to -65 dB. A model keeps to the sensor it is first asked for.
     fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
+        self.fluctuation(sensor, beats);
+        self.steady_beats(scene, interval_s, sensor, beats);
+    }
+
+    /// The part of [`ChannelModel::beats`] that depends on rho: the room's AR(1) response. Models without one add nothing.
+    fn fluctuation(&mut self, _sensor: &Sensor, _beats: &mut [Blocks]) {}
+
+    /// The other part, which is the same for every rho.
+    fn steady_beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
             let scene = scene.later(n, interval_s);

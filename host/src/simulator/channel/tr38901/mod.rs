@@ -193,7 +193,7 @@ impl ChannelModel for IndoorOffice {
         self.people(scene, &screens, paths);
     }
 
-    fn beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
+    fn steady_beats(&mut self, scene: &Scene, interval_s: f64, sensor: &Sensor, beats: &mut [Blocks]) {
         let mut paths = Vec::new();
         for (n, beat) in beats.iter_mut().enumerate() {
             let scene = scene.later(n, interval_s);
