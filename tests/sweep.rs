@@ -150,7 +150,7 @@ fn scripts_are_written_and_a_missing_slurm_is_named() {
 fn the_plans_of_the_documentation_are_legal() {
     let folder = tempfile::tempdir().expect("a folder");
     let plans = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/plans");
-    for (name, shards) in [("quick.toml", 4), ("carriers.toml", 100)] {
+    for (name, shards) in [("quick.toml", 4), ("carriers.toml", 100), ("spacing.toml", 50)] {
         let (plan, out) = (plans.join(name), folder.path().join(name));
         let arguments = [
             "sweep",
