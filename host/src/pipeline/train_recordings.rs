@@ -20,7 +20,6 @@ use crate::network::unknown::unknown;
 use crate::recordings::Stated;
 use crate::recordings::labels::Labelled;
 use crate::results::{LearnedNetwork, LearnedRecording, LearnedRecordings};
-use crate::scenario::Scenario;
 use sdp3_core::dims::Beat;
 use sdp3_core::dsn::head::MAX_CLASSES;
 use std::collections::BTreeSet;
@@ -186,7 +185,7 @@ impl Job {
         self.write_networks(&trained)?;
         self.write_models(&models)?;
         // fine-tuning's learning rate is its own
-        self.output.write(Scenario::FILE, self.scenario.to_toml().as_bytes())?;
+        self.output.write(crate::scenario::Scenario::FILE, self.scenario.to_toml().as_bytes())?;
         let tested = answers.iter().map(|answers| {
             let counts = |(r, a): (&Recording, &Answers)| (correct(&a.int8, r.label), a.int8.len());
             effective_sample_size(&recordings.iter().zip(answers).map(counts).collect::<Vec<_>>())
