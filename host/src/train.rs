@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::recordings::Stated;
 use crate::results::LearnedRecordings;
 use crate::scenario::{Override, Scenario};
-use crate::simulator::dataset;
+use crate::simulator::validity;
 use crate::store::output::Output;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -74,7 +74,7 @@ impl Training {
         } else {
             Scenario::parse_with(&self.scenario, file, &set)?
         };
-        dataset::check(&scenario)?;
+        validity::check(&scenario)?;
         let slots = scenario.frame.sensing_slots.clone();
         let job = Job {
             scenario,

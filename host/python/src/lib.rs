@@ -30,7 +30,7 @@ fn toml(text: &str) -> &str {
 /// A scenario from TOML or by its name; empty: the paper's.
 fn parsed(text: &str) -> PyResult<Scenario> {
     let scenario = Scenario::parse(toml(text), Path::new("scenario")).map_err(refused)?;
-    sdp3::simulator::dataset::check(&scenario).map_err(refused)?;
+    sdp3::simulator::validity::check(&scenario).map_err(refused)?;
     Ok(scenario)
 }
 

@@ -94,7 +94,7 @@ impl Context {
             let threads = rayon::current_num_threads();
             progress.note("sdp3", &format!("{threads} threads, results in {}", common.out.display()));
         }
-        crate::simulator::dataset::check(&scenario)?;
+        crate::simulator::validity::check(&scenario)?;
         Ok(Context { common, scenario, progress })
     }
 

@@ -51,7 +51,7 @@ use crate::network::spectrograms::{Part, Recordings};
 use crate::progress::Progress;
 use crate::scenario::budget::Budget;
 use crate::scenario::{Override, Scenario};
-use crate::simulator::{calibration, dataset};
+use crate::simulator::{calibration, validity};
 use crate::store::output::Output;
 use std::path::{Path, PathBuf};
 #[cfg(feature = "train")]
@@ -113,7 +113,7 @@ impl Job {
 pub fn scenario_errors(file: &Path, set: &[Override]) -> Result<Vec<String>, Failure> {
     let errors = Scenario::errors_of(file, set);
     if errors.is_empty() {
-        let found = dataset::check(&Scenario::resolve(Some(file), set)?);
+        let found = validity::check(&Scenario::resolve(Some(file), set)?);
         return Ok(found.err().map(|error| error.to_string()).into_iter().collect());
     }
     Ok(errors.iter().map(ToString::to_string).collect())

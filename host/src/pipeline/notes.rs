@@ -3,7 +3,7 @@
 use super::Job;
 use crate::scenario::{Class, Room};
 use crate::simulator::channel::link::knows_walls;
-use crate::simulator::{calibration, dataset};
+use crate::simulator::{calibration, validity};
 
 /// A standard deviation of an accuracy, in points, that needs no warning.
 const MOST_UNCERTAIN_POINTS: f64 = 5.0;
@@ -11,7 +11,7 @@ const MOST_UNCERTAIN_POINTS: f64 = 5.0;
 impl Job {
     /// A warning if limbs of people of these classes alias.
     pub fn warn_of_aliasing(&self, classes: &[Class]) {
-        if let Some(a) = dataset::aliasing(&self.scenario, classes) {
+        if let Some(a) = validity::aliasing(&self.scenario, classes) {
             let cure = match a.spacing_slots {
                 Some(n) => format!("frame.spacing_slots = {n} would not"),
                 None => "no spacing of these slots would not".to_owned(),
@@ -26,7 +26,7 @@ impl Job {
 
     /// A note if people come nearer than the antenna's far field.
     pub fn note_near_field(&self) {
-        if let Some([nearest, far]) = dataset::near_field(&self.scenario) {
+        if let Some([nearest, far]) = validity::near_field(&self.scenario) {
             let text = format!(
                 "the antenna's far field begins at {far:.1} m (2 D^2 / lambda) and people come as near as {nearest:.1} m, where its pattern \
                  and the radar equation are approximations"

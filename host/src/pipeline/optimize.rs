@@ -17,7 +17,7 @@ use crate::predictor::{Model, best_curve, fit_all, predict};
 use crate::report::{self, figures, plot::Medium};
 use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Prediction, Retested, SweepRow};
 use crate::scenario::Class;
-use crate::simulator::dataset;
+use crate::simulator::validity;
 use sdp3_core::early_exit::EXITS;
 use std::path::Path;
 
@@ -71,7 +71,7 @@ impl Job {
         let job = self.of_folder()?;
         let rho = job.rho();
         let models = job.models(QUANTIZE_FIRST)?;
-        dataset::check(&job.scenario)?;
+        validity::check(&job.scenario)?;
         #[cfg(feature = "train")]
         job.check_cost(Work::Classify(job.scenario.learning.test_per_class), rho)?;
         let retest = Retest::new(&job.scenario, rho, job.seed, &models)?;

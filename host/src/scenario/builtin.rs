@@ -54,7 +54,7 @@ pub fn named(name: &Path) -> Option<&'static BuiltIn> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulator::dataset::aliasing;
+    use crate::simulator::validity::aliasing;
 
     #[test]
     fn every_one_is_legal_unlike_the_others_and_does_not_alias() {

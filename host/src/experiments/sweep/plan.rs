@@ -5,7 +5,7 @@ use crate::error::{Failure, Invalid};
 use crate::results::Cell;
 use crate::scenario::{Scenario, syntax_message};
 use crate::simulator::calibration::{stored_elsewhere, stored_rho};
-use crate::simulator::dataset;
+use crate::simulator::validity;
 use crate::store::digest::sha256;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
@@ -191,7 +191,7 @@ fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Arc<Scenario>)>, Failur
                 scenario.name
             );
             own.check(&origin)?;
-            dataset::check(&own)?;
+            validity::check(&own)?;
             let own = Arc::new(own);
             for &seed in plan.seeds.iter().flatten() {
                 let (index, scenario) = (cells.len() as u32, own.name.clone());
