@@ -3,10 +3,10 @@
 //! One file for what is simulated, one for what is optimized, one for the radar module, one for recordings, one for training. Every function calls what the command of its name
 //! calls; answers that are no arrays are the commands' JSON as Python objects. Bad input is a `ValueError` with the command's words.
 
+mod optimizer;
 mod radar;
 mod recordings;
 mod simulator;
-mod optimizer;
 #[cfg_attr(not(feature = "train"), path = "untrained.rs")]
 mod training;
 

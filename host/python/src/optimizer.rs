@@ -11,8 +11,12 @@ use sdp3::results::CurvePoint;
 fn points(rows: &[Vec<f64>]) -> PyResult<Vec<CurvePoint>> {
     let point = |(n, row): (usize, &Vec<f64>)| match row[..] {
         [sensing_slots, accuracy] => Ok(CurvePoint { sensing_slots, accuracy, tested: None, std: None }),
-        [sensing_slots, accuracy, tested] => Ok(CurvePoint { sensing_slots, accuracy, tested: Some(tested), std: None }),
-        _ => Err(refused(sdp3::error::Invalid::new("numbers", row.len(), "2 or 3").at(format!("point {}", n + 1)))),
+        [sensing_slots, accuracy, tested] => {
+            Ok(CurvePoint { sensing_slots, accuracy, tested: Some(tested), std: None })
+        }
+        _ => Err(refused(
+            sdp3::error::Invalid::new("numbers", row.len(), "2 or 3").at(format!("point {}", n + 1)),
+        )),
     };
     rows.iter().enumerate().map(point).collect()
 }
@@ -65,7 +69,7 @@ pub fn optimize<'py>(
     let (curve, outcome) = found.map_err(refused)?;
     let value = serde_json::json!({
         "curve": curve, "region": outcome.region, "operating_point": outcome.operating_point,
-        "weighted": outcome.weighted, "cases": outcome.cases, "spacings": outcome.spacings,
+        "weighted": outcome.weighted, "cases": outcome.cases,
         "zone_ratio": scenario.optimizer.zone_ratio,
     });
     object(py, &value)

@@ -143,7 +143,11 @@ impl Model {
         let slots = self::slots(slots, model.radar())?;
         if slots.len() != model.sensing_slots() {
             let (have, need) = (slots.len(), model.sensing_slots());
-            return Err(refused(Invalid::new("number of slots", have, format!("{need}, as the model takes"))));
+            return Err(refused(Invalid::new(
+                "number of slots",
+                have,
+                format!("{need}, as the model takes"),
+            )));
         }
         let mut memory = OwnedMemory::for_model(&model);
         let mut pipeline = memory.pipeline::<NativeStft>(model).map_err(refused)?;

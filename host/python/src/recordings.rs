@@ -82,6 +82,7 @@ pub fn classify<'py>(
         Ok(())
     });
     let ended = ended.map_err(refused)?;
-    let found = json!({ "windows": windows, "early_exits": ended.early_exits, "supervision": ended.supervision });
+    let found =
+        json!({ "windows": windows, "early_exits": ended.early_exits, "supervision": ended.supervision });
     object(py, &found)
 }

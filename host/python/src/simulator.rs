@@ -52,16 +52,19 @@ pub fn simulate<'py>(
     let work = Work::new(&scenario, rho, seed, per_class, classes, raw, false);
     let (count, slots) = (work.recordings() as usize, work.slots() as usize);
     let all: Vec<part::One> =
-        py.detach(|| (0..count as u32).into_par_iter().map(|index| part::one(&work, index)).collect());
+        py.detach(|| (0..count as u32).into_par_iter().map(|index| part::recording(&work, index)).collect());
     let frames = all.first().map_or(0, |one| one.image.len() / sdp3_core::dims::ROWS);
     let arrays = PyDict::new(py);
-    let beat: Vec<i32> = all.iter().flat_map(|one| one.beat.iter().copied()).collect();
-    arrays.set_item("beat", PyArray1::from_vec(py, beat).reshape([count, slots, sdp3_core::dims::BEATS, 2])?)?;
+    let beat: Vec<i32> = all.iter().flat_map(|one| &one.beat).flatten().flat_map(|z| [z.re, z.im]).collect();
+    arrays
+        .set_item("beat", PyArray1::from_vec(py, beat).reshape([count, slots, sdp3_core::dims::BEATS, 2])?)?;
     let image: Vec<i8> = all.iter().flat_map(|one| one.image.iter().copied()).collect();
-    arrays.set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::dims::ROWS, frames])?)?;
+    arrays
+        .set_item("image", PyArray1::from_vec(py, image).reshape([count, sdp3_core::dims::ROWS, frames])?)?;
     arrays.set_item("label", PyArray1::from_vec(py, all.iter().map(|one| one.label).collect()))?;
     if raw {
-        let values = all.iter().filter_map(|one| one.slots.as_ref()).flat_map(|slots| slots.values.iter().copied());
+        let values =
+            all.iter().filter_map(|one| one.slots.as_ref()).flat_map(|slots| slots.values.iter().copied());
         let mut shape = vec![count, slots, usize::from(scenario.radar.samples)];
         shape.extend((scenario.radar.format == Format::Complex).then_some(2));
         arrays.set_item("raw", PyArray1::from_vec(py, values.collect()).reshape(shape)?)?;

@@ -79,8 +79,13 @@ pub struct One {
 /// Memory of raw slots that have been written: fresh memory costs a fault a page.
 type Spare = Mutex<Vec<Vec<i16>>>;
 
-/// Recording `index`: a function of (scenario, classes, rho, seed, index) alone. Raw slots are made where they are stored, and
-/// beats and image are then theirs; else the beats are made directly.
+/// Recording `index`: a function of (scenario, classes, rho, seed, index) alone.
+pub fn recording(work: &Work, index: u32) -> One {
+    one(work, index, &Spare::default())
+}
+
+/// As [`recording`], in memory that is used again. Raw slots are made where they are stored, and beats and image are then theirs; else
+/// the beats are made directly.
 fn one(work: &Work, index: u32, spare: &Spare) -> One {
     let Work { scenario, rho, request, .. } = work;
     let count = request.classes.len() as u32;

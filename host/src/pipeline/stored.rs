@@ -16,8 +16,6 @@ use std::path::{Path, PathBuf};
 
 /// The results of a run.
 pub(super) const RUN: &str = "run.json";
-/// How the networks were trained.
-pub(super) const TRAINING: &str = "training.json";
 /// File of what a run's figures show.
 pub(super) const FIGURES: &str = "figures.json";
 
@@ -151,10 +149,10 @@ impl Job {
         if let Some(run) = self.own_run()? {
             return Ok(run.seed);
         }
-        if !self.output.path(TRAINING).exists() {
+        if !self.output.path(TrainingHistory::FILE).exists() {
             return Ok(self.seed);
         }
-        let (_, made) = self.output.read_result::<TrainingHistory>(TRAINING, TRAIN_FIRST)?;
+        let (_, made) = self.output.read_result::<TrainingHistory>(TrainingHistory::FILE, TRAIN_FIRST)?;
         Ok(made.seed.unwrap_or(self.seed))
     }
 

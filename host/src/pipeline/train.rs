@@ -2,7 +2,6 @@
 
 use super::expected::Work;
 use super::learn::{How, Trained, class_names};
-use super::stored::TRAINING;
 use super::{Job, budget};
 use crate::dataset::Stored;
 use crate::error::Failure;
@@ -115,7 +114,8 @@ impl Job {
         for (parameters, n) in trained.parameters.iter().zip(&self.scenario.frame.sensing_slots) {
             self.output.write_json(&network_name(*n), parameters)?;
         }
-        self.output.write_result(TRAINING, &TrainingHistory { networks: trained.training.clone() })?;
+        self.output
+            .write_result(TrainingHistory::FILE, &TrainingHistory { networks: trained.training.clone() })?;
         Ok(())
     }
 

@@ -393,6 +393,11 @@ pub struct TrainingHistory {
     pub networks: Vec<Training>,
 }
 
+impl TrainingHistory {
+    /// Name of its file.
+    pub const FILE: &str = "training.json";
+}
+
 /// Everything the pictures show, beside [`Run`]: what `figures.json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Figures {
