@@ -146,12 +146,61 @@ fn case_two_contains_case_one_at_every_number_of_slots() {
     assert!(at(n).is_some_and(|a| a >= 0.93) && at(n - 1).is_some_and(|a| a < 0.93));
     assert_eq!(found["cases"].as_array().map(Vec::len), Some(2));
     assert_eq!(found["cases"][0]["borders"].as_array().map(Vec::len), Some(2));
-    let spacings = found["spacings"].as_array().expect("every N_m");
-    // 0 to 25 free slots after each: 4000 / 26 = 153, and an image takes 152
-    assert_eq!(spacings.len(), 26);
+    // points of one N_m leave no other to compare it with
+    assert!(found.get("spacings").is_none());
     // throughput asked for is throughput got, and one slot more of sensing would not do
     let asked = number(&point["throughput_bit"]);
     let again = optimize(&["--throughput", &asked.to_string()]);
     assert!(again["operating_point"]["sensing_slots"].as_u64() >= Some(n));
     assert!(number(&again["operating_point"]["throughput_bit"]) >= asked);
+}
+
+#[test]
+fn the_spacing_of_the_most_throughput_is_chosen_and_its_boundary_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let points = "spacing_slots,sensing_slots,accuracy,tested\n3,200,0.80,500\n3,300,0.86,500\n3,400,0.92,500\n3,600,0.96,500\n\
+                  3,1000,0.98,500\n12,160,0.93,500\n12,200,0.96,500\n12,250,0.98,500\n12,300,0.99,500\n";
+    std::fs::write(file("p.csv"), points).expect("points");
+    let (points, out) = (file("p.csv"), file("out"));
+    let optimize = |rest: &[&str]| {
+        let fixed = ["optimize", "--json", "--points", &points, "--out", &out];
+        outcome(&call(&program(), &[&fixed[..], rest].concat()))
+    };
+    let of = |rest: &[&str]| {
+        let (code, stdout, stderr) = optimize(rest);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).expect("JSON")
+    };
+    let found = of(&["--accuracy", "0.95"]);
+    let point = &found["operating_point"];
+    assert_eq!(point["spacing_slots"], 12);
+    let [three, twelve] = [0, 1].map(|at| &found["spacings"][at]);
+    assert_eq!((&three["spacing_slots"], &twelve["spacing_slots"]), (&3.into(), &12.into()));
+    for field in ["sensing_slots", "accuracy", "throughput_bit"] {
+        assert_eq!(twelve[field], point[field], "{field}");
+    }
+    assert!(number(&three["throughput_bit"]) < number(&point["throughput_bit"]));
+    // the boundary is that of the chosen N_m: 152 to 4000 / 13 = 307 slots
+    let boundary = std::fs::read_to_string(file("out/boundary.csv")).expect("the boundary");
+    let case_one = boundary.lines().filter(|line| line.starts_with("1,"));
+    assert_eq!(case_one.count(), 307 - 152 + 1);
+    // the scenario beside it is legal, and goes on
+    let scenario = file("out/optimize-scenario.toml");
+    assert_eq!(&of(&["--accuracy", "0.95", "--scenario", &scenario])["operating_point"], point);
+    // N_m = 3 alone gives the row that it has among several
+    let text = std::fs::read_to_string(&points).expect("points");
+    let alone: Vec<&str> = text.lines().filter(|line| !line.starts_with("12,")).collect();
+    std::fs::write(&points, alone.join("\n")).expect("points");
+    let again = of(&["--accuracy", "0.95"]);
+    for field in ["sensing_slots", "accuracy", "throughput_bit"] {
+        assert_eq!(three[field], again["operating_point"][field], "{field}");
+    }
+    assert!(again.get("spacings").is_none());
+    // a sweep of links is of one N_m, and so is a learning curve
+    std::fs::write(&points, text).expect("points");
+    let (code, _, stderr) = optimize(&["--sweep", "users=1,3"]);
+    assert!(code == 2 && stderr.contains("--sweep takes points of one N_m"), "{stderr}");
+    let (code, _, stderr) = outcome(&call(&program(), &["predict", "--points", &points, "--out", &out]));
+    assert!(code == 2 && stderr.contains("spacing_slots is 3, 12, must be one N_m"), "{stderr}");
 }

@@ -72,7 +72,7 @@ fn optimum(
 ) -> Result<Optimum, Failure> {
     let points = match &retested {
         Some(retested) => retested.points(),
-        None => sdp3::formats::points::read(points)?,
+        None => sdp3::formats::points::read_one_spacing(points)?,
     };
     let curve = best_curve(&fit_all(&points)?);
     let rule = Rule::Weighted(scenario.optimizer.accuracy_weight);

@@ -9,7 +9,7 @@ pub mod limited_water_filling;
 pub mod operating_point;
 pub mod region;
 pub(crate) mod shares;
-pub(crate) mod spacings;
+pub mod spacings;
 pub(crate) mod sweep;
 pub mod theorem;
 pub(crate) mod throughput;
@@ -21,9 +21,7 @@ pub use operating_point::Rule;
 use crate::error::Invalid;
 use crate::formats::table;
 use crate::predictor::bootstrap::interval;
-use crate::results::{
-    Case, Curve, CurvePoint, Link, OperatingPoint, Optimum, RegionPoint, Spacing, WeightedPoint,
-};
+use crate::results::{Case, Curve, CurvePoint, Link, OperatingPoint, Optimum, RegionPoint, WeightedPoint};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::simulator::channel::link;
 use region::Point;
@@ -88,8 +86,6 @@ pub struct Outcome {
     pub weighted: Vec<WeightedPoint>,
     /// Every case: bits per slot, borders of its zones, its operating point.
     pub cases: Vec<Case>,
-    /// N_m varied in the case of the point for the scheduler.
-    pub spacings: Vec<Spacing>,
     /// The point handed to the scheduler.
     pub operating_point: OperatingPoint,
 }
@@ -97,8 +93,8 @@ pub struct Outcome {
 impl Outcome {
     /// With the learning curve and the scenario that it is of.
     pub fn optimum(self, curve: Curve, scenario: &Scenario) -> Optimum {
-        let Outcome { region, weighted, cases, spacings, operating_point } = self;
-        let zone_ratio = scenario.optimizer.zone_ratio;
+        let Outcome { region, weighted, cases, operating_point } = self;
+        let (zone_ratio, spacings) = (scenario.optimizer.zone_ratio, Vec::new());
         Optimum { curve, region, operating_point, weighted, cases, spacings, zone_ratio, retested: None }
     }
 }
@@ -305,8 +301,7 @@ pub fn optimise(
     let Some(operating_point) = case.operating_point.clone() else {
         return Err(OptimizerError::unreachable(rule, &region::boundary(scenario, curve, &case.slot_bit)?));
     };
-    let spacings = spacings::spacings(scenario, curve, &case.slot_bit, rule);
-    Ok(Outcome { region, weighted, cases, spacings, operating_point })
+    Ok(Outcome { region, weighted, cases, operating_point })
 }
 
 /// Writes the boundaries of all cases at every N_s as CSV, one boundary after the other; curve, points and scenario are those that the

@@ -38,6 +38,11 @@ impl Rule {
 
 /// Index of the chosen point, the first of equals; `None` if no point satisfies the rule.
 pub fn choose(points: &[Point], rule: Rule) -> Option<usize> {
+    choose_within(points, points, rule)
+}
+
+/// As [`choose`], with the spans of [`Rule::Weighted`] those of `all`.
+pub fn choose_within(points: &[Point], all: &[Point], rule: Rule) -> Option<usize> {
     let best = |score: &dyn Fn(&Point) -> Option<f64>| {
         let mut found: Option<(usize, f64)> = None;
         for (index, point) in points.iter().enumerate() {
@@ -50,8 +55,8 @@ pub fn choose(points: &[Point], rule: Rule) -> Option<usize> {
     match rule {
         Rule::Weighted(w) => {
             let range = |value: fn(&Point) -> f64| {
-                let low = points.iter().map(value).fold(f64::INFINITY, f64::min);
-                let high = points.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
+                let low = all.iter().map(value).fold(f64::INFINITY, f64::min);
+                let high = all.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
                 (low, high - low)
             };
             let (a, r) = (range(|p| p.accuracy), range(|p| p.throughput_bit));

@@ -11,16 +11,8 @@ const MOST_UNCERTAIN_POINTS: f64 = 5.0;
 impl Job {
     /// A warning if limbs of people of these classes alias.
     pub fn warn_of_aliasing(&self, classes: &[Class]) {
-        if let Some(a) = validity::aliasing(&self.scenario, classes) {
-            let cure = match a.spacing_slots {
-                Some(n) => format!("frame.spacing_slots = {n} would not"),
-                None => "no spacing of these slots would not".to_owned(),
-            };
-            let text = format!(
-                "warning: limbs at {:.1} m/s alias above {:.1} m/s at this carrier and spacing; {cure}",
-                a.limb_m_s, a.unambiguous_m_s
-            );
-            self.progress.note("simulate", &text);
+        if let Some(aliasing) = validity::aliasing(&self.scenario, classes) {
+            self.progress.note("simulate", &format!("warning: {aliasing}"));
         }
     }
 

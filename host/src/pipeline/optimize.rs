@@ -10,6 +10,7 @@ use crate::network::early_exits::calibration::weights;
 use crate::network::evaluation::Networks;
 use crate::network::retest::Retest;
 use crate::network::spectrograms::Part;
+use crate::optimizer::spacings::{Measured, spacings};
 use crate::optimizer::sweep::{self, Axis, Sweep};
 use crate::optimizer::{self, Outcome, Rule, early_exits, optimise};
 use crate::predictor::bootstrap::replicates;
@@ -19,7 +20,17 @@ use crate::results::{Accuracy, Curve, CurvePoint, EarlyExitResult, Optimum, Pred
 use crate::scenario::Class;
 use crate::simulator::validity;
 use sdp3_core::early_exit::EXITS;
+use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The curve of that name.
+fn fitted(prediction: &Prediction, model: Model) -> Result<Curve, Failure> {
+    let found = prediction.models.iter().find(|m| m.name == model.name());
+    let m = found.ok_or_else(|| {
+        format!("command line: --curve {}: it has no fit through these points", model.name())
+    })?;
+    Ok(Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse })
+}
 
 impl Job {
     /// The learning curve through accuracies.
@@ -41,7 +52,10 @@ impl Job {
     ///
     /// No points, or too few of them; a folder that cannot be written.
     pub fn prediction(self, file: Option<&Path>) -> Result<Prediction, Failure> {
-        let (job, points, origin) = self.with_points(file)?;
+        let (job, points, origin) = match file {
+            Some(file) => (self, points::read_one_spacing(file)?, format!("{}: ", file.display())),
+            None => self.with_points_of_run()?,
+        };
         job.budget.check_time(&budget::fits(points.len())).map_err(|e| format!("{origin}{e}"))?;
         let prediction = predict(&points, job.seed).map_err(|e| format!("{origin}{e}"))?;
         job.output.write_result("predict.json", &prediction)?;
@@ -49,16 +63,10 @@ impl Job {
         Ok(prediction)
     }
 
-    /// The points of a file, and its name for messages; or else the accuracies of the run, with which the job goes on in the run's
-    /// scenario and with its seed.
-    fn with_points(self, file: Option<&Path>) -> Result<(Self, Vec<CurvePoint>, String), Failure> {
-        match file {
-            Some(file) => Ok((self, points::read(file)?, format!("{}: ", file.display()))),
-            None => {
-                let points = stored::points(&self.run()?.accuracy);
-                Ok((self.of_folder()?, points, String::new()))
-            }
-        }
+    /// The accuracies of the run, with which the job goes on in the run's scenario and with its seed; and nothing for messages.
+    fn with_points_of_run(self) -> Result<(Self, Vec<CurvePoint>, String), Failure> {
+        let points = stored::points(&self.run()?.accuracy);
+        Ok((self.of_folder()?, points, String::new()))
     }
 
     /// Tests the models in the output folder again, on test recordings simulated in the folder's scenario with what is set over it, and
@@ -84,30 +92,48 @@ impl Job {
         Ok((job, found))
     }
 
-    /// The best learning curve, or `model`'s, through what was tested again, else the points of a file, else the accuracies of the run;
-    /// and the job that goes on.
+    /// The best learning curve, or `model`'s, at every N_m: through what was tested again, else the points of a file, else the
+    /// accuracies of the run; and the job that goes on.
     ///
     /// # Errors
     ///
     /// No points; too few of them for that curve.
-    pub fn learning_curve(
+    pub fn learning_curves(
         self,
         retested: Option<&Retested>,
         file: Option<&Path>,
         model: Option<Model>,
-    ) -> Result<(Self, Curve, Vec<CurvePoint>), Failure> {
-        let (job, points, origin) = match retested {
-            Some(retested) => (self, retested.points(), String::new()),
-            None => self.with_points(file)?,
+    ) -> Result<(Self, Vec<Measured>), Failure> {
+        let (job, stated, origin) = match (retested, file) {
+            (Some(retested), _) => (self, [(None, retested.points())].into(), String::new()),
+            (None, Some(file)) => (self, points::read(file)?, format!("{}: ", file.display())),
+            (None, None) => {
+                let (job, points, origin) = self.with_points_of_run()?;
+                (job, [(None, points)].into(), origin)
+            }
         };
-        job.budget.check_time(&budget::fits(points.len())).map_err(|e| format!("{origin}{e}"))?;
-        let prediction = fit_all(&points).map_err(|e| format!("{origin}{e}"))?;
-        let Some(model) = model else { return Ok((job, best_curve(&prediction), points)) };
-        let found = prediction.models.iter().find(|m| m.name == model.name());
-        let m = found.ok_or_else(|| {
-            format!("command line: --curve {}: it has no fit through these points", model.name())
-        })?;
-        Ok((job, Curve { model: m.name.clone(), parameters: m.parameters, rmse: m.rmse }, points))
+        let own = job.scenario.frame.spacing_slots;
+        let mut by_spacing: BTreeMap<u32, Vec<CurvePoint>> = BTreeMap::new();
+        for (spacing, points) in stated {
+            by_spacing.entry(spacing.unwrap_or(own)).or_default().extend(points);
+        }
+        if by_spacing.is_empty() {
+            by_spacing.insert(own, Vec::new());
+        }
+        let count = by_spacing.values().map(Vec::len).sum();
+        job.budget.check_time(&budget::fits(count)).map_err(|e| format!("{origin}{e}"))?;
+        let several = by_spacing.len() > 1;
+        let measured = |(spacing_slots, points): (u32, Vec<CurvePoint>)| -> Result<Measured, Failure> {
+            let of = if several { format!("N_m = {spacing_slots}: ") } else { String::new() };
+            let prediction = fit_all(&points).map_err(|e| format!("{origin}{of}{e}"))?;
+            let curve = match model {
+                None => best_curve(&prediction),
+                Some(model) => fitted(&prediction, model)?,
+            };
+            Ok(Measured { spacing_slots, curve, points })
+        };
+        let measured = by_spacing.into_iter().map(measured).collect::<Result<Vec<_>, _>>()?;
+        Ok((job, measured))
     }
 
     /// Region and operating point.
@@ -136,27 +162,36 @@ impl Job {
         Ok(outcome)
     }
 
-    /// Region and operating point as files: `boundary.csv`, `optimize.json`, a figure.
+    /// Region and operating point as files, of the best N_m where there are several: `boundary.csv`, `optimize.json`, a figure.
     ///
     /// # Errors
     ///
     /// As [`Self::optimize`]; a folder that cannot be written.
     pub fn optimum(
-        &self,
-        curve: Curve,
-        points: &[CurvePoint],
+        mut self,
+        measured: Vec<Measured>,
         rule: Option<Rule>,
         retested: Option<Retested>,
     ) -> Result<Optimum, Failure> {
+        for one in &measured {
+            budget::regions(&one.scenario(&self.scenario), self.budget, 1)?;
+        }
+        let (best, spacings) = match measured.len() {
+            0 | 1 => (0, Vec::new()),
+            _ => spacings(&self.scenario, &measured, self.rule(rule), self.seed)?,
+        };
+        let best = measured.into_iter().nth(best).ok_or("points: none given")?;
+        self.scenario = best.scenario(&self.scenario);
+        let Measured { curve, points, .. } = best;
+        let points = points.as_slice();
         self.warn_of_aliasing(&Class::ALL);
         self.note_room();
-        budget::regions(&self.scenario, self.budget, 1)?;
         let outcome = self.optimize(&curve, points, rule)?;
         self.record("optimize")?;
         self.output.fill("boundary.csv", |file| {
             optimizer::write_boundary(file, &curve, points, &self.scenario, &outcome.cases)
         })?;
-        let found = Optimum { retested, ..outcome.optimum(curve, &self.scenario) };
+        let found = Optimum { retested, spacings, ..outcome.optimum(curve, &self.scenario) };
         self.output.write_result("optimize.json", &found)?;
         let region = figures::region(&found.region, &found.operating_point, &found.cases, points);
         self.draw("optimize", &region.svg(Medium::SINGLE))?;
@@ -167,13 +202,17 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// Links that are stated, not computed; a value no scenario has; a folder that cannot be written.
+    /// Points of several N_m; links that are stated, not computed; a value no scenario has; a folder that cannot be written.
     pub fn vary_links(
-        &self,
-        curve: (&Curve, &[CurvePoint]),
+        mut self,
+        measured: &[Measured],
         rule: Option<Rule>,
         axes: &[Sweep],
     ) -> Result<Vec<SweepRow>, Failure> {
+        let [one] = measured else {
+            return Err("command line: --sweep takes points of one N_m".into());
+        };
+        self.scenario = one.scenario(&self.scenario);
         if self.scenario.communication.slot_bit.is_some() {
             return Err(
                 "command line: --sweep varies channels; communication.slot_bit states links without one"
@@ -186,7 +225,7 @@ impl Job {
             let text = "warning: the accuracies are those of the points at every carrier; a sweep shows what a carrier does to the links";
             self.progress.note("optimize", text);
         }
-        let rows = sweep::rows(&self.scenario, curve, self.rule(rule), axes, self.seed)?;
+        let rows = sweep::rows(&self.scenario, (&one.curve, &one.points), self.rule(rule), axes, self.seed)?;
         self.record("optimize")?;
         let table = report::tables::sweep(&rows, self.scenario.period_s(), b',');
         self.output.write("sweep.csv", table.as_bytes())?;

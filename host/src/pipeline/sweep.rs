@@ -60,7 +60,7 @@ pub fn standing(sweep: &Sweep, shards: Option<u32>, out: &Path) -> Result<SweepS
 ///
 /// An environment that names no shard; a folder of another sweep; whatever a cell says.
 pub fn make(sweep: &Sweep, asked: Option<Shard>, out: &Path, context: RunContext) -> Result<Swept, Failure> {
-    for text in sweep.stored_elsewhere() {
+    for text in sweep.warnings() {
         context.progress.note("sweep", &format!("warning: {text}"));
     }
     let choice = shard::choose(asked, |name| std::env::var(name).ok())?;

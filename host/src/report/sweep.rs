@@ -110,6 +110,7 @@ mod tests {
             scenario: "room & hall".into(),
             carrier_hz: 3.5e9,
             rho,
+            spacing_slots: 3,
             points: vec![point(200), point(300)],
             curve: None,
             cases: Vec::new(),

@@ -45,7 +45,8 @@ pub struct Optimum {
     pub weighted: Vec<WeightedPoint>,
     /// User placements.
     pub cases: Vec<Case>,
-    /// Other spacings N_m.
+    /// Every N_m where the points are of several: its operating point by its own curve. Region and `operating_point` are of the best.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub spacings: Vec<Spacing>,
     /// Share of the larger normalised marginal rate below which a point is saturated.
     pub zone_ratio: f64,
@@ -102,24 +103,26 @@ pub struct Case {
     pub operating_point: Option<OperatingPoint>,
 }
 
-/// The operating point at one N_m.
+/// The operating point at one N_m, by the curve through the points measured there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spacing {
     /// N_m.
     pub spacing_slots: u32,
+    /// The learning curve.
+    pub curve: Curve,
     /// Most sensing slots that fit the period.
     pub most_sensing_slots: u32,
     /// Fastest radial speed that does not alias, m/s.
     pub unambiguous_m_s: f64,
-    /// Whether the curve was measured at this spacing.
-    pub learnt: bool,
     /// N_s of the operating point; absent if no point satisfies the rule.
     pub sensing_slots: Option<u32>,
+    /// Whether it lies outside the points that the curve was fitted to.
+    pub extrapolated: bool,
     /// Its accuracy by the curve.
     pub accuracy: Option<f64>,
     /// Its worst throughput in bits per period.
     pub throughput_bit: Option<f64>,
-    /// How long the radar sees the motion there, in s.
+    /// Time from its first sensing slot to its last, in s.
     pub observation_s: Option<f64>,
 }
 

@@ -1,6 +1,6 @@
 //! What a sweep measures: one cell, and the table of all.
 
-use super::{Accuracy, Case, Curve, Spread};
+use super::{Accuracy, Case, Curve, CurvePoint, Spread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -146,6 +146,8 @@ pub struct Group {
     pub carrier_hz: f64,
     /// AR(1) coefficient rho of the room channel.
     pub rho: f64,
+    /// N_m.
+    pub spacing_slots: u32,
     /// Accuracy over N_s, mean and deviation over the seeds.
     pub points: Vec<GroupPoint>,
     /// The best learning curve through the int8 means; absent where a curve needs more N_s.
@@ -173,6 +175,18 @@ pub struct GroupPoint {
     pub tested: u32,
     /// What the slots left over carry, one for each user placement.
     pub throughput: Vec<PointThroughput>,
+}
+
+impl GroupPoint {
+    /// The int8 mean as a point of a learning curve; of several seeds with the standard error of the mean.
+    pub fn curve_point(&self) -> CurvePoint {
+        CurvePoint {
+            sensing_slots: f64::from(self.sensing_slots),
+            accuracy: self.int8.mean,
+            tested: Some(f64::from(self.tested)),
+            std: self.int8.standard_error(),
+        }
+    }
 }
 
 /// Throughput of a placement at one N_s, mean over the seeds.

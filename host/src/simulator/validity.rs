@@ -8,6 +8,7 @@ use super::channel::antenna::far_field_m;
 use super::channel::{antenna, wavelength};
 use crate::error::Invalid;
 use crate::scenario::{AntennaPattern, Class, Scenario};
+use std::fmt;
 
 /// Deepest below the floor that a joint is captured, and fastest: a sprinter's foot passes 20 m/s.
 const FLOOR_M: f64 = 0.3;
@@ -98,6 +99,17 @@ pub struct Aliasing {
     pub unambiguous_m_s: f64,
     /// Largest N_m that would not alias, if any.
     pub spacing_slots: Option<u32>,
+}
+
+impl fmt::Display for Aliasing {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [limb, limit] = [self.limb_m_s, self.unambiguous_m_s];
+        write!(f, "limbs at {limb:.1} m/s alias above {limit:.1} m/s at this carrier and spacing; ")?;
+        match self.spacing_slots {
+            Some(n) => write!(f, "frame.spacing_slots = {n} would not"),
+            None => f.write_str("no spacing of these slots would not"),
+        }
+    }
 }
 
 /// Fastest limb of a class over its height, in 1/s: the toes, 4.9 times as fast as the body of who walks, 3.2 times as fast as of who runs.

@@ -26,7 +26,8 @@ pub struct PredictArgs {
 /// A region to draw and a point to choose.
 #[derive(Debug, Clone, Args)]
 pub struct OptimizeArgs {
-    /// CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run.
+    /// CSV or JSON with [spacing_slots, ]sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of
+    /// --out's run. Of several N_m (spacing_slots) the best is chosen.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Test --out's int8 models again on test recordings of the scenario with what --set changes, such as channel.rho, and take those
@@ -117,13 +118,13 @@ pub fn optimize(context: &Context, args: &OptimizeArgs) -> Result<bool, Failure>
         true => job.retest().map(|(job, found)| (job, Some(found)))?,
         false => (job, None),
     };
-    let (job, curve, points) = job.learning_curve(retested.as_ref(), args.points.as_deref(), args.curve)?;
+    let (job, measured) = job.learning_curves(retested.as_ref(), args.points.as_deref(), args.curve)?;
     if args.sweep.is_empty() {
-        let found = job.optimum(curve, &points, rule, retested)?;
+        let found = job.optimum(measured, rule, retested)?;
         context.print(&found, || words(&found))?;
     } else {
-        let rows = job.vary_links((&curve, &points), rule, &args.sweep)?;
         let period_s = job.scenario.period_s();
+        let rows = job.vary_links(&measured, rule, &args.sweep)?;
         context.print(&rows, || tables::sweep(&rows, period_s, b'\t').trim_end().to_owned())?;
     }
     Ok(true)
@@ -146,6 +147,7 @@ fn words(found: &Optimum) -> String {
             "accuracy at rho = {rho} on {tested} recordings, by networks as they were trained: N_s {each}"
         );
     }
+    text += &of_spacings(found);
     for case in &found.cases {
         match &case.operating_point {
             None => text += &format!("case {}: no point\n", case.case),
@@ -184,6 +186,27 @@ fn words(found: &Optimum) -> String {
     );
     text += "\n";
     text += &p.channels;
+    text
+}
+
+/// The operating point at every N_m, a line each.
+fn of_spacings(found: &Optimum) -> String {
+    let Optimum { operating_point: p, .. } = found;
+    let mut text = String::new();
+    for row in &found.spacings {
+        let mark = if row.spacing_slots == p.spacing_slots { "*" } else { " " };
+        let _ = write!(text, "{mark} N_m = {}: ", row.spacing_slots);
+        let _ = match (row.sensing_slots, row.accuracy, row.throughput_bit, row.observation_s) {
+            (Some(slots), Some(accuracy), Some(bit), Some(seconds)) => writeln!(
+                text,
+                "N_s = {slots} in {seconds:.3} s, accuracy {accuracy:.4}, {bit:.0} bit per period ({:.3} Mbit/s) by {}{}",
+                bit / p.period_s / 1e6,
+                row.curve.model,
+                beyond(row.extrapolated)
+            ),
+            _ => writeln!(text, "no point"),
+        };
+    }
     text
 }
 

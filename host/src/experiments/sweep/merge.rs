@@ -160,15 +160,7 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
         let scenario = &sweep.cells[first.index as usize].1;
         let by_slots = members.chunk_by(|a, b| a.cell.sensing_slots == b.cell.sensing_slots);
         let points: Vec<GroupPoint> = by_slots.map(|seeds| point(seeds, scenario)).collect();
-        let mut fitted: Vec<CurvePoint> = points
-            .iter()
-            .map(|p| CurvePoint {
-                sensing_slots: f64::from(p.sensing_slots),
-                accuracy: p.int8.mean,
-                tested: Some(f64::from(p.tested)),
-                std: None,
-            })
-            .collect();
+        let mut fitted: Vec<CurvePoint> = points.iter().map(GroupPoint::curve_point).collect();
         fitted.sort_by(|a, b| a.sensing_slots.total_cmp(&b.sensing_slots));
         // too few N_s for a curve are no fault of the sweep
         let curve = fit_all(&fitted).ok().map(|prediction| best_curve(&prediction));
@@ -188,6 +180,7 @@ fn groups(sweep: &Sweep, cells: &[Measurement]) -> Result<Vec<Group>, Failure> {
             scenario: first.scenario.clone(),
             carrier_hz,
             rho,
+            spacing_slots: scenario.frame.spacing_slots,
             points,
             curve,
             cases,

@@ -3,9 +3,9 @@
 use crate::PROGRAM;
 use crate::error::{Failure, Invalid};
 use crate::results::Cell;
-use crate::scenario::{Scenario, syntax_message};
+use crate::scenario::{Class, Scenario, syntax_message};
 use crate::simulator::calibration::{stored_elsewhere, stored_rho};
-use crate::simulator::validity;
+use crate::simulator::validity::{self, aliasing};
 use crate::store::digest::sha256;
 use crate::store::limited;
 use crate::store::output::{Output, OutputError};
@@ -125,15 +125,18 @@ impl Sweep {
         Ok(Sweep { plan, digest, cells })
     }
 
-    /// What is wrong with stored values of rho that cells use ([`stored_elsewhere`]), each once.
-    pub fn stored_elsewhere(&self) -> BTreeSet<String> {
-        let unstated = |own: &&Scenario| self.plan.rho.is_none() && own.channel.rho.is_none();
+    /// Warnings of every scenario at every carrier, each once: limbs that alias, and what is wrong with a stored rho that cells use.
+    pub fn warnings(&self) -> BTreeSet<String> {
         let mut words = BTreeSet::new();
-        for scenario in self.plan.scenario.iter().filter(unstated) {
-            for (carrier, ..) in combinations(&self.plan, scenario) {
+        for scenario in &self.plan.scenario {
+            for carrier_hz in carriers(&self.plan, scenario) {
                 let mut own = scenario.clone();
-                own.radar.carrier_hz = carrier;
-                words.extend(stored_elsewhere(&own));
+                own.radar.carrier_hz = carrier_hz;
+                let name = &own.name;
+                words.extend(aliasing(&own, &Class::ALL).map(|aliasing| format!("{name}: {aliasing}")));
+                if self.plan.rho.is_none() && own.channel.rho.is_none() {
+                    words.extend(stored_elsewhere(&own));
+                }
             }
         }
         words
@@ -205,19 +208,22 @@ fn expand(plan: &Plan, file: &Path) -> Result<Vec<(Cell, Arc<Scenario>)>, Failur
 
 /// Carriers x rho x N_s of a scenario.
 fn combinations(plan: &Plan, scenario: &Scenario) -> Vec<(f64, Option<f64>, u32)> {
-    let carriers = plan.carrier_hz.clone().unwrap_or_else(|| vec![scenario.radar.carrier_hz]);
     let memories = match &plan.rho {
         Some(values) => values.iter().copied().map(Some).collect(),
         None => vec![None],
     };
     let slots = plan.sensing_slots.clone().unwrap_or_else(|| scenario.frame.sensing_slots.clone());
     let mut all = Vec::new();
-    for &carrier in &carriers {
+    for carrier in carriers(plan, scenario) {
         for &rho in &memories {
             all.extend(slots.iter().map(|&n| (carrier, rho, n)));
         }
     }
     all
+}
+
+fn carriers(plan: &Plan, scenario: &Scenario) -> Vec<f64> {
+    plan.carrier_hz.clone().unwrap_or_else(|| vec![scenario.radar.carrier_hz])
 }
 
 /// Where the values came from.

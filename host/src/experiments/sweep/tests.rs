@@ -92,6 +92,28 @@ fn what_a_plan_leaves_out_is_the_scenarios_own() {
 }
 
 #[test]
+fn a_warning_names_the_scenario_whose_limbs_alias_once() {
+    // 4.66 m/s are unambiguous at 3.5 GHz with N_m = 3 and 12, not with 19, and at 60 GHz with none but 0
+    let scenario = |n: u32, slots: u32| {
+        format!(
+            "[[scenario]]\nname = \"every {}\"\nframe = {{ spacing_slots = {n}, sensing_slots = [{slots}, {}] }}\n",
+            n + 1,
+            slots + 10
+        )
+    };
+    let aliasing = |head: &str| {
+        let plan = format!("{head}rho = [0.99, 1.0]\n{}{}", scenario(12, 160), scenario(19, 160));
+        sweep(&plan).warnings().into_iter().collect::<Vec<_>>()
+    };
+    let of = |found: &[String], words: &[&str]| {
+        assert_eq!(found.len(), words.len(), "{found:?}");
+        found.iter().zip(words).for_each(|(text, word)| assert!(text.starts_with(word), "{text}"));
+    };
+    of(&aliasing(""), &["every 20: limbs at 4.7 m/s alias above 4.3 m/s"]);
+    of(&aliasing("carrier_hz = [60e9]\n"), &["every 13: limbs at 4.7 m/s", "every 20: limbs at 4.7 m/s"]);
+}
+
+#[test]
 fn plans_that_cannot_be_are_refused_by_field_value_and_range() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |text: &str, words: &[&str]| {
