@@ -1344,7 +1344,7 @@ Help: the tool and every command, with examples.
   Usage: sdp3 optimize [OPTIONS]
   
   Options:
-        --points <FILE>              CSV or JSON with [spacing_slots, ]sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run. Of several N_m (spacing_slots) the best is chosen
+        --points <FILE>              CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run. Of points with several N_m in spacing_slots, the best N_m is chosen
         --retest                     Test --out's int8 models again on test recordings of the scenario with what --set changes, such as channel.rho, and take those accuracies. Nothing is trained
         --curve <NAME>               Learning curve; absent: the best one [possible values: vapor_pressure, pow3, log_power, exp4, log_log_linear, ilog2, pow4]
         --accuracy <ACCURACY>        Accuracy of at least this, 0 to 1

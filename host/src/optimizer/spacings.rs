@@ -36,7 +36,7 @@ impl Measured {
     }
 }
 
-/// The operating point of every N_m in case `optimizer.case`, and the index of the N_m whose point is the best by `rule`. With
+/// The index of the N_m with the best operating point by `rule` in case `optimizer.case`, and the operating point of every N_m. With
 /// [`Rule::Weighted`] the spans that compare them are those of all boundaries.
 ///
 /// # Errors
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn the_best_spacing_is_the_one_whose_point_no_other_beats() {
+    fn the_best_spacing_has_the_best_operating_point() {
         let (scenario, measured) = (scenario(), three());
         for accuracy in [0.90, 0.95, 0.97] {
             let (best, rows) = spacings(&scenario, &measured, Rule::AccuracyAtLeast(accuracy), 1).unwrap();

@@ -26,8 +26,8 @@ pub struct PredictArgs {
 /// A region to draw and a point to choose.
 #[derive(Debug, Clone, Args)]
 pub struct OptimizeArgs {
-    /// CSV or JSON with [spacing_slots, ]sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of
-    /// --out's run. Of several N_m (spacing_slots) the best is chosen.
+    /// CSV or JSON with sensing_slots, accuracy[, tested][, std], or results of this tool; absent: the accuracies of --out's run. Of
+    /// points with several N_m in spacing_slots, the best N_m is chosen.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Test --out's int8 models again on test recordings of the scenario with what --set changes, such as channel.rho, and take those

@@ -92,7 +92,7 @@ fn what_a_plan_leaves_out_is_the_scenarios_own() {
 }
 
 #[test]
-fn a_warning_names_the_scenario_whose_limbs_alias_once() {
+fn a_scenario_with_aliasing_limbs_is_warned_of_once() {
     // 4.66 m/s are unambiguous at 3.5 GHz with N_m = 3 and 12, not with 19, and at 60 GHz with none but 0
     let scenario = |n: u32, slots: u32| {
         format!(
