@@ -93,4 +93,18 @@ mod tests {
         let rising: Vec<Point> = (0..20).map(|k| point(200 + 10 * k, 0.5 + 0.02 * f64::from(k))).collect();
         assert_eq!(choose(&rising, Rule::Weighted(0.9)), Some(19));
     }
+
+    #[test]
+    fn the_spans_of_more_points_may_make_another_point_the_best() {
+        let point = |n: u32, accuracy: f64| Point {
+            sensing_slots: n,
+            shares: Vec::new(),
+            accuracy,
+            throughput_bit: f64::from(4000 - n),
+        };
+        // of these two the first has all the throughput, of all three nearly as much as the second
+        let all = [point(100, 0.50), point(200, 0.51), point(3000, 0.505)];
+        assert_eq!(choose(&all[..2], Rule::Weighted(0.4)), Some(0));
+        assert_eq!(choose_within(&all[..2], &all, Rule::Weighted(0.4)), Some(1));
+    }
 }

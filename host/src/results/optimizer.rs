@@ -122,7 +122,7 @@ pub struct Spacing {
     pub accuracy: Option<f64>,
     /// Its worst throughput in bits per period.
     pub throughput_bit: Option<f64>,
-    /// Time from its first sensing slot to its last, in s.
+    /// Time observed: N_s times the interval between sensing slots, in s.
     pub observation_s: Option<f64>,
 }
 

@@ -4,6 +4,7 @@ use super::status::status;
 use super::store::{CELLS, Store};
 use super::{kubernetes, slurm};
 use crate::dataset::Shard;
+use crate::formats::points;
 use crate::results::{Accuracy, Cell, Measurement, Throughput};
 use crate::scenario::Scenario;
 use crate::simulator::calibration::stored_rho;
@@ -241,6 +242,24 @@ fn missing_damaged_and_foreign_cells_are_named_and_nothing_is_written() {
     let error = merge(&empty.path().join("none"), false).unwrap_err().to_string();
     assert!(error.contains("none: no sweep") && error.contains(PLAN), "{error}");
     assert!(!empty.path().join("none").exists());
+}
+
+#[test]
+fn a_merged_sweep_is_a_file_of_points_of_every_spacing() {
+    let scenarios = "[[scenario]]\nname = \"a\"\n[[scenario]]\nname = \"b\"\nframe = { spacing_slots = 12, sensing_slots = [200, 300] }\n";
+    let folder = filled(&sweep(&format!("sensing_slots = [200, 300]\nseeds = [1, 2]\n{scenarios}")));
+    let merged = merge(folder.path(), false).unwrap();
+    let found = points::read(&folder.path().join(JSON)).unwrap();
+    assert_eq!(found.keys().copied().collect::<Vec<_>>(), [Some(3), Some(12)]);
+    for (group, points) in merged.groups.iter().zip(found.values()) {
+        assert_eq!(points, &group.points.iter().map(|p| p.curve_point()).collect::<Vec<_>>());
+        assert!(points.iter().all(|p| p.tested == Some(1000.0) && p.std.is_some()), "{points:?}");
+    }
+    // at two values of rho there are two groups of an N_m
+    let folder = filled(&some());
+    merge(folder.path(), false).unwrap();
+    let refused = points::read(&folder.path().join(JSON)).unwrap_err().to_string();
+    assert!(refused.contains("group 2: spacing_slots is 3"), "{refused}");
 }
 
 #[test]
