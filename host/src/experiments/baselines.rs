@@ -4,16 +4,17 @@
 //! holds is asked at every N_s, seed by seed.
 
 use super::cells::Cells;
-use super::trained::{images, train};
+use super::paired::{Difference, difference, spread};
+use super::seeds::DEVELOPMENT_SEED;
+use super::trained::{Marked, images, mark, marks, train};
 use super::{Request, RunContext, Spread};
 use crate::error::Failure;
 use crate::network::baselines::Settings;
-use crate::network::baselines::accuracy;
 use crate::network::baselines::cnn::{Cnn, rates, validate};
 #[cfg(feature = "svm")]
 use crate::network::baselines::svm::{Machine, choose};
+use crate::network::evaluation::test;
 use crate::network::spectrograms::{Collected, Part};
-use crate::results::Accuracy;
 use crate::scenario::{Class, Learning};
 use crate::simulator::calibration::rho_of;
 use schemars::JsonSchema;
@@ -32,8 +33,11 @@ pub struct Row {
     pub accuracy: Vec<Spread>,
     /// Accuracy of every method, seed by seed.
     pub each: Vec<Vec<f64>>,
-    /// The support vector machine's settings, seed by seed.
-    pub machines: Vec<Settings>,
+    /// Accuracy of the first method less that of every other one, on the same recordings.
+    pub differences: Vec<Difference>,
+    /// The support vector machine's settings.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub machine: Option<Settings>,
     /// Test recordings of a seed.
     pub tested: u32,
 }
@@ -56,14 +60,6 @@ pub struct Rate {
     pub rate: f64,
     /// Every rate that was tried, and how many validation images it got right.
     pub tried: Vec<(f64, usize)>,
-}
-
-/// What the machine got right, and with which settings.
-#[cfg(feature = "svm")]
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Vectors {
-    accuracy: f64,
-    settings: Settings,
 }
 
 /// A seed's recordings, drawn when the first cell needs them.
@@ -101,39 +97,55 @@ impl Recordings<'_> {
         Ok(Rate { rate, tried })
     }
 
-    fn dsn(&self) -> Result<Vec<Accuracy>, Failure> {
-        let s = &self.request.scenario;
-        train(s, self.seed, self.of(Part::Train), self.context)?.test(s, self.of(Part::Test))
+    /// The support vector machine's settings, by cross-validation on training recordings.
+    #[cfg(feature = "svm")]
+    fn settings(&self, n: usize) -> Result<Settings, Failure> {
+        let stage = self.context.progress.stage("train", "the support vector machine's settings");
+        let found = choose(&self.of(Part::Train).images[n])?;
+        let slots = self.request.scenario.frame.sensing_slots[n];
+        stage.finish(&format!("C = {}, gamma = {:.3e} at N_s = {slots}", found.c, found.gamma));
+        Ok(found)
     }
 
-    fn cnn(&self, n: usize, rate: f64) -> Result<f64, Failure> {
+    fn dsn(&self) -> Result<Marked, Failure> {
+        let s = &self.request.scenario;
+        let trained = train(s, self.seed, self.of(Part::Train), self.context)?;
+        let shown = &self.of(Part::Test).images;
+        let tested = test(&trained.parameters, &trained.models, &s.frame.sensing_slots, shown)?;
+        Ok(tested
+            .iter()
+            .zip(shown)
+            .map(|(tested, shown)| mark(&tested.float.classes, &shown.labels))
+            .collect())
+    }
+
+    fn cnn(&self, n: usize, rate: f64) -> Result<String, Failure> {
         let s = &self.request.scenario;
         let learning = Learning { learning_rate: rate, ..s.learning.clone() };
         let slots = s.frame.sensing_slots[n];
         let stage = self.context.progress.stage("train", "a plain network");
         let tick = || stage.step(u64::from(learning.epochs));
         let (seed, workers) = (self.seed ^ (u64::from(slots) << 32), self.context.workers);
-        let images = &self.of(Part::Train).images[n];
-        let network = Cnn::train(images, &learning, Class::ALL.len(), seed, workers, &tick)?;
-        let test = &self.of(Part::Test).images[n];
-        let found = accuracy(&network.classify(test, workers)?, test);
-        stage.finish(&format!("plain network, N_s = {slots}, seed {}: {found:.3}", self.seed));
+        let train = &self.of(Part::Train).images[n];
+        let network = Cnn::train(train, &learning, Class::ALL.len(), seed, workers, &tick)?;
+        let shown = &self.of(Part::Test).images[n];
+        let found = mark(&network.classify(shown, workers)?, &shown.labels);
+        stage.finish(&format!("plain network, N_s = {slots}, seed {}", self.seed));
         Ok(found)
     }
 
     #[cfg(feature = "svm")]
-    fn svm(&self, n: usize) -> Result<Vectors, Failure> {
+    fn svm(&self, n: usize, settings: Settings) -> Result<String, Failure> {
         let stage = self.context.progress.stage("train", "a support vector machine");
-        let (train, test) = (&self.of(Part::Train).images[n], &self.of(Part::Test).images[n]);
-        let settings = choose(train)?;
-        let accuracy = accuracy(&Machine::train(train, settings)?.classify(test), test);
+        let (train, shown) = (&self.of(Part::Train).images[n], &self.of(Part::Test).images[n]);
+        let found = mark(&Machine::train(train, settings)?.classify(shown), &shown.labels);
         let slots = self.request.scenario.frame.sensing_slots[n];
-        stage.finish(&format!("support vector machine, N_s = {slots}, seed {}: {accuracy:.3}", self.seed));
-        Ok(Vectors { accuracy, settings })
+        stage.finish(&format!("support vector machine, N_s = {slots}, seed {}", self.seed));
+        Ok(found)
     }
 }
 
-/// Runs or goes on.
+/// Runs or goes on. What cannot be known before is chosen on training recordings of [`DEVELOPMENT_SEED`].
 ///
 /// # Errors
 ///
@@ -142,41 +154,47 @@ pub fn study(request: &Request, cells: &Cells, context: RunContext) -> Result<Ba
     let s = &request.scenario;
     let slots = &s.frame.sensing_slots;
     let rho = rho_of(s);
-    let mut rows: Vec<Row> = slots
-        .iter()
-        .map(|&sensing_slots| Row {
-            sensing_slots,
-            accuracy: Vec::new(),
-            each: vec![Vec::new(); METHODS.len()],
-            machines: Vec::new(),
-            tested: 0,
-        })
-        .collect();
-    let mut rate = None;
-    for seed in request.each_seed() {
+    let recordings = |seed: u64| {
         let (train, test) = (OnceCell::new(), OnceCell::new());
-        let recordings = Recordings { request, rho, seed, context, train, test };
-        let rate = match &rate {
-            Some(rate) => rate,
-            None => rate.insert(cells.get("cnn-rate", || recordings.rate())?),
-        };
-        let dsn = cells.get(&format!("seed-{seed}-dsn"), || recordings.dsn())?;
-        for (n, (row, dsn)) in rows.iter_mut().zip(dsn).enumerate() {
-            let name = |method: &str| format!("seed-{seed}-{method}-{}", slots[n]);
-            let cnn = cells.get(&name("cnn"), || recordings.cnn(n, rate.rate))?;
-            row.tested = dsn.tested;
-            row.each[0].push(dsn.float);
-            row.each[1].push(cnn);
-            #[cfg(feature = "svm")]
-            {
-                let svm = cells.get(&name("svm"), || recordings.svm(n))?;
-                row.machines.push(svm.settings);
-                row.each[2].push(svm.accuracy);
-            }
+        Recordings { request, rho, seed, context, train, test }
+    };
+    let development = recordings(DEVELOPMENT_SEED);
+    let rate = cells.get("cnn-rate", || development.rate())?;
+    #[cfg(feature = "svm")]
+    let settings: Vec<Settings> = (0..slots.len())
+        .map(|n| cells.get(&format!("svm-settings-{}", slots[n]), || development.settings(n)))
+        .collect::<Result<_, _>>()?;
+    drop(development);
+    // marks of every method, `[method][seed][sensing_slots]`
+    let mut kept: Vec<Vec<Marked>> = vec![Vec::new(); METHODS.len()];
+    for seed in request.each_seed() {
+        let recordings = recordings(seed);
+        kept[0].push(cells.get(&format!("seed-{seed}-dsn"), || recordings.dsn())?);
+        let name = |method: &str, n: usize| format!("seed-{seed}-{method}-{}", slots[n]);
+        let cnn = |n| cells.get(&name("cnn", n), || recordings.cnn(n, rate.rate));
+        kept[1].push((0..slots.len()).map(cnn).collect::<Result<_, _>>()?);
+        #[cfg(feature = "svm")]
+        {
+            let svm = |n| cells.get(&name("svm", n), || recordings.svm(n, settings[n]));
+            kept[2].push((0..slots.len()).map(svm).collect::<Result<_, _>>()?);
         }
     }
-    rows.iter_mut().for_each(|row| row.accuracy = row.each.iter().map(|each| Spread::of(each)).collect());
-    let found = Baselines { rho, rate: rate.ok_or("no seed")?, rows };
+    let row = |(n, &sensing_slots): (usize, &u32)| {
+        let marks: Vec<_> = kept.iter().map(|seeds| marks(seeds, n)).collect();
+        let share = |marks: &Vec<bool>| spread(std::slice::from_ref(marks)).mean;
+        Row {
+            sensing_slots,
+            accuracy: marks.iter().map(|marks| spread(marks)).collect(),
+            each: marks.iter().map(|seeds| seeds.iter().map(share).collect()).collect(),
+            differences: marks[1..].iter().map(|other| difference(&marks[0], other, request.seed)).collect(),
+            #[cfg(feature = "svm")]
+            machine: Some(settings[n]),
+            #[cfg(not(feature = "svm"))]
+            machine: None,
+            tested: marks[0].first().map_or(0, Vec::len) as u32,
+        }
+    };
+    let found = Baselines { rho, rate, rows: slots.iter().enumerate().map(row).collect() };
     cells.output.write_result("baselines.json", &found)?;
     cells.output.write("baselines.md", table(request, &found).as_bytes())?;
     Ok(found)
@@ -205,13 +223,26 @@ pub fn table(request: &Request, found: &Baselines) -> String {
     text += match METHODS.len() {
         3 => {
             " SVM: Gaussian kernel on mean, deviation, largest and smallest intensity of every Doppler row, C and gamma by \
-             cross-validation.\n\n"
+             cross-validation."
         }
-        _ => " This build has no support vector machine (feature `svm`).\n\n",
+        _ => " This build has no support vector machine (feature `svm`).",
     };
-    text += &format!("| N_s | {} |\n|---|{}\n", METHODS.join(" | "), "---|".repeat(METHODS.len()));
+    text += &format!(
+        " Both were chosen on training recordings of seed {DEVELOPMENT_SEED}. Differences in points, on the same recordings, with their \
+         95 % interval by bootstrap draws of seeds and recordings.\n\n"
+    );
+    let others: Vec<String> =
+        METHODS[1..].iter().map(|method| format!("{} - {method}", METHODS[0])).collect();
+    let columns = METHODS.len() + others.len();
+    text += &format!(
+        "| N_s | {} | {} |\n|---|{}\n",
+        METHODS.join(" | "),
+        others.join(" | "),
+        "---|".repeat(columns)
+    );
     for row in &found.rows {
-        let cells: Vec<String> = row.accuracy.iter().map(Spread::to_string).collect();
+        let mut cells: Vec<String> = row.accuracy.iter().map(Spread::to_string).collect();
+        cells.extend(row.differences.iter().map(Difference::to_string));
         text += &format!("| {} | {} |\n", row.sensing_slots, cells.join(" | "));
     }
     text

@@ -157,15 +157,14 @@ pub fn table(request: &Request, found: &Clutter) -> String {
         l.channels,
     );
     for row in &found.rows {
-        let [mean, low, high] =
-            [row.difference.mean, row.difference.low, row.difference.high].map(|share| 100.0 * share);
         let fixed: Vec<String> = row.fixed.iter().map(Spread::to_string).collect();
         text += &format!(
-            "| {} | {} | {} | {} | {mean:+.1} [{low:+.1}, {high:+.1}] |\n",
+            "| {} | {} | {} | {} | {} |\n",
             row.clutter_to_target_db,
             row.sensing_slots,
             row.adaptive,
             fixed.join(" | "),
+            row.difference,
         );
     }
     text

@@ -11,6 +11,7 @@ use crate::results::Spread;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Stream number of the redrawn seeds and recordings.
 const STREAM: u64 = 205;
@@ -27,6 +28,15 @@ pub struct Difference {
     pub low: f64,
     /// Upper end.
     pub high: f64,
+}
+
+/// In points, with as many decimals as asked for, or one.
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = f.precision().unwrap_or(1);
+        let [mean, low, high] = [self.mean, self.low, self.high].map(|share| 100.0 * share);
+        write!(f, "{mean:+.decimals$} [{low:+.decimals$}, {high:+.decimals$}]")
+    }
 }
 
 /// Every recording's difference in a seed.

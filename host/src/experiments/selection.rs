@@ -204,9 +204,7 @@ pub fn table(request: &Request, found: &Selection) -> String {
     for one in &found.candidates {
         text += &format!("| {} |", one.name);
         for mean in std::iter::once(&one.mean).chain(&one.carriers) {
-            let [difference, low, high] =
-                [mean.difference.mean, mean.difference.low, mean.difference.high].map(|x| 100.0 * x);
-            text += &format!(" {:.4} | {difference:+.2} [{low:+.2}, {high:+.2}] |", mean.accuracy);
+            text += &format!(" {:.4} | {:.2} |", mean.accuracy, mean.difference);
         }
         text += "\n";
     }

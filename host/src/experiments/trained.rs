@@ -41,13 +41,14 @@ pub fn marked(scenarios: &[Scenario], seed: u64, context: RunContext) -> Result<
         let tested =
             test(&trained.parameters, &trained.models, &scenario.frame.sensing_slots, &shown.images)?;
         let each = tested.iter().zip(&shown.images);
-        let marks = each.map(|(tested, images)| {
-            let pairs = tested.int8.iter().zip(&images.labels);
-            pairs.map(|(answer, label)| if answer == label { '1' } else { '0' }).collect()
-        });
-        Ok(marks.collect())
+        Ok(each.map(|(tested, images)| mark(&tested.int8, &images.labels)).collect())
     })
     .collect()
+}
+
+/// A character an answer: 1 if it is the label.
+pub fn mark(answers: &[u8], labels: &[u8]) -> String {
+    answers.iter().zip(labels).map(|(answer, label)| if answer == label { '1' } else { '0' }).collect()
 }
 
 /// The marks of several seeds at the n-th N_s, `[seed][recording]`.

@@ -114,6 +114,28 @@ fn the_fluctuation_is_the_k_factor_below_the_mean() {
 }
 
 #[test]
+fn the_printed_room_settles_further_below_a_person_than_the_default_fluctuates() {
+    let [default, _] = rooms();
+    let mut printed = builtin::named("as-printed".as_ref()).unwrap().scenario();
+    let (settled, slots, people) = (2500, 3000, 60);
+    printed.frame.period_slots = 4 * slots as u32;
+    let (mut room, mut echo) = (0.0, 0.0);
+    for index in 0..people {
+        room += power(&apart(&printed, index, slots)[0][settled..]);
+        echo += power(&apart(&printed, index, 1000)[1]);
+    }
+    let found = decibels(room / echo);
+    let radar = default.radar.position_m;
+    let mean = received_power(&static_paths(&default, radar, radar), &Sensor::of(&default).antenna);
+    let echo: f64 = (0..people).map(|index| power(&apart(&default, index, 1000)[1]) / people as f64).sum();
+    let k = decibels(mean / echo) - found;
+    println!(
+        "as printed and settled: the room {found:.1} dB of a person, as with a K factor of {k:.1} dB (18.3)"
+    );
+    assert!((k - 18.3).abs() < 0.5 && k > default.channel.k_factor_db);
+}
+
+#[test]
 fn energy_is_each_models_own() {
     // of the radar's room, relative to the mean losses of all reflections between isotropic antennas
     for name in [Model::Ieee80211ax, Model::Quadriga, Model::Statistical] {

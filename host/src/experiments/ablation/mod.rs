@@ -118,15 +118,14 @@ pub fn table(request: &Request, found: &Ablation) -> String {
         found.draws
     );
     for row in &found.rows {
-        let [mean, low, high] =
-            [row.difference.mean, row.difference.low, row.difference.high].map(|share| 100.0 * share);
         text += &format!(
-            "| {} | {} | {} | {} | {} | {mean:+.1} [{low:+.1}, {high:+.1}] |\n",
+            "| {} | {} | {} | {} | {} | {} |\n",
             row.effect,
             row.carrier_hz / 1e9,
             row.sensing_slots,
             row.with,
-            row.without
+            row.without,
+            row.difference
         );
     }
     text += "\n| effect | with | without |\n|---|---|---|\n";

@@ -186,7 +186,6 @@ pub fn validate(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::baselines::accuracy;
     use crate::network::burn_model::convolve;
     use crate::network::synthetic::stripes;
     use burn::tensor::activation::relu;
@@ -251,7 +250,8 @@ mod tests {
             Cnn::train(&train, &learning, 5, 7, threads, &|| ()).unwrap().classify(&test, threads).unwrap()
         };
         let found = answers(1);
-        assert!(accuracy(&found, &test) >= 0.9, "{}", accuracy(&found, &test));
+        let known = right(&found, &test);
+        assert!(known >= 18, "{known} of 20");
         assert_eq!(answers(2), found);
         let right = validate(&train, &learning, 5, 7, 2, &|| ()).unwrap();
         assert!(right >= 30, "{right} of 40");
