@@ -77,6 +77,15 @@ fn baselines_are_the_same_after_an_interruption() {
             let mean = row["accuracy"][method]["mean"].as_f64().expect("a mean");
             assert!((mean - (each[0] + each[1]) / 2.0).abs() < 1e-12 && (0.0..=1.0).contains(&mean));
         }
+        // the first method less each other one
+        let number = |pointer: String| row.pointer(&pointer).and_then(Value::as_f64).expect("a number");
+        assert_eq!(row["differences"].as_array().map(Vec::len), Some(methods - 1));
+        for other in 1..methods {
+            let of = |end: &str| number(format!("/differences/{}/{end}", other - 1));
+            let difference = number("/accuracy/0/mean".into()) - number(format!("/accuracy/{other}/mean"));
+            assert!((of("mean") - difference).abs() < 1e-12, "{row}");
+            assert!(of("low") <= difference && difference <= of("high"), "{row}");
+        }
         assert_eq!(row["tested"], 20);
     }
     let out = folder.path().join("out");
