@@ -17,7 +17,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
 ROWS, FRAMES, CLASSES, FOLDS = 12, 9, 4, 3
-PENALTIES, WIDTHS = (1.0, 4.0, 16.0, 64.0), (1.0, 0.25, 0.0625)
+PENALTIES, WIDTHS = (4.0, 64.0, 1024.0, 16384.0), (0.25, 0.0625, 0.015625, 0.00390625)
 
 
 def draw(random, per_class):

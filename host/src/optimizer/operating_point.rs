@@ -79,14 +79,13 @@ pub fn choose_within(points: &[Point], all: &[Point], rule: Rule) -> Option<usiz
 mod tests {
     use super::*;
 
+    fn point(sensing_slots: u32, accuracy: f64) -> Point {
+        let throughput_bit = f64::from(4000 - sensing_slots);
+        Point { sensing_slots, shares: Vec::new(), accuracy, throughput_bit }
+    }
+
     #[test]
     fn an_accuracy_that_does_not_change_is_worth_no_slots() {
-        let point = |n: u32, accuracy: f64| Point {
-            sensing_slots: n,
-            shares: Vec::new(),
-            accuracy,
-            throughput_bit: f64::from(4000 - n),
-        };
         let noise = |k: u32| 1e-12 * f64::from((k * 7) % 5);
         let flat: Vec<Point> = (0..20).map(|k| point(200 + 10 * k, 0.5 + noise(k))).collect();
         assert_eq!(choose(&flat, Rule::Weighted(0.9)), Some(0));
@@ -96,12 +95,6 @@ mod tests {
 
     #[test]
     fn the_spans_of_more_points_may_make_another_point_the_best() {
-        let point = |n: u32, accuracy: f64| Point {
-            sensing_slots: n,
-            shares: Vec::new(),
-            accuracy,
-            throughput_bit: f64::from(4000 - n),
-        };
         // of these two the first has all the throughput, of all three nearly as much as the second
         let all = [point(100, 0.50), point(200, 0.51), point(3000, 0.505)];
         assert_eq!(choose(&all[..2], Rule::Weighted(0.4)), Some(0));

@@ -13,9 +13,9 @@ use ndarray::{Array1, Array2, ArrayView1, ShapeError};
 use rayon::prelude::*;
 
 /// Penalties that are tried.
-const PENALTIES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
+const PENALTIES: [f64; 4] = [4.0, 64.0, 1024.0, 16384.0];
 /// Kernel widths that are tried, over one by the number of features.
-const WIDTHS: [f64; 3] = [1.0, 0.25, 0.0625];
+const WIDTHS: [f64; 4] = [0.25, 0.0625, 0.015625, 0.00390625];
 /// Parts of the training images that take turns in validating.
 pub const FOLDS: usize = 3;
 /// The solver stops where no pair violates its condition by more: libsvm's default.
