@@ -36,7 +36,7 @@ toolchain() {
     shift
     if ! have_rustup_targets "$@" && command -v rustup >/dev/null && [ ! -e "$out/rustup-unreachable" ]; then
         say "asking rustup for the targets"
-        timeout 120 rustup target add "$@" >/dev/null 2>&1 || touch "$out/rustup-unreachable"
+        flock "$(rustup show home)" timeout 120 rustup target add "$@" >/dev/null 2>&1 || touch "$out/rustup-unreachable"
     fi
     if have_rustup_targets "$@"; then
         cargo=(cargo)
