@@ -21,7 +21,7 @@ pub fn clutter_to_target_db(scenario: &Scenario) -> f64 {
     let sensor = Sensor::of(scenario);
     let mean = static_paths(scenario, radar, radar);
     let mut sum = Blocks::default();
-    mean.iter().for_each(|one| sensor.add(&mut sum, &one.path));
+    mean.iter().for_each(|one| sensor.add(&mut sum, &[one.path]));
     let k = libm::pow(10.0, -scenario.channel.k_factor_db / 10.0);
     let interfering = sum.iter().map(|z| z.norm_sqr()).sum::<f64>() / BLOCKS as f64;
     let clutter = interfering + k * received_power(&mean, &sensor.antenna);

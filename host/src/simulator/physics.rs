@@ -102,7 +102,7 @@ fn the_fluctuation_is_the_k_factor_below_the_mean() {
             let [room, _] = apart(&scenario, index, slots);
             let mean = static_paths(&scenario, radar, radar);
             let mut constant = Blocks::default();
-            mean.iter().for_each(|one| sensor.add(&mut constant, &one.path));
+            mean.iter().for_each(|one| sensor.add(&mut constant, &[one.path]));
             let rest: Vec<Blocks> =
                 room.iter().map(|beat| std::array::from_fn(|b| beat[b] - constant[b])).collect();
             fluctuation += power(&rest) / draws as f64;
@@ -116,9 +116,8 @@ fn the_fluctuation_is_the_k_factor_below_the_mean() {
 #[test]
 fn the_printed_room_settles_further_below_a_person_than_the_default_fluctuates() {
     let [default, _] = rooms();
-    let mut printed = builtin::named("as-printed".as_ref()).unwrap().scenario();
+    let printed = builtin::named("as-printed".as_ref()).unwrap().scenario();
     let (settled, slots, people) = (2500, 3000, 60);
-    printed.frame.period_slots = 4 * slots as u32;
     let (mut room, mut echo) = (0.0, 0.0);
     for index in 0..people {
         room += power(&apart(&printed, index, slots)[0][settled..]);

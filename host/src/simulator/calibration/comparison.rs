@@ -165,7 +165,8 @@ impl Comparison {
 
     /// The room by three models; `None` of a channel without a mean. `curve` is what was simulated for the KL curve, rho = 1 last.
     pub fn room(&self, sensor: &SensorSimulation, curve: &[Counts]) -> Option<RoomFit> {
-        let fitted = fit_spectra(sensor, &self.spectra(&spectrum_of(sensor)), ECHOES)?;
+        let echoes = Echoes::new(sensor, ECHOES)?;
+        let fitted = echoes.fit(&self.spectra(&echoes.spectrum));
         let still = curve.len() - 1;
         let noisy = white_noise(sensor, &self.counts, curve[still]);
         let least = |measured: &Counts, simulated: &[Counts]| {
@@ -207,31 +208,47 @@ impl Comparison {
     }
 }
 
-/// Spectra of a sensor's signals.
-pub fn spectrum_of(sensor: &SensorSimulation) -> Spectrum {
-    let rate_hz = 1.0 / sensor.scenario.interval_s();
-    let conditioning = if sensor.real { Conditioning::AcCoupled(rate_hz) } else { Conditioning::MeanRemoved };
-    Spectrum::new(sensor.slots as usize, conditioning)
+/// Simulated people behind the spectrum of an echo, as a sensor shows them.
+pub struct Echoes {
+    /// Of the sensor's signals.
+    pub spectrum: Spectrum,
+    people: Vec<Bands>,
+    /// Power of the room's mean in the people's unit.
+    mean_power: f64,
+    seed: u64,
 }
 
-/// The three models on spectra of windows; `None` of a channel without a mean.
-pub fn fit_spectra(sensor: &SensorSimulation, windows: &[Bands], people: u32) -> Option<SpectralFits> {
-    let channel = &sensor.scenario.channel;
-    if channel.model != Model::Dahc || channel.mode != ArMode::Rician {
-        return None;
+impl Echoes {
+    /// Of `people` people; `None` of a channel without a mean.
+    pub fn new(sensor: &SensorSimulation, people: u32) -> Option<Self> {
+        let channel = &sensor.scenario.channel;
+        if channel.model != Model::Dahc || channel.mode != ArMode::Rician {
+            return None;
+        }
+        let with = |k_factor_db| {
+            let mut scenario = sensor.scenario.clone();
+            scenario.channel.k_factor_db = k_factor_db;
+            scenario
+        };
+        // without a fluctuation, and with one as strong as the mean
+        let (none, strong) = (with(NO_FLUCTUATION_DB), with(0.0));
+        let rate_hz = 1.0 / sensor.scenario.interval_s();
+        let conditioning =
+            if sensor.real { Conditioning::AcCoupled(rate_hz) } else { Conditioning::MeanRemoved };
+        let spectrum = Spectrum::new(sensor.slots as usize, conditioning);
+        let of = |index| spectrum.of(&sensor.slow_time(&none, 1.0, Set::Calibration, index));
+        Some(Echoes {
+            people: (0..people).into_par_iter().map(of).collect(),
+            mean_power: sensor.added_power([&none, &strong], 0.0, PEOPLE / 4),
+            seed: sensor.seed,
+            spectrum,
+        })
     }
-    let with = |k_factor_db| {
-        let mut scenario = sensor.scenario.clone();
-        scenario.channel.k_factor_db = k_factor_db;
-        scenario
-    };
-    // without a fluctuation, and with one as strong as the mean
-    let (none, strong) = (with(NO_FLUCTUATION_DB), with(0.0));
-    let spectrum = spectrum_of(sensor);
-    let of = |index| spectrum.of(&sensor.slow_time(&none, 1.0, Set::Calibration, index));
-    let people: Vec<Bands> = (0..people).into_par_iter().map(of).collect();
-    let mean_power = sensor.added_power([&none, &strong], 0.0, PEOPLE / 4);
-    Some(fit(&spectrum, windows, &people, mean_power, sensor.seed))
+
+    /// The three models on spectra of windows.
+    pub fn fit(&self, windows: &[Bands]) -> SpectralFits {
+        fit(&self.spectrum, windows, &self.people, self.mean_power, self.seed)
+    }
 }
 
 /// What static rooms with white noise of growing power show: in steps of 4 dB, then around the best in halves of it.

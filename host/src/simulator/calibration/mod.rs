@@ -161,7 +161,7 @@ mod tests {
     use crate::recordings::Samples;
     use crate::simulator::channel::BLOCKS;
     use crate::simulator::dataset::Simulation;
-    use comparison::{MEASURED_PRF_HZ, fit_spectra};
+    use comparison::{Echoes, MEASURED_PRF_HZ};
     use rayon::prelude::*;
 
     #[test]
@@ -248,7 +248,7 @@ mod tests {
         // seed 9 of two that were tried: with seed 10 rho = 0.98 is missed by 0.0007 and, at 0.999, K by 2.2 dB, outside the intervals
         let (scenario, recordings) = (Scenario::default(), 1500);
         let sensor = SensorSimulation::new(&scenario, 9, Class::AdultWalking, false, 1000);
-        let spectrum = comparison::spectrum_of(&sensor);
+        let echoes = Echoes::new(&sensor, recordings).unwrap();
         for (rho, k_factor_db, noise_db) in [
             (0.98, 15.0, None),
             (0.997, 15.0, None),
@@ -265,10 +265,10 @@ mod tests {
                     let gain = (power * libm::pow(10.0, db / 10.0)).sqrt();
                     y.iter_mut().zip(sensor.noise(recordings + index)).for_each(|(z, n)| *z += n * gain);
                 }
-                spectrum.of(&y)
+                echoes.spectrum.of(&y)
             };
             let windows: Vec<_> = (0..recordings).into_par_iter().map(window).collect();
-            let found = fit_spectra(&sensor, &windows, recordings).unwrap();
+            let found = echoes.fit(&windows);
             println!(
                 "rho {rho}, K {k_factor_db} dB, noise {noise_db:?} dB: found {:.5} {:?}, {:.2} dB {:?}",
                 found.rho, found.rho_interval, found.k_factor_db, found.k_factor_interval

@@ -199,8 +199,20 @@ impl Antenna {
 
     /// Amplitude of a path that leaves and arrives by this antenna.
     pub fn weight(&self, path: &Path) -> f64 {
-        let out = self.amplitude(path.departure);
-        out * if path.arrival == path.departure { out } else { self.amplitude(path.arrival) }
+        self.weights([path])[0]
+    }
+
+    /// Those of N paths.
+    pub fn weights<const N: usize>(&self, paths: [&Path; N]) -> [f64; N] {
+        let towards = |direction: fn(&Path) -> Vec3| {
+            self.amplitudes(&std::array::from_fn(|axis| paths.map(|path| direction(path)[axis])))
+        };
+        let out = towards(|path| path.departure);
+        let back = match paths.iter().all(|path| path.arrival == path.departure) {
+            true => out,
+            false => towards(|path| path.arrival),
+        };
+        std::array::from_fn(|n| out[n] * back[n])
     }
 }
 

@@ -85,7 +85,7 @@ impl Dahc {
         if self.mean_parts.is_empty() {
             let part = |one: &StaticPath| {
                 let mut blocks = Blocks::default();
-                sensor.add(&mut blocks, &one.path);
+                sensor.add(&mut blocks, &[one.path]);
                 blocks
             };
             self.mean_parts = self.mean.iter().map(part).collect();
@@ -221,10 +221,10 @@ mod tests {
                     let mut paths = Vec::new();
                     slow.paths(&scene, &mut paths);
                     let mut exact = Blocks::default();
-                    paths.iter().for_each(|p| sensor.add(&mut exact, p));
+                    sensor.add(&mut exact, &paths);
                     // relative to the person alone, not to the louder room
                     let mut person = Blocks::default();
-                    paths.iter().rev().take(PRIMITIVES).for_each(|p| sensor.add(&mut person, p));
+                    sensor.add(&mut person, &paths[paths.len() - PRIMITIVES..]);
                     error += fast.iter().zip(&exact).map(|(a, b)| (a - b).norm_sqr()).sum::<f64>();
                     power += person.iter().map(|z| z.norm_sqr()).sum::<f64>();
                 }

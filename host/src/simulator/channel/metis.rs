@@ -13,9 +13,9 @@
 use super::ieee80211ay::rotated;
 use super::room::StaticPath;
 use super::roughness::Traced;
-use super::shadowing::{Screen, transmission};
+use super::shadowing::{Screen, transmission, transmissions};
 use super::target::{direct, scattered};
-use super::{ChannelModel, Path, Scene, carrier_phase, phasor, wavelength};
+use super::{ChannelModel, Complex64, Path, Scene, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
 use crate::simulator::body::{Vec3, dot, norm, sub};
@@ -114,7 +114,7 @@ impl MapBased {
         let mut screens: Vec<Screen> = traced.map.furniture.iter().filter_map(Screen::furniture).collect();
         screens.extend(objects.iter().map(screen));
         let lambda = wavelength(scenario.radar.carrier_hz);
-        let paths = traced.paths(ends, |legs| transmission(&screens, legs, lambda).into());
+        let paths = traced.paths(ends, |paths| behind(&screens, paths, lambda));
         let distance = norm(sub(ends.1, ends.0)) / SPEED_OF_LIGHT;
         let shortest = paths.iter().map(|path| path.path.delay_s).fold(f64::INFINITY, f64::min);
         let first = if ends.0 == ends.1 { shortest } else { distance };
@@ -137,6 +137,12 @@ fn screen(&([x, y, z], root, _): &Object) -> Screen {
     Screen { place: [x, y], heights: [z - radius, z + radius], width: 2.0 * radius }
 }
 
+/// Amplitudes that paths keep behind screens.
+fn behind(screens: &[Screen], paths: &[StaticPath], lambda: f64) -> Vec<Complex64> {
+    let kept = transmissions(screens, paths.iter().map(|path| &path.legs[..]), lambda);
+    kept.into_iter().map(Complex64::from).collect()
+}
+
 impl ChannelModel for MapBased {
     fn paths(&mut self, scene: &Scene, paths: &mut Vec<Path>) {
         let (lambda, ends) = (self.lambda, (scene.from, scene.to));
@@ -147,8 +153,9 @@ impl ChannelModel for MapBased {
         if let Some(path) = direct(scene, lambda) {
             paths.push(Path { gain: path.gain * kept(&[ends]), ..path });
         }
-        for StaticPath { path, legs } in self.traced.paths(ends, |legs| by(&self.screens, legs).into()) {
-            paths.push(Path { gain: path.gain * by(&people, legs), ..*path });
+        let traced = self.traced.paths(ends, |paths| behind(&self.screens, paths, lambda));
+        for (StaticPath { path, .. }, kept) in traced.iter().zip(behind(&people, traced, lambda)) {
+            paths.push(Path { gain: path.gain * kept, ..*path });
         }
         for &(place, root, phase) in &self.objects {
             let path = scattered(scene, place, root, lambda, phase);
@@ -177,7 +184,7 @@ mod tests {
     #[test]
     fn clusters_have_the_delay_spread_and_the_k_factor_of_the_map() {
         let mut traced = Traced::new(&Scenario::default());
-        let paths = traced.paths(ENDS, |_| 1.0.into());
+        let paths = traced.paths(ENDS, |paths| vec![1.0.into(); paths.len()]);
         let (power, delay_spread) = spread(paths.iter().map(|path| &path.path));
         let (mut sum, mut found) = (0.0, 0.0);
         let n = 4000;

@@ -42,6 +42,7 @@ pub(crate) mod tgn;
 pub(crate) mod tr38901;
 
 use super::body::Vec3;
+use super::body::number::LANES;
 use crate::numerics::random::Random;
 use crate::numerics::sincos::sincos;
 use crate::numerics::vectors::vectorised;
@@ -112,10 +113,15 @@ impl Sensor {
         Sensor { antenna: Antenna::of(scenario), response: Response::of(&scenario.radar) }
     }
 
-    /// Adds a path.
-    pub fn add(&self, beat: &mut Blocks, path: &Path) {
-        let gain = if self.antenna.is_constant() { path.gain } else { path.gain * self.antenna.weight(path) };
-        self.response.add(beat, gain, path.delay_s);
+    /// Adds paths.
+    pub fn add(&self, beat: &mut Blocks, paths: &[Path]) {
+        for paths in paths.chunks(LANES) {
+            let weights =
+                self.antenna.weights::<LANES>(std::array::from_fn(|n| &paths[n.min(paths.len() - 1)]));
+            for (path, weight) in paths.iter().zip(weights) {
+                self.response.add(beat, path.gain * weight, path.delay_s);
+            }
+        }
     }
 }
 
@@ -142,7 +148,7 @@ pub trait ChannelModel: Send {
             let scene = scene.later(n, interval_s);
             paths.clear();
             self.paths(&scene, &mut paths);
-            paths.iter().for_each(|path| sensor.add(beat, path));
+            sensor.add(beat, &paths);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! radar's channel while everything stands still. No statistic knows which model it is applied to. Where a standard defines no echo of
 //! a person, motion and micro-Doppler are not asked: an echo that we made up would say nothing of the standard.
 
-use super::{ChannelModel, Complex64, Path, Scene, model, phasor, wavelength};
+use super::{Complex64, Path, Scene, model, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::results::{ChannelTable, ModelRow, Property};
 use crate::scenario::{Class, Model, Scenario};
@@ -216,18 +216,21 @@ fn consistency(scenario: &Scenario, seed: u64) -> (f64, f64) {
             let angle = TAU * random.uniform();
             let direction = [libm::cos(angle), libm::sin(angle), 0.0];
             let mut channel = model(scenario, station, start, RHO, random);
-            let snapshots: Vec<Snapshot> = (0..600)
-                .map(|slot| {
-                    let to = std::array::from_fn(|k| start[k] + 1e-3 * f64::from(slot) * direction[k]);
-                    observe(
-                        &mut *channel,
-                        &Scene { slot, time_s: f64::from(slot) * 1e-3, from: station, to, people: &[] },
-                    )
-                })
-                .collect();
-            let (first, last) = (local(&snapshots[..100]), local(&snapshots[500..]));
-            // the first slots show one and the same draw of every model's start
-            (snapshots[200..230].to_vec(), first, last)
+            // what is looked at; the first slots show one and the same draw of every model's start
+            let stretches = [0..100, 200..230, 500..600];
+            let mut seen = [const { Vec::new() }; 3];
+            let mut paths = Vec::new();
+            for slot in 0..600 {
+                let to = std::array::from_fn(|k| start[k] + 1e-3 * f64::from(slot) * direction[k]);
+                paths.clear();
+                let scene = Scene { slot, time_s: f64::from(slot) * 1e-3, from: station, to, people: &[] };
+                channel.paths(&scene, &mut paths);
+                if let Some(k) = stretches.iter().position(|slots| slots.contains(&slot)) {
+                    seen[k].push(snapshot(&paths));
+                }
+            }
+            let [first, middle, last] = seen;
+            (middle, local(&first), local(&last))
         })
         .collect();
     let pairs = |f: &dyn Fn(&Snapshot) -> f64| -> Vec<(f64, f64)> {
@@ -274,12 +277,6 @@ fn receiver(scenario: &Scenario, random: &mut Random) -> Vec3 {
             return place;
         }
     }
-}
-
-fn observe(channel: &mut dyn ChannelModel, scene: &Scene) -> Snapshot {
-    let mut paths = Vec::new();
-    channel.paths(scene, &mut paths);
-    snapshot(&paths)
 }
 
 /// Means over a stretch, which average the fading out.

@@ -129,7 +129,8 @@ impl ChannelModel for RayTracing {
         }
         let (people, resting) = screens.split_at(screens.len() - self.furniture.len());
         let by = |screens, legs: &[_]| kept(screens, legs, lambda, diffraction);
-        for StaticPath { path, legs } in self.traced.paths(ends, |legs| by(resting, legs)) {
+        let resting = |paths: &[StaticPath]| paths.iter().map(|path| by(resting, &path.legs)).collect();
+        for StaticPath { path, legs } in self.traced.paths(ends, resting) {
             paths.push(Path { gain: path.gain * by(people, legs), ..*path });
         }
         for (number, person) in scene.people.iter().enumerate() {

@@ -9,7 +9,6 @@
 //! Each tile of a surface is one such element with a phase of its own. The phases are the same in every recording.
 
 use super::room::{Map, Plane, StaticPath};
-use super::shadowing::Leg;
 use super::{Complex64, Path, carrier_phase, phasor, wavelength};
 use crate::numerics::random::Random;
 use crate::scenario::{SPEED_OF_LIGHT, Scenario};
@@ -106,12 +105,17 @@ impl Traced {
         Traced { lambda: wavelength(scenario.radar.carrier_hz), roughness, map, known: None }
     }
 
-    /// Between two ends; `kept` is what resting screens leave of a path.
-    pub fn paths(&mut self, ends: (Vec3, Vec3), kept: impl Fn(&[Leg]) -> Complex64) -> &[StaticPath] {
+    /// Between two ends; `kept` is what resting screens leave of each path.
+    pub fn paths(
+        &mut self,
+        ends: (Vec3, Vec3),
+        kept: impl Fn(&[StaticPath]) -> Vec<Complex64>,
+    ) -> &[StaticPath] {
         if self.known.as_ref().is_none_or(|(known, _)| *known != ends) {
             let mut paths = self.map.paths(ends.0, ends.1);
             paths.extend(self.roughness.paths(&self.map, ends.0, ends.1, self.lambda));
-            paths.iter_mut().for_each(|path| path.path.gain *= kept(&path.legs));
+            let kept = kept(&paths);
+            paths.iter_mut().zip(kept).for_each(|(path, kept)| path.path.gain *= kept);
             self.known = Some((ends, paths));
         }
         self.known.as_ref().map_or(&[], |(_, paths)| paths)

@@ -202,7 +202,7 @@ impl ChannelModel for IndoorOffice {
                 Background::Radar(constant, held) => {
                     let held = held.get_or_insert_with(|| {
                         let mut sum = Blocks::default();
-                        constant.iter().for_each(|path| sensor.add(&mut sum, path));
+                        sensor.add(&mut sum, constant);
                         sum
                     });
                     beat.iter_mut().zip(held).for_each(|(beat, constant)| *beat += *constant);
@@ -211,7 +211,7 @@ impl ChannelModel for IndoorOffice {
                 }
                 Background::Communication(_) => self.paths(&scene, &mut paths),
             }
-            paths.iter().for_each(|path| sensor.add(beat, path));
+            sensor.add(beat, &paths);
         }
     }
 }
@@ -288,7 +288,7 @@ mod tests {
         model().beats(&scene, 1e-3, &sensor, &mut found);
         let (mut exact, mut paths) = (Blocks::default(), Vec::new());
         model().paths(&scene, &mut paths);
-        paths.iter().for_each(|path| sensor.add(&mut exact, path));
+        sensor.add(&mut exact, &paths);
         assert_eq!(found, [exact; 2]);
     }
 }
