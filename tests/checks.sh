@@ -16,10 +16,10 @@ check() {
     shift 2
     commands+=("$(printf '%q ' "$@")")
 }
-# begins the K-th check, as a process group of its own, so that it ends as a whole; what its processes took is in clock ticks
+# begins the K-th check, as a process group of its own, so that it ends as a whole
 begin() {
     printf 'begun: %s\n' "${what[$1]}"
-    # shellcheck disable=SC2016
+    # shellcheck disable=SC2016 # /proc counts in clock ticks
     setsid bash -c 'code=0; eval "$1" || code=$?; read -r -a stat </proc/$$/stat
         echo "$SECONDS $(((stat[15] + stat[16]) / $(getconf CLK_TCK)))" >"$2.took"; exit "$code"' \
         check "${commands[$1]}" "$log/$1" >"$log/$1" 2>&1 </dev/null &
