@@ -306,6 +306,7 @@ fn refused(file: &FilePath, what: &str) -> Invalid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulator::channel::Complex64;
 
     /// Directivity: 4 pi over the integral of the relative power over the sphere, by the midpoint rule.
     fn directivity(power: impl Fn(f64, f64) -> f64) -> f64 {
@@ -348,6 +349,29 @@ mod tests {
             assert!((found - db).abs() < 0.02, "{direction:?}: {found}");
         }
         assert_eq!(Antenna::constant().amplitude([0.3, -1.0, 0.2]), 1.0);
+    }
+
+    #[test]
+    fn paths_are_weighed_by_departure_and_arrival_alike_eight_at_a_time() {
+        let table = Table::parse("az,el,gain\n-90,-45,-20\n90,-45,-6\n-90,45,-12\n90,45,0\n").unwrap();
+        let measured = Antenna { axes: axes([1.0, 1.0, 0.5]), pattern: Pattern::Table(Arc::new(table)) };
+        for antenna in [Antenna::element(15.0, 30.0, [1.0, 0.5, -0.1]), measured] {
+            for returns_apart in [0.0, 0.3] {
+                let paths: [Path; 8] = std::array::from_fn(|n| {
+                    let departure = [1.0, 0.2 * n as f64 - 0.7, 0.1];
+                    let arrival = [1.0, departure[1] + returns_apart * (n % 3) as f64, 0.1];
+                    Path { gain: Complex64::ONE, delay_s: 0.0, departure, arrival }
+                });
+                let weights = antenna.weights(paths.each_ref());
+                for (path, weight) in paths.iter().zip(weights) {
+                    let alone = antenna.amplitude(path.departure) * antenna.amplitude(path.arrival);
+                    assert_eq!((weight, antenna.weight(path)), (alone, alone), "{path:?}");
+                }
+                let mut differ = paths.map(|path| antenna.weight(&path)).to_vec();
+                differ.dedup();
+                assert_eq!(differ.len(), 8);
+            }
+        }
     }
 
     #[test]
