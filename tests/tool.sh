@@ -1,8 +1,8 @@
 # For checks that need a command of Cargo's: `tool NAME VERSION FOLDER` installs exactly this version into the folder, unless it is
-# there already, and puts it first on the path. Without optimisation: it is built in half the time, and waits for compilers anyway. To be
-# sourced.
+# there already, and puts it first on the path. Without optimisation and names for a debugger: it is built in half the time, and waits for
+# compilers anyway. To be sourced.
 tool() {
     printf '== %s %s\n' "$1" "$2"
-    env -u CARGO_TARGET_DIR cargo install -q --locked --debug --version "=$2" --root "$3" "$1"
+    env -u CARGO_TARGET_DIR CARGO_PROFILE_DEV_DEBUG=false cargo install -q --locked --debug --version "=$2" --root "$3" "$1"
     PATH=$3/bin:$PATH
 }
