@@ -1,5 +1,5 @@
 # For checks that need a command of Cargo's: `tool NAME VERSION FOLDER` installs exactly this version into the folder, unless it is
-# there already, and puts it first on the path. Without optimisation and names for a debugger: it is built in half the time, and waits for
+# there already, and puts it first on the path. Without optimisation and debug information: it is built in half the time, and waits for
 # compilers anyway. To be sourced.
 tool() {
     printf '== %s %s\n' "$1" "$2"
